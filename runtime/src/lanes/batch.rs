@@ -1,35 +1,15 @@
 //! The zero-order hold of a batch of robots, one in each lane.
 
 use super::packed::{pack, unpack};
-use super::product::{Blocks, Half, Lanes, Start};
+use super::product::{Blocks, Half, Start, sum};
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
-use crate::qp::lanes::{Vector, WIDTH, flat};
-
-/// Largest number of doublings of Φ. A period that needs more halvings is divided into equal steps.
-const MOST_DOUBLINGS: u32 = 6;
-
-/// Largest number of doublings of a step.
-const MOST_REPETITIONS: u32 = 18;
-
-/// Terms in each part of the Taylor polynomial.
-const TERMS: usize = 6;
+use crate::qp::lanes::{Vector, WIDTH, flat, flat_mut, largest, vectorized};
+use gelenk_kernels::discrete_time::shared::{COEFFICIENTS, MOST_DOUBLINGS, TERMS, halvings};
 
 /// Largest magnitude of a rate times the time for which two parts of the polynomial suffice: the rest of the series is below
 /// `0.34¹²/13! = 4e-16`.
 const OF_TWO_PARTS: f64 = 0.34;
-
-/// `1/(k + 1)!`
-const COEFFICIENTS: [[f64; TERMS]; 3] = {
-    let mut coefficients = [[1.0; TERMS]; 3];
-    let (mut k, mut last) = (0, 1.0);
-    while k < 3 * TERMS {
-        last /= (k + 1) as f64;
-        coefficients[k / TERMS][k % TERMS] = last;
-        k += 1;
-    }
-    coefficients
-};
 
 /// A linearized robot `v̇ = A_y δ + A_v v + B_x u + c`, `δ̇ = D δ + v`, and where its period begins.
 #[derive(Debug, Clone, Copy)]
@@ -103,10 +83,10 @@ pub(super) struct Batch<V, const N: usize, const M: usize> {
     change: [Half<V, N>; 2],
     input: [Blocks<V, N, 1, M>; 2],
     affine: [Column<V, N>; 2],
-    pub held: [Held<N, M>; WIDTH],
+    held: [Held<N, M>; WIDTH],
 }
 
-impl<V: Lanes, const N: usize, const M: usize> Batch<V, N, M> {
+impl<V: Vector, const N: usize, const M: usize> Batch<V, N, M> {
     pub fn new() -> Self {
         let (zero, column) = ([[[V::zero(); N]; 2]; N], [[[V::zero()]]; N]);
         let (square, by_u) = ([[[V::zero(); N]]; N], [[[V::zero(); M]]; N]);
@@ -128,27 +108,31 @@ impl<V: Lanes, const N: usize, const M: usize> Batch<V, N, M> {
         }
     }
 
-    /// The holds of up to `WIDTH` cases, into [`Self::held`]; more are left out.
+    /// The holds of up to `WIDTH` cases; more are left out.
     ///
     /// - `turns`: whether the robots have drifts
+    pub fn hold(&mut self, cases: &[Case<N, M>], turns: bool, period: f64) -> &[Held<N, M>; WIDTH] {
+        if let Some(last) = cases.len().min(WIDTH).checked_sub(1) {
+            let cases = core::array::from_fn(|lane| &cases[lane.min(last)]);
+            vectorized!(V, { self.compute(cases, turns, period) });
+        }
+        &self.held
+    }
+
     #[inline(always)]
-    pub fn hold(&mut self, cases: &[Case<N, M>], turns: bool, period: f64) {
-        let Some(last) = cases.len().min(WIDTH).checked_sub(1) else { return };
-        let cases = core::array::from_fn(|lane| &cases[lane.min(last)]);
+    fn compute(&mut self, cases: [&Case<N, M>; WIDTH], turns: bool, period: f64) {
         self.load(cases);
         if turns {
             self.turn_rates(cases);
         }
         let halvings = self.halvings(period);
-        let most = halvings.iter().flatten().copied().max().unwrap_or(0);
-        let repetitions = most.saturating_sub(MOST_DOUBLINGS);
-        let h = period / (1_u32 << most) as f64;
+        let counts = halvings.map(Option::unwrap_or_default);
+        let repetitions = counts.map(|count| count.saturating_sub(MOST_DOUBLINGS));
+        let h = of_lanes(counts.map(|count| period / (1_u32 << count) as f64));
         self.set_integral(h);
-        self.double_integral(most - repetitions);
+        self.double_integral(counts.map(|count| count.min(MOST_DOUBLINGS)));
         self.set_changes(h);
-        for _ in 0..repetitions {
-            self.double_step();
-        }
+        self.double_steps(repetitions);
         for half in 0..2 {
             for i in 0..N {
                 self.change[half][i][half][i] += V::one();
@@ -190,7 +174,7 @@ impl<V: Lanes, const N: usize, const M: usize> Batch<V, N, M> {
             }
         }
         let start = self.by_y;
-        V::sum(&mut self.by_y, Start::Scaled(1.0, &start), of_v, &[(1, &negative)]);
+        sum(&mut self.by_y, Start::Scaled(1.0, &start), of_v, &[(1, &negative)]);
     }
 
     /// The change in velocities v from the one in the rates.
@@ -205,18 +189,18 @@ impl<V: Lanes, const N: usize, const M: usize> Batch<V, N, M> {
             }
         }
         for half in &mut self.change {
-            V::sum(spare, Start::Scaled(1.0, half), half, &[(1, by_drift)]);
+            sum(spare, Start::Scaled(1.0, half), half, &[(1, by_drift)]);
             core::mem::swap(half, spare);
         }
         let [upper, lower] = &mut self.change;
-        V::sum(spare, Start::Scaled(1.0, lower), minus, &[(1, upper)]);
+        sum(spare, Start::Scaled(1.0, lower), minus, &[(1, upper)]);
         core::mem::swap(lower, spare);
         let start = self.input[1];
         let [upper, lower] = &mut self.input;
-        V::sum(lower, Start::Scaled(1.0, &start), minus, &[(1, upper)]);
+        sum(lower, Start::Scaled(1.0, &start), minus, &[(1, upper)]);
         let start = self.affine[1];
         let [upper, lower] = &mut self.affine;
-        V::sum(lower, Start::Scaled(1.0, &start), minus, &[(1, upper)]);
+        sum(lower, Start::Scaled(1.0, &start), minus, &[(1, upper)]);
     }
 
     /// How often the period is to be halved for the robot of each lane; `None` where it is too fast.
@@ -226,90 +210,94 @@ impl<V: Lanes, const N: usize, const M: usize> Batch<V, N, M> {
         core::array::from_fn(|lane| halvings(flat(&a)[lane], flat(&b)[lane], period))
     }
 
-    /// Φ over the short time h, in units of which ẏ counts as h ẏ.
+    /// Φ over the short time h of each lane, in units of which ẏ counts as h ẏ.
     #[inline(always)]
-    fn set_integral(&mut self, h: f64) {
-        let (by_y, by_v) = (V::splat(h * h), V::splat(h));
+    fn set_integral(&mut self, h: V) {
+        let square = h * h;
         for i in 0..N {
             for j in 0..N {
-                self.powers[2][i][0][j] = by_y * self.by_y[i][0][j];
-                self.powers[2][i][1][j] = by_v * self.by_v[i][0][j];
+                self.powers[2][i][0][j] = square * self.by_y[i][0][j];
+                self.powers[2][i][1][j] = h * self.by_v[i][0][j];
             }
         }
         for k in 2..=TERMS {
             let (known, next) = self.powers.split_at_mut(k + 1);
-            V::sum(&mut next[0], Start::Shifted(&known[k]), &known[k], &[(1, &known[2])]);
+            sum(&mut next[0], Start::Shifted(&known[k]), &known[k], &[(1, &known[2])]);
         }
         let (left, right) = (&self.powers[TERMS], &self.powers[TERMS + 1]);
-        let ([first, second, third], sum) = (&mut self.spare, &mut self.change[0]);
-        if two_parts_suffice(&self.powers) {
-            combine(&self.powers, [&COEFFICIENTS[0], &COEFFICIENTS[1]], [first, second]);
+        let ([first, second, third], middle) = (&mut self.spare, &mut self.change[0]);
+        let needed = needs_third_part(&self.powers);
+        if largest(needed) > 0.0 {
+            combine(&self.powers, COEFFICIENTS.each_ref(), [first, middle, third]);
+            for entry in entries_mut(third) {
+                *entry = V::select_positive(needed, *entry, V::zero());
+            }
+            sum(second, Start::Scaled(1.0, middle), third, &[(0, left), (1, right)]);
         } else {
-            combine(&self.powers, COEFFICIENTS.each_ref(), [first, sum, third]);
-            V::sum(second, Start::Scaled(1.0, sum), third, &[(0, left), (1, right)]);
+            combine(&self.powers, [&COEFFICIENTS[0], &COEFFICIENTS[1]], [first, second]);
         }
-        V::sum(&mut self.integral, Start::Scaled(1.0, first), second, &[(0, left), (1, right)]);
+        sum(&mut self.integral, Start::Scaled(1.0, first), second, &[(0, left), (1, right)]);
     }
 
-    /// Φ over 2ᵏ times the time, with k = `doublings`.
+    /// Φ over 2ᵏ times the time, with the number k of each lane.
     #[inline(always)]
-    fn double_integral(&mut self, doublings: u32) {
+    fn double_integral(&mut self, counts: [u32; WIDTH]) {
         let [change, other, _] = &mut self.spare;
         let (mut integral, mut next) = (&mut self.integral, other);
-        for _ in 0..doublings {
-            V::sum(change, Start::Shifted(integral), integral, &[(1, &self.powers[2])]);
-            V::sum(next, Start::Scaled(2.0, integral), change, &[(0, &*integral), (1, &*change)]);
+        let most = counts.into_iter().max().unwrap_or(0);
+        for done in 0..most {
+            sum(change, Start::Shifted(integral), integral, &[(1, &self.powers[2])]);
+            sum(next, Start::Scaled(2.0, integral), change, &[(0, &*integral), (1, &*change)]);
+            keep_done(entries_mut(next), entries(integral), (counts, done));
             core::mem::swap(&mut integral, &mut next);
         }
-        if doublings % 2 == 1 {
+        if most % 2 == 1 {
             *next = *integral;
         }
     }
 
     /// `A_d − 1`, `B_d` and `c_d` from Φ.
     #[inline(always)]
-    fn set_changes(&mut self, h: f64) {
+    fn set_changes(&mut self, h: V) {
         let (system, [upper, lower], integral) = (&mut self.spare[0], &mut self.change, &mut self.integral);
-        let (by_position, by_velocity) = (V::splat(h * h), V::splat(h));
-        V::sum(upper, Start::Shifted(integral), integral, &[(1, &self.powers[2])]);
+        let square = h * h;
+        sum(upper, Start::Shifted(integral), integral, &[(1, &self.powers[2])]);
         for i in 0..N {
             for j in 0..N {
-                system[i][0][j] = by_velocity * self.by_y[i][0][j];
-                system[i][1][j] = by_velocity * self.by_v[i][0][j];
+                system[i][0][j] = h * self.by_y[i][0][j];
+                system[i][1][j] = h * self.by_v[i][0][j];
             }
         }
-        V::sum(lower, Start::Shifted(upper), upper, &[(1, system)]);
+        sum(lower, Start::Shifted(upper), upper, &[(1, system)]);
         for i in 0..N {
             for j in 0..N {
-                upper[i][1][j] = by_velocity * upper[i][1][j];
-                integral[i][1][j] = by_position * integral[i][1][j];
+                upper[i][1][j] = h * upper[i][1][j];
+                integral[i][1][j] = square * integral[i][1][j];
             }
         }
         for (half, by_acceleration) in [&*integral, &*upper].into_iter().enumerate() {
-            V::sum(&mut self.input[half], Start::Zero, by_acceleration, &[(1, &self.by_u)]);
-            V::sum(&mut self.affine[half], Start::Zero, by_acceleration, &[(1, &self.rest)]);
+            sum(&mut self.input[half], Start::Zero, by_acceleration, &[(1, &self.by_u)]);
+            sum(&mut self.affine[half], Start::Zero, by_acceleration, &[(1, &self.rest)]);
         }
     }
 
-    /// `A_d − 1`, `B_d` and `c_d` over twice the time.
+    /// `A_d − 1`, `B_d` and `c_d` over 2ᵏ times the time, with the number k of each lane.
     #[inline(always)]
-    fn double_step(&mut self) {
-        let (change, input, affine) = (self.change, self.input, self.affine);
-        for half in 0..2 {
-            let by = &change[half];
-            V::sum(
-                &mut self.input[half],
-                Start::Scaled(2.0, &input[half]),
-                by,
-                &[(0, &input[0]), (1, &input[1])],
-            );
-            V::sum(
-                &mut self.affine[half],
-                Start::Scaled(2.0, &affine[half]),
-                by,
-                &[(0, &affine[0]), (1, &affine[1])],
-            );
-            V::sum(&mut self.change[half], Start::Scaled(2.0, by), by, &[(0, &change[0]), (1, &change[1])]);
+    fn double_steps(&mut self, counts: [u32; WIDTH]) {
+        for done in 0..counts.into_iter().max().unwrap_or(0) {
+            let (change, input, affine) = (self.change, self.input, self.affine);
+            for half in 0..2 {
+                let by = &change[half];
+                let pairs = [(0, &input[0]), (1, &input[1])];
+                sum(&mut self.input[half], Start::Scaled(2.0, &input[half]), by, &pairs);
+                keep_done(entries_mut(&mut self.input[half]), entries(&input[half]), (counts, done));
+                let pairs = [(0, &affine[0]), (1, &affine[1])];
+                sum(&mut self.affine[half], Start::Scaled(2.0, &affine[half]), by, &pairs);
+                keep_done(entries_mut(&mut self.affine[half]), entries(&affine[half]), (counts, done));
+                let pairs = [(0, &change[0]), (1, &change[1])];
+                sum(&mut self.change[half], Start::Scaled(2.0, by), by, &pairs);
+                keep_done(entries_mut(&mut self.change[half]), entries(by), (counts, done));
+            }
         }
     }
 
@@ -319,7 +307,7 @@ impl<V: Lanes, const N: usize, const M: usize> Batch<V, N, M> {
         for half in 0..2 {
             let mut next = self.affine[half];
             let by = [(0, &self.from[0]), (1, &self.from[1])];
-            V::sum(&mut next, Start::Scaled(1.0, &self.affine[half]), &self.change[half], &by);
+            sum(&mut next, Start::Scaled(1.0, &self.affine[half]), &self.change[half], &by);
             for i in 0..N {
                 for j in 0..M {
                     next[i][0][0] = self.input[half][i][0][j].mul_add(self.u[j], next[i][0][0]);
@@ -364,16 +352,35 @@ fn zero_if_finite<V: Vector>(numbers: &[V]) -> V {
     sum
 }
 
-/// Whether `‖A⁴‖^¼` and `‖A⁵‖^⅕` are small in every lane.
+/// 1 in the lanes in which `‖A⁴‖^¼` or `‖A⁵‖^⅕` exceeds [`OF_TWO_PARTS`], 0 in the others.
 #[inline(always)]
-fn two_parts_suffice<V: Vector, const N: usize>(powers: &[Half<V, N>]) -> bool {
+fn needs_third_part<V: Vector, const N: usize>(powers: &[Half<V, N>]) -> V {
     let (fourth, fifth, sixth) = (norm(&powers[4]), norm(&powers[5]), norm(&powers[6]));
-    // The lower half of a power is the upper one of the next.
-    let of = [fourth.fast_max(fifth), fifth.fast_max(sixth)];
     let square = OF_TWO_PARTS * OF_TWO_PARTS;
-    let most = [square * square, square * square * OF_TWO_PARTS];
-    // A lane that is not a number decides nothing.
-    (0..2).all(|k| !flat(&of[k..=k]).iter().any(|norm| *norm > most[k]))
+    let most = [square * square, square * square * OF_TWO_PARTS].map(V::splat);
+    // The lower half of a power is the upper one of the next.
+    let excess = (fourth.fast_max(fifth) - most[0]).fast_max(fifth.fast_max(sixth) - most[1]);
+    V::select_positive(excess, V::one(), V::zero())
+}
+
+/// Puts back the entries of lanes that have had their number of steps.
+#[inline(always)]
+fn keep_done<V: Vector>(new: &mut [V], old: &[V], (counts, done): ([u32; WIDTH], u32)) {
+    if counts.iter().all(|count| *count > done) {
+        return;
+    }
+    let goes_on = of_lanes(counts.map(|count| f64::from(u8::from(count > done))));
+    for (new, old) in new.iter_mut().zip(old) {
+        *new = V::select_positive(goes_on, *new, *old);
+    }
+}
+
+/// A vector of these numbers.
+#[inline(always)]
+fn of_lanes<V: Vector>(numbers: [f64; WIDTH]) -> V {
+    let mut vector = V::zero();
+    flat_mut(core::slice::from_mut(&mut vector)).copy_from_slice(&numbers);
+    vector
 }
 
 /// `Σ c_k Aᵏ` over the terms of each part.
@@ -402,20 +409,6 @@ fn combine<V: Vector, const N: usize, const P: usize>(
             }
         }
     }
-}
-
-/// How often the period is to be halved before `ν t ≤ 5/4`; `None` beyond `MOST_DOUBLINGS + MOST_REPETITIONS`.
-fn halvings(a: f64, b: f64, period: f64) -> Option<u32> {
-    let mut t = period / 1.25;
-    let mut halvings = 0;
-    while (a * t + b) * t > 1.0 {
-        if halvings == MOST_DOUBLINGS + MOST_REPETITIONS {
-            return None;
-        }
-        t *= 0.5;
-        halvings += 1;
-    }
-    Some(halvings)
 }
 
 /// The largest sum of magnitudes in a row.

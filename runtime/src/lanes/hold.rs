@@ -32,10 +32,9 @@ pub fn instructions() -> Instructions {
 /// call along a horizon. A value of this type is the memory of the method; nothing is allocated after [`Self::new`].
 ///
 /// The method is that of [`Discretizable::discretize`](crate::dynamics::Discretizable::discretize), and so are the bounds of its
-/// errors. Its results differ from those in the last digits: four robots have the number of halvings that the fastest of them
-/// needs, products are fused where the processor can, and a shorter Taylor polynomial serves where it suffices. So the last digits
-/// of a result depend on the other robots of its four, and on whether the processor has AVX2 with fused multiply-add. Robots that
-/// are not finite or too fast leave the others within the bounds.
+/// errors. Its results differ from those in the last digits: products are fused where the processor can, and a shorter Taylor
+/// polynomial serves where it suffices. So the last digits depend on whether the processor has AVX2 with fused multiply-add. They
+/// do not depend on the other robots.
 ///
 /// ```
 /// use gelenk_runtime::dynamics::Differentiable;
@@ -113,30 +112,11 @@ impl<const N: usize, const M: usize> ZeroOrderHolds<N, M> {
     /// - `turns`: whether the robots have drifts
     pub(crate) fn hold(&mut self, cases: &[Case<N, M>], turns: bool, period: f64) -> &[Held<N, M>; WIDTH] {
         match &mut self.0 {
-            Engine::Portable(batch) => {
-                batch.hold(cases, turns, period);
-                &batch.held
-            }
+            Engine::Portable(batch) => batch.hold(cases, turns, period),
             #[cfg(all(target_arch = "x86_64", feature = "std"))]
-            Engine::Avx2(batch) => {
-                // SAFETY: this variant exists only where the processor has the features.
-                unsafe { hold_avx2(batch, cases, turns, period) };
-                &batch.held
-            }
+            Engine::Avx2(batch) => batch.hold(cases, turns, period),
         }
     }
-}
-
-/// The method in a function compiled for these features.
-#[cfg(all(target_arch = "x86_64", feature = "std"))]
-#[target_feature(enable = "avx2,fma")]
-fn hold_avx2<const N: usize, const M: usize>(
-    batch: &mut Batch<Avx2, N, M>,
-    cases: &[Case<N, M>],
-    turns: bool,
-    period: f64,
-) {
-    batch.hold(cases, turns, period);
 }
 
 impl<const N: usize, const M: usize> Case<N, M> {

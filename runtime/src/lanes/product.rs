@@ -1,8 +1,6 @@
 //! Products of matrices whose entries are vectors: one lane of them is a matrix of numbers.
 
-#[cfg(all(target_arch = "x86_64", feature = "std"))]
-use crate::qp::avx2::Avx2;
-use crate::qp::lanes::{Portable, Vector};
+use crate::qp::lanes::{Vector, vectorized};
 
 /// N rows of B blocks with C columns.
 pub(super) type Blocks<V, const N: usize, const B: usize, const C: usize> = [[[V; C]; B]; N];
@@ -19,7 +17,7 @@ pub(super) enum Start<'a, V, const N: usize, const B: usize, const C: usize> {
     Shifted(&'a Blocks<V, N, B, C>),
 }
 
-/// The arguments of [`Lanes::sum`].
+/// The arguments of [`sum`].
 ///
 /// A slice keeps the compiler from loading all entries before the first product, for which it has no registers.
 #[derive(Clone, Copy)]
@@ -29,51 +27,16 @@ struct Sum<'a, V, const N: usize, const B: usize, const C: usize> {
     by: &'a [(usize, &'a Blocks<V, N, B, C>)],
 }
 
-pub(super) trait Lanes: Vector {
-    /// `result = start + Σ H_b X`: the blocks `H_b` of a half with the numbers b, and what each is multiplied by.
-    fn sum<const N: usize, const B: usize, const C: usize>(
-        result: &mut Blocks<Self, N, B, C>,
-        start: Start<'_, Self, N, B, C>,
-        half: &Half<Self, N>,
-        by: &[(usize, &Blocks<Self, N, B, C>)],
-    );
-}
-
-impl Lanes for Portable {
-    #[inline(never)]
-    fn sum<const N: usize, const B: usize, const C: usize>(
-        result: &mut Blocks<Self, N, B, C>,
-        start: Start<'_, Self, N, B, C>,
-        half: &Half<Self, N>,
-        by: &[(usize, &Blocks<Self, N, B, C>)],
-    ) {
-        by_tiles(result, &Sum { start, half, by });
-    }
-}
-
-#[cfg(all(target_arch = "x86_64", feature = "std"))]
-impl Lanes for Avx2 {
-    #[inline(always)]
-    fn sum<const N: usize, const B: usize, const C: usize>(
-        result: &mut Blocks<Self, N, B, C>,
-        start: Start<'_, Self, N, B, C>,
-        half: &Half<Self, N>,
-        by: &[(usize, &Blocks<Self, N, B, C>)],
-    ) {
-        // SAFETY: values of this type exist only where the processor has the features.
-        unsafe { by_tiles_avx2(result, &Sum { start, half, by }) }
-    }
-}
-
-/// [`by_tiles`] compiled for these features.
-#[cfg(all(target_arch = "x86_64", feature = "std"))]
-#[target_feature(enable = "avx2,fma")]
-#[inline(never)]
-fn by_tiles_avx2<const N: usize, const B: usize, const C: usize>(
-    result: &mut Blocks<Avx2, N, B, C>,
-    sum: &Sum<'_, Avx2, N, B, C>,
+/// `result = start + Σ H_b X`: the blocks `H_b` of a half with the numbers b, and what each is multiplied by.
+#[inline(always)]
+pub(super) fn sum<V: Vector, const N: usize, const B: usize, const C: usize>(
+    result: &mut Blocks<V, N, B, C>,
+    start: Start<'_, V, N, B, C>,
+    half: &Half<V, N>,
+    by: &[(usize, &Blocks<V, N, B, C>)],
 ) {
-    by_tiles(result, sum);
+    let sum = Sum { start, half, by };
+    vectorized!(V, { by_tiles(result, &sum) });
 }
 
 /// Sums by tiles of up to three rows and four columns, whose sums stay in sixteen registers.

@@ -79,6 +79,7 @@ where
             assert_eq!(found, held(&linear, period), "the same input has the same bits");
             for (found, linear) in found.iter().zip(&linear) {
                 assert_near(found, &linear.discretize(period));
+                assert_eq!(*found, held(&[*linear], period)[0], "a batch has the bits of single holds");
             }
         }
     }
@@ -171,7 +172,7 @@ fn faster<const N: usize, const M: usize>(linear: &Linearization<N, M>, factor: 
     faster
 }
 
-/// The slow robots of a batch are halved as often as the fastest, up to 24 times.
+/// Each robot of a batch is halved as often as it needs, up to 24 times: it has the bits that it has alone.
 #[test]
 fn robots_of_very_different_rates_share_a_batch() {
     let mut slow = robots(&PowerCube, 4);
@@ -185,6 +186,7 @@ fn robots_of_very_different_rates_share_a_batch() {
         let mut batch = slow.clone();
         batch[2] = faster(&slow[2], factor);
         for (k, (found, linear)) in held(&batch, 0.02).iter().zip(&batch).enumerate() {
+            assert_eq!(*found, held(&[*linear], 0.02)[0]);
             let expected = linear.discretize(0.02);
             if k != 2 || factor <= 30.0 {
                 assert_near(found, &expected);
@@ -215,6 +217,7 @@ fn robots_that_are_not_finite_or_too_fast_do_not_spoil_the_others() {
         );
         for k in [0, 2, 3] {
             assert_near(&found[k], &linear[k].discretize(0.02));
+            assert_eq!(found[k], held(&linear[k..=k], 0.02)[0]);
         }
         batch[1] = Linearization { affine: [spoiled; 6], ..linear[1] };
         let found = held(&batch, 0.02);

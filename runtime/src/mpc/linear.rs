@@ -140,11 +140,8 @@ where
         points.clear();
         points.extend(stages.iter().map(|k| horizon.middle(*k)));
         horizon.model().linearize_along(instructions(), points, linear);
-        // Around the reference a stage is kept: alone it has the same bits whenever it is computed, which it has not beside others.
-        let is_kept = horizon.options.linearization == LinearizationPoint::Reference;
-        let width = if is_kept { 1 } else { WIDTH };
-        for (group, stages) in stages.chunks(width).enumerate() {
-            let (points, linear) = (&points[width * group..], &linear[width * group..]);
+        for (group, stages) in stages.chunks(WIDTH).enumerate() {
+            let (points, linear) = (&points[WIDTH * group..], &linear[WIDTH * group..]);
             for (lane, k) in stages.iter().enumerate() {
                 cases[lane].set_robot(&linear[lane]);
                 horizon.begin(*k, &points[lane], &mut cases[lane]);

@@ -21,6 +21,21 @@ include!("../manifold/runge_kutta.rs");
 include!("../manifold/sensitivities.rs");
 include!("../manifold/zero_order_hold.rs");
 
+/// Parts of [`zero_order_hold`] for the same method over several systems at once.
+pub mod shared {
+    /// Largest number of doublings of Φ.
+    pub const MOST_DOUBLINGS: u32 = super::MOST_DOUBLINGS;
+    /// Terms in each of the three parts of the Taylor polynomial.
+    pub const TERMS: usize = super::TERMS;
+    /// `1/(k + 1)!`, part by part.
+    pub const COEFFICIENTS: [[f64; TERMS]; 3] = super::COEFFICIENTS;
+
+    /// Number of halvings of the period (s) for the norms of `∂ÿ/∂y` and `∂ÿ/∂ẏ`; `None` if the system is too fast.
+    pub fn halvings(by_y: f64, by_v: f64, period: f64) -> Option<u32> {
+        super::halvings(&[[by_y]], &[[by_v]], period)
+    }
+}
+
 /// A text, in the order in which they are pasted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Text {
