@@ -137,7 +137,7 @@ fn feet_are_named_or_refused() {
         ("fl_fot,fr_foot,rl_foot", &["--base", "floating"], "did you mean `fl_foot`"),
         ("fl_foot,fl_heel,rl_foot", &["--base", "floating"], "are on the same leg"),
         ("fl_foot,fr_foot", &["--base", "floating"], "3 feet or more"),
-        ("head,fr_foot,rl_foot", &["--base", "floating"], "the leg of `head` has 1 joints; it needs 3"),
+        ("head,fr_foot,rl_foot", &["--base", "floating"], "the leg of `head` has 1 of the 3 joints"),
     ] {
         let (description, message) = new(feet, more);
         assert!(description.is_empty() && message.contains(said), "{feet}: {message}");

@@ -144,8 +144,8 @@ impl Legs<'_> {
         match self.way(link).as_deref() {
             Some(way @ [.., hip]) if way.len() >= JOINTS => Ok((*hip, self.foot(*hip, link))),
             Some(way) => Err(Failure::Usage(format!(
-                "the leg of `{name}` has {} joints; it needs {JOINTS}\n  = help: name the last link of a \
-                 leg that begins at the base",
+                "the leg of `{name}` has {} of the {JOINTS} joints that it needs\n  = help: name the last link \
+                 of a leg that begins at the base",
                 way.len()
             ))),
             None => Err(Failure::Usage(format!(
