@@ -3,7 +3,7 @@
 use std::fmt;
 use std::time::Duration;
 
-/// Number of intervals.
+/// Number of intervals. The last one begins at 0.26 s, beyond the period of any loop ([`RATES`](super::RATES)).
 const INTERVALS: usize = 20;
 /// Longest bar, in characters.
 const LONGEST_BAR: u64 = 40;

@@ -1,6 +1,6 @@
 //! Seeded random numbers: SplitMix64 (Steele, Lea, Flood 2014), uniforms and Box–Muller normals.
 //!
-//! Bootstraps and synthetic data must give the same numbers in every language and release, which a library's
+//! Random starts and synthetic data must give the same numbers in every language and release, which a library's
 //! default generator does not promise.
 
 /// Generator with 64 bits of state; `state += 0x9E3779B97F4A7C15` before each output.
