@@ -31,6 +31,7 @@ mod mechanisms;
 mod midpoint;
 mod mpc_allocation;
 mod mpc_contract;
+mod mpc_margins;
 mod mpc_observer;
 mod mpc_rows;
 mod mpc_terminal;

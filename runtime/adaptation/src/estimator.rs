@@ -1,8 +1,9 @@
 //! Recursive estimation of the friction of all joints.
 
+use super::bank::Gaussian;
 use super::filter::Window;
 use super::joint::{Derived, Instant, Joint, Prediction};
-use super::law::{JointScale, TERMS, root, terms};
+use super::law::{JointScale, TERMS, dot, root, terms};
 use super::settings::{AdaptationError, AdaptationSettings, MOST_DELAY};
 use super::trust::Trust;
 use gelenk_dynamics::dynamics::Dynamics;
@@ -40,7 +41,7 @@ impl<const N: usize> DescribedForces<N> {
 /// State of the learned law of a joint, for logs and figures.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointState {
-    /// δ of the learned law, see [`terms`].
+    /// δ of the learned law within its bounds, see [`terms`].
     pub learned: [f64; TERMS],
     /// Half of the 90 % interval of each term.
     pub half_widths: [f64; TERMS],
@@ -111,7 +112,7 @@ impl<const N: usize> Adaptation<N> {
 
     /// Estimator for joints with these magnitudes; `None` for joints that are not learned.
     ///
-    /// - `described`: forces of the described robot; the saved state has a fingerprint of them
+    /// - `described`: forces of the described robot; the saved state has a fingerprint of them and of the magnitudes
     ///
     /// # Errors
     /// [`AdaptationError::Setting`].
@@ -122,7 +123,8 @@ impl<const N: usize> Adaptation<N> {
     ) -> Result<Self, AdaptationError> {
         settings.check()?;
         let derived = scales.map(|scale| scale.map(|scale| Derived::new(&settings, &scale)));
-        let joint = |i: usize| derived[i].zip(scales[i]).map(|(derived, scale)| Joint::new(&derived, &scale));
+        let joint =
+            |i: usize| derived[i].zip(scales[i]).map(|(derived, scale)| Joint::new(i, &derived, &scale));
         let of = |unit: f64| core::array::from_fn(|i| unit / (i + 1) as f64);
         Ok(Self {
             settings,
@@ -134,7 +136,7 @@ impl<const N: usize> Adaptation<N> {
             saturated: [[false; N]; MOST_DELAY + 1],
             known: 0,
             periods: 0.0,
-            fingerprint: fingerprint(&described(&of(0.7), &of(0.3), &of(0.5))),
+            fingerprint: fingerprint(&described(&of(0.7), &of(0.3), &of(0.5)), &scales),
         })
     }
 
@@ -257,6 +259,18 @@ impl<const N: usize> Adaptation<N> {
         core::array::from_fn(|i| self.joints[i].as_ref().map_or([0.0; TERMS], |joint| joint.acting))
     }
 
+    /// Mean of the products of the errors of the acting law's δ of each joint: the learned law's covariance, and the products of the
+    /// difference of both laws. Zero for joints that are not learned.
+    #[must_use]
+    pub fn acting_errors(&self) -> [[[f64; TERMS]; TERMS]; N] {
+        let errors = |joint: &Joint| {
+            let Gaussian { mean, covariance } = &joint.law;
+            let lacking: [f64; TERMS] = core::array::from_fn(|k| joint.acting[k] - mean[k]);
+            core::array::from_fn(|k| core::array::from_fn(|l| covariance[k][l] + lacking[k] * lacking[l]))
+        };
+        core::array::from_fn(|i| self.joints[i].as_ref().map_or([[0.0; TERMS]; TERMS], errors))
+    }
+
     /// Learned friction of a joint at velocity `v` including the offset, and half of its 90 % interval [N m
     /// or N]; `None` for joints that are not learned.
     ///
@@ -266,8 +280,7 @@ impl<const N: usize> Adaptation<N> {
         let (state, scale) = (self.joints[joint].as_ref()?, self.scales[joint].as_ref()?);
         let derived = self.derived[joint].as_ref()?;
         let phi = terms(scale.shape(described, v, derived.rest), v);
-        let mean: f64 = phi.iter().zip(&state.law.mean).map(|(phi, delta)| phi * delta).sum();
-        Some([described + mean, state.half_width(&phi)])
+        Some([described + dot(&phi, &state.law.mean), state.half_width(&phi)])
     }
 
     /// Speed [rad/s or m/s] below which a joint counts as at rest; 0 for joints that are not learned.
@@ -290,6 +303,8 @@ pub struct Magnitudes {
 
 /// Friction at the largest speed, as a share of the effort, of joints without described friction.
 const USUAL: f64 = 0.1;
+/// Slopes of a friction that is proportional to the velocity differ by rounding.
+const PROPORTIONAL: f64 = 1e-9;
 
 impl Magnitudes {
     /// Scale of a joint; `None` if speed or torque is unknown.
@@ -316,27 +331,30 @@ impl Magnitudes {
         let described = at(speed).max(at(-speed));
         let torque = if described > 0.0 { described } else { USUAL * self.effort };
         let possible = [speed, torque].iter().all(|x| x.is_finite() && *x > 0.0);
-        let slope = |k: i32| {
+        let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
+        for k in 1..=STEPS {
             let v = 2.0 * speed * f64::from(k) / f64::from(STEPS);
-            at(v).min(at(-v)) / v
-        };
-        let least = (1..=STEPS).map(slope).fold(f64::INFINITY, f64::min);
+            for slope in [at(v) / v, at(-v) / v] {
+                (least, most) = (least.min(slope), most.max(slope));
+            }
+        }
         possible.then_some(JointScale {
             torque,
             speed,
-            least_slope: if described > 0.0 { least } else { 0.0 },
+            least_slope: least,
             range: if self.range.is_finite() && self.range > 0.0 {
                 self.range
             } else {
                 core::f64::consts::TAU
             },
-            is_described: described > 0.0,
+            is_described: most > least * (1.0 + PROPORTIONAL),
         })
     }
 }
 
-/// Hash of the bits of forces.
-fn fingerprint<const N: usize>(forces: &DescribedForces<N>) -> u64 {
-    let numbers = forces.forces.iter().chain(&forces.friction);
+/// Hash of the bits of forces and magnitudes.
+fn fingerprint<const N: usize>(forces: &DescribedForces<N>, scales: &[Option<JointScale>; N]) -> u64 {
+    let magnitudes = scales.iter().flatten().flat_map(|s| [s.torque, s.speed, s.least_slope, s.range]);
+    let numbers = forces.forces.iter().chain(&forces.friction).copied().chain(magnitudes);
     fnv1a(numbers.flat_map(|x| x.to_bits().to_le_bytes()))
 }

@@ -3,7 +3,7 @@
 use super::bank::{Bank, Gaussian, Sample};
 use super::filter::LowPass;
 use super::law::{JointScale, TERMS, dot, root, terms};
-use super::nested::averaged;
+use super::nested::{averaged, constrained};
 use super::settings::AdaptationSettings;
 use super::trust::{Comparison, Trust};
 
@@ -102,7 +102,7 @@ pub(super) struct Joint {
     pub filter: LowPass,
     pub bank: Bank,
     pub comparison: Comparison,
-    /// Average of the nested laws.
+    /// Average of the nested laws, with the mean within its bounds.
     pub law: Gaussian,
     /// δ of the acting law.
     pub acting: [f64; TERMS],
@@ -122,7 +122,8 @@ pub(super) struct Joint {
 }
 
 impl Joint {
-    pub(super) fn new(derived: &Derived, scale: &JointScale) -> Self {
+    /// - `index`: of the joint; joints take their samples in different periods, so that these cost the same
+    pub(super) fn new(index: usize, derived: &Derived, scale: &JointScale) -> Self {
         let noise = FIRST_NOISE * scale.torque;
         let bank = Bank::new(&derived.prior, noise * noise);
         Self {
@@ -137,7 +138,7 @@ impl Joint {
             torque: 0.0,
             repeated: 0,
             settling: derived.settle,
-            waiting: derived.stride,
+            waiting: derived.stride + index as u32 % derived.stride,
             prediction: None,
         }
     }
@@ -167,7 +168,7 @@ impl Joint {
             (self.trust, self.since) = (trust, time);
         }
         let target = match trust {
-            Trust::Learned => scale.admissible(self.law.mean, &derived.bounds),
+            Trust::Learned => self.law.mean,
             _ => [0.0; TERMS],
         };
         for (acting, target) in self.acting.iter_mut().zip(target) {
@@ -210,16 +211,17 @@ impl Joint {
         let phi = core::array::from_fn(|i| filtered[i]);
         let share = now.position / scale.range;
         let [torque, applied] = [filtered[TERMS], filtered[TERMS + 1]];
-        let error = torque - dot(&phi, &scale.admissible(self.law.mean, &derived.bounds));
+        let error = torque - dot(&phi, &self.law.mean);
         self.comparison.whole([error, applied], derived.keep);
         let is_explained = self.learn((settings, derived, scale), &phi, [torque, error], share);
         self.prediction = Some(Prediction { terms: phi, torque, error, is_explained });
-        self.average(derived);
+        self.average(derived, scale);
     }
 
-    /// Averages rates of drift and laws anew.
-    fn average(&mut self, derived: &Derived) {
+    /// Averages rates of drift and laws anew, and keeps the mean within its bounds.
+    fn average(&mut self, derived: &Derived, scale: &JointScale) {
         self.law = averaged(&self.bank.average(), &derived.prior);
+        self.law.mean = constrained(&self.law, scale, &derived.bounds, &derived.prior);
     }
 
     /// Takes a sample, with the error of the learned law; false if it is beyond the interval.

@@ -6,16 +6,16 @@ pub(super) use gelenk_kernels::math::sqrt as root;
 pub const TERMS: usize = 4;
 
 /// Names of the terms in the order of the nested laws.
-pub const TERM_NAMES: [&str; TERMS] = ["scale", "viscous", "offset", "asymmetry"];
+pub const TERM_NAMES: [&str; TERMS] = ["shape", "viscous", "offset", "asymmetry"];
 
-/// Values of the four terms at velocity `v`; `shape` is the described friction at this velocity.
+/// Values of the four terms at velocity `v`; `shape` is s at this velocity.
 ///
 /// ```text
 ///     τ(v) = τ_d(v) + δ₁ s(v) + δ₂ v + δ₃ + δ₄ |s(v)|
 /// ```
 ///
-/// s is the described friction τ_d: the first term scales it, the last makes it depend on the direction. If
-/// no friction is described, s is a smooth Coulomb friction ([`JointScale::shape`]).
+/// The first term scales the shape s, the last makes it depend on the direction. s is the described friction τ_d, or smooth Coulomb
+/// friction if τ_d is proportional to v or zero ([`JointScale::shape`]).
 #[inline]
 #[must_use]
 pub fn terms(shape: f64, v: f64) -> [f64; TERMS] {
@@ -29,16 +29,17 @@ pub struct JointScale {
     pub torque: f64,
     /// Largest speed [rad/s or m/s].
     pub speed: f64,
-    /// Smallest ratio `|s(v)|/|v|` up to twice the largest speed [N m s/rad or N s/m].
+    /// Smallest ratio `|τ_d(v)|/|v|` up to twice the largest speed [N m s/rad or N s/m].
     pub least_slope: f64,
     /// Width of the range of positions that is divided into cells [rad or m].
     pub range: f64,
-    /// Whether the description has friction at this joint.
+    /// Whether the shape s is the described friction τ_d. It is not if τ_d is zero or proportional to v: then
+    /// the viscous term scales it.
     pub is_described: bool,
 }
 
 impl JointScale {
-    /// s(v) of [`terms`]: the described friction, or `torque · x/√(1 + x²)` with `x = v/rest`.
+    /// s(v) of [`terms`]: the described friction, or Coulomb friction `torque · x/√(1 + x²)` with `x = v/rest`.
     #[inline]
     #[must_use]
     pub fn shape(&self, described: f64, v: f64, rest: f64) -> f64 {
@@ -53,15 +54,16 @@ impl JointScale {
 
     /// The nearest δ, term by term, that is within ±`bounds` and whose friction dissipates at every velocity.
     ///
-    /// With β = 1 if friction is described and 0 otherwise, friction without the offset has the power
+    /// Friction without the offset has the power
     ///
     /// ```text
-    ///     v τ(v) = |v| (|s| (β + δ₁ ± δ₄) + δ₂ |v|) ≥ v² (b (β + δ₁ − |δ₄|) + δ₂)       b = min |s|/|v|
+    ///     v τ(v) = |v| (|s| (1 + δ₁ ± δ₄) + δ₂ |v|) ≥ v² (b (1 + δ₁ − |δ₄|) + δ₂)       s = τ_d
+    ///     v τ(v) = |v| (|s| (δ₁ ± δ₄) + (b + δ₂) |v|)                                  τ_d = b v
     /// ```
     ///
-    /// since v s ≥ 0. Therefore `δ₁ ≥ −β`, `|δ₄| ≤ β + δ₁` and `δ₂ ≥ −b (β + δ₁ − |δ₄|)` are sufficient, and
-    /// also necessary if b is attained. The bounds are applied in sequence; each is a continuous function of
-    /// δ.
+    /// with b = min |τ_d|/|v|, since v s ≥ 0 and v τ_d ≥ 0. Let β be 1 in the first case and 0 in the second.
+    /// Then `δ₁ ≥ −β`, `|δ₄| ≤ β + δ₁` and `δ₂ ≥ −b (1 + δ₁ − |δ₄|)` or `δ₂ ≥ −b` are sufficient. The bounds
+    /// are applied in sequence; each is a continuous function of δ.
     #[must_use]
     pub fn admissible(&self, mut delta: [f64; TERMS], bounds: &[f64; TERMS]) -> [f64; TERMS] {
         for (delta, bound) in delta.iter_mut().zip(bounds) {
@@ -71,7 +73,8 @@ impl JointScale {
         delta[0] = delta[0].max(-base);
         let factor = base + delta[0];
         delta[3] = delta[3].clamp(-factor, factor);
-        delta[1] = delta[1].max(-self.least_slope * (factor - delta[3].abs()));
+        let share = if self.is_described { factor - delta[3].abs() } else { 1.0 };
+        delta[1] = delta[1].max(-self.least_slope * share);
         delta
     }
 }

@@ -1,7 +1,8 @@
 //! Average over nested laws.
 
 use super::bank::{Gaussian, average};
-use super::law::TERMS;
+use super::joint::QUANTILE;
+use super::law::{JointScale, TERMS};
 use libm::log;
 
 /// Number of nested laws: law j has the first j terms, law 0 is the described one.
@@ -27,22 +28,45 @@ pub(super) fn averaged(full: &Gaussian, prior: &[f64; TERMS]) -> Gaussian {
         let variance = above.covariance[k][k].max(f64::EPSILON * prior[k]);
         logarithms[k] = logarithms[k + 1] + 0.5 * log(prior[k] / variance)
             - 0.5 * above.mean[k] * above.mean[k] / variance;
-        laws[k] = without(&above, k, variance);
+        laws[k] = conditioned(&above, k, 0.0, variance);
     }
     average(&laws, &logarithms)
 }
 
-/// The law under `δ_k = 0`.
-fn without(law: &Gaussian, k: usize, variance: f64) -> Gaussian {
+/// Mean under the bounds of the terms and the dissipation of the law ([`JointScale::admissible`]).
+///
+/// A term whose 90 % interval reaches its bound is conditioned on it, so that the correlated terms change with it (Simon, Chia,
+/// *IEEE Trans. Aerospace and Electronic Systems* 38, 2002). If the data contradict the bound, the term alone is moved to it: the
+/// prediction errors then grow, and the described law acts.
+pub(super) fn constrained(
+    law: &Gaussian,
+    scale: &JointScale,
+    bounds: &[f64; TERMS],
+    prior: &[f64; TERMS],
+) -> [f64; TERMS] {
+    let mut law = *law;
+    // The order of the bounds in `admissible`: each depends on those before it.
+    for k in [0, 3, 1, 2] {
+        let nearest = scale.admissible(law.mean, bounds)[k];
+        let (beyond, variance) = (law.mean[k] - nearest, law.covariance[k][k].max(f64::EPSILON * prior[k]));
+        if beyond != 0.0 && beyond * beyond <= QUANTILE * QUANTILE * variance {
+            law = conditioned(&law, k, nearest, variance);
+        }
+    }
+    scale.admissible(law.mean, bounds)
+}
+
+/// The law under `δ_k = value`.
+fn conditioned(law: &Gaussian, k: usize, value: f64, variance: f64) -> Gaussian {
     let column: [f64; TERMS] = core::array::from_fn(|i| law.covariance[i][k]);
     let mut rest = *law;
     for i in 0..TERMS {
-        rest.mean[i] -= column[i] / variance * law.mean[k];
+        rest.mean[i] -= column[i] / variance * (law.mean[k] - value);
         for j in 0..TERMS {
             rest.covariance[i][j] -= column[i] * column[j] / variance;
         }
     }
-    rest.mean[k] = 0.0;
+    rest.mean[k] = value;
     for i in 0..TERMS {
         rest.covariance[i][k] = 0.0;
         rest.covariance[k][i] = 0.0;

@@ -50,7 +50,7 @@ pub enum TorqueSource {
     /// B u of the inputs written by the loop.
     #[default]
     Inputs,
-    /// Torques measured by the robot; periods without them are skipped.
+    /// Torques measured by the robot, as the mean over each period; periods without them are skipped.
     Measured,
 }
 
@@ -81,6 +81,8 @@ pub struct Adaptive<C, D, const N: usize, const M: usize> {
     robot: LearnedFriction<D, N, M>,
     adaptation: Adaptation<N>,
     source: TorqueSource,
+    /// Last measured torques.
+    measured: Option<[f64; N]>,
     matrix: [[f64; M]; N],
     limits: [[f64; 2]; M],
 }
@@ -99,7 +101,16 @@ impl<C, D: Dynamics<N, M> + Clone, const N: usize, const M: usize> Adaptive<C, D
         let (matrix, limits) = (robot.drive_matrix(), robot.input_limits().peak);
         let robot = LearnedFriction::new(robot, &adaptation)?;
         let source = TorqueSource::default();
-        Ok(make(robot.clone()).map(|inner| Self { inner, robot, adaptation, source, matrix, limits }))
+        let measured = None;
+        Ok(make(robot.clone()).map(|inner| Self {
+            inner,
+            robot,
+            adaptation,
+            source,
+            measured,
+            matrix,
+            limits,
+        }))
     }
 
     /// Sets the source of torques.
@@ -139,12 +150,19 @@ impl<C, D: Dynamics<N, M> + Clone, const N: usize, const M: usize> Adaptive<C, D
         self.robot.set_robot(robot);
     }
 
+    /// Mean of the measured torques at both ends of the last period.
+    fn mean_torques(&mut self, cycle: &Cycle<N, M>) -> Option<[f64; N]> {
+        let now = cycle.torques?;
+        let before = self.measured.replace(now).unwrap_or(now);
+        Some(core::array::from_fn(|i| 0.5 * (before[i] + now[i])))
+    }
+
     /// Processes the last measurement; returns positions, velocities and accelerations of the sample, if any.
     pub(super) fn learn(&mut self, cycle: &Cycle<N, M>) -> Option<[[f64; N]; 3]> {
         let of_inputs = |row: &[f64; M]| row.iter().zip(&cycle.last_inputs).map(|(b, u)| b * u).sum();
         let torques = match self.source {
             TorqueSource::Inputs => Some(self.matrix.each_ref().map(of_inputs)),
-            TorqueSource::Measured => cycle.torques,
+            TorqueSource::Measured => self.mean_torques(cycle),
         };
         let at_limit = |j: usize| {
             let [low, high] = self.limits[j];
@@ -185,6 +203,7 @@ where
 {
     fn reset(&mut self, positions: &[f64; N], inputs: &[f64; M]) {
         self.adaptation.restart();
+        self.measured = None;
         self.inner.reset(positions, inputs);
     }
 

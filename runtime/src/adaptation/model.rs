@@ -5,6 +5,7 @@ use crate::dynamics::{
     LimitRows, Limits, Linearization, PhaseSpace,
 };
 use gelenk_adaptation::{Adaptation, AdaptationError, JointScale, TERMS, input_inverse, terms};
+use gelenk_kernels::math::sqrt;
 
 /// Steps of the numerical derivative of friction, as shares of the velocity, of at least 1.
 const STEP: f64 = 1e-6;
@@ -27,6 +28,8 @@ pub struct LearnedFriction<D, const N: usize, const M: usize> {
     rests: [f64; N],
     /// δ of each joint.
     deltas: [[f64; TERMS]; N],
+    /// Mean of the products of their errors.
+    errors: [[[f64; TERMS]; TERMS]; N],
     /// B⁺ of the drives.
     inverse: [[f64; N]; M],
 }
@@ -45,7 +48,8 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> LearnedFriction<D, N, M>
             return Err(AdaptationError::Inputs);
         }
         let rests = core::array::from_fn(|i| adaptation.rest(i));
-        Ok(Self { robot, scales: *adaptation.scales(), rests, deltas: [[0.0; TERMS]; N], inverse })
+        let (deltas, errors) = (adaptation.acting(), adaptation.acting_errors());
+        Ok(Self { robot, scales: *adaptation.scales(), rests, deltas, errors, inverse })
     }
 
     /// The described robot.
@@ -60,17 +64,19 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> LearnedFriction<D, N, M>
     /// The robot with the currently acting laws.
     #[must_use]
     pub fn with_laws(mut self, adaptation: &Adaptation<N>) -> Self {
-        self.deltas = adaptation.acting();
+        (self.deltas, self.errors) = (adaptation.acting(), adaptation.acting_errors());
         self
     }
 
     /// τ_δ at velocities v, for the described friction there.
     fn learned(&self, described: &[f64; N], v: &[f64; N]) -> [f64; N] {
-        core::array::from_fn(|i| {
-            let Some(scale) = &self.scales[i] else { return 0.0 };
-            let phi = terms(scale.shape(described[i], v[i], self.rests[i]), v[i]);
-            phi.iter().zip(&self.deltas[i]).map(|(phi, delta)| phi * delta).sum()
-        })
+        core::array::from_fn(|i| dot(&self.terms(i, described[i], v[i]), &self.deltas[i]))
+    }
+
+    /// Terms of a joint; zero if it is not learned.
+    fn terms(&self, joint: usize, described: f64, v: f64) -> [f64; TERMS] {
+        let terms = |scale: &JointScale| terms(scale.shape(described, v, self.rests[joint]), v);
+        self.scales[joint].as_ref().map_or([0.0; TERMS], terms)
     }
 
     /// τ_δ and its derivative by the velocity of its joint. Differences are taken on the side of the velocity, so a jump of the
@@ -97,6 +103,10 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> LearnedFriction<D, N, M>
             u[j] - self.inverse[j].iter().zip(learned).map(|(b, torque)| b * torque).sum::<f64>()
         })
     }
+}
+
+fn dot(a: &[f64; TERMS], b: &[f64; TERMS]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// Methods that call those of the described robot.
@@ -134,6 +144,17 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Dynamics<N, M> for Learn
         let described = self.robot.friction_torques(y, v);
         let learned = self.learned(&described, v);
         core::array::from_fn(|i| described[i] + learned[i])
+    }
+
+    fn friction_uncertainty(&self, y: &[f64; N], v: &[f64; N]) -> [[f64; N]; M] {
+        let described = self.robot.friction_torques(y, v);
+        let deviation = |i: usize| {
+            let phi = self.terms(i, described[i], v[i]);
+            let square = dot(&phi, &self.errors[i].each_ref().map(|row| dot(row, &phi)));
+            sqrt(square.max(0.0))
+        };
+        let deviations: [f64; N] = core::array::from_fn(deviation);
+        self.inverse.each_ref().map(|row| core::array::from_fn(|j| row[j] * deviations[j]))
     }
 
     fn friction_at_rest(&self, y: &[f64; N]) -> [[f64; 2]; N] {

@@ -2,6 +2,7 @@
 
 use super::error::MpcError;
 use super::integrate::{Span, integrate, substeps};
+use super::margins::{Margins, narrowed, quantile};
 use super::node::{Node, Prediction, in_deviations};
 use super::note::{MpcNote, alternating, beyond_limits, beyond_rows, dry_friction, not_kept};
 use super::observer::DisturbanceObserver;
@@ -58,8 +59,12 @@ pub(super) struct Horizon<
     pub substeps: usize,
     problem: QpProblem<NX, M, NR>,
     solver: QpSolver<NX, M, NR>,
-    /// P at `TERMINAL_INTERVALS + 1` times evenly over the trajectory.
-    terminal: Vec<[[f64; NX]; NX]>,
+    /// P and K at `TERMINAL_INTERVALS + 1` times evenly over the trajectory.
+    terminal: Vec<([[f64; NX]; NX], [[f64; NX]; M])>,
+    /// Index of the weight and gain of this step.
+    regulator: usize,
+    /// Number of standard deviations between the plan and its limits.
+    deviations: f64,
     pub reference: Reference<N, M, NY>,
     pub plan: Plan<N, M, NY>,
     /// When the problem of the last solution begins (s); NaN if the next one has nothing to start from.
@@ -91,6 +96,8 @@ where
             problem: QpProblem::new(stages),
             solver: QpSolver::new(stages, options.qp)?,
             terminal: Vec::with_capacity(TERMINAL_INTERVALS + 1),
+            regulator: 0,
+            deviations: options.limit_probability.map_or(0.0, quantile),
             reference: Reference::new(stages, options.period, neutral),
             plan: Plan {
                 states: vec![neutral; stages + 1],
@@ -188,7 +195,7 @@ where
             if !regulator.is_accurate() && regulator.residual > inaccurate.1 {
                 inaccurate = (time, regulator.residual);
             }
-            self.terminal.push(regulator.cost_to_go);
+            self.terminal.push((regulator.cost_to_go, regulator.gain));
         }
         let (time, residual) = inaccurate;
         if residual > 0.0 {
@@ -387,12 +394,12 @@ where
         for i in 0..M {
             self.problem.previous_input[i] = self.under_way[i] + disturbance[i] - self.reference.inputs[0][i];
         }
+        self.set_terminal(start);
         self.set_bounds(&disturbance);
         let model = self.feed_forward.model();
         let coordinates = |k: usize| self.reference.nodes[k].coordinates(model);
         let at = (coordinates, &self.reference.inputs[..], &disturbance);
         row::set_sides(&mut self.problem, &self.options.rows, at);
-        self.set_terminal(start);
         let report = self.solve_problem(start);
         let iterations = report.iterations as u32;
         if report.status == QpStatus::Invalid {
@@ -450,31 +457,42 @@ where
                 0.0
             }
         };
+        let (_, gain) = &self.terminal[self.regulator];
+        let mut margins = Margins::NONE;
+        let (mut of_inputs, mut of_states) = ([0.0; M], [0.0; NX]);
         for (k, stage) in self.problem.stages.iter_mut().enumerate() {
+            if self.deviations > 0.0 {
+                let Node { positions, velocities } = &self.reference.nodes[k];
+                of_inputs = margins.inputs(gain).map(|deviation| self.deviations * deviation);
+                margins.advance(stage, gain, &model.friction_uncertainty(positions, velocities));
+                of_states = margins.states().map(|deviation| self.deviations * deviation);
+            }
             let QpStage { input_lower, input_upper, state_lower, state_upper, input_gradient, .. } = stage;
             for i in 0..M {
                 let offset = disturbance[i] - self.reference.inputs[k][i];
-                [input_lower[i], input_upper[i]] = options.input_limits[i].map(|b| b + offset);
+                let limits = narrowed(options.input_limits[i], of_inputs[i]);
+                [input_lower[i], input_upper[i]] = limits.map(|b| b + offset);
                 input_gradient[i] = change(k, i) - change(k + 1, i);
             }
             let reference: [f64; NX] = self.reference.nodes[k + 1].coordinates(model);
             for i in 0..N {
-                let [low, high] = options.position_limits[i];
-                (state_lower[i], state_upper[i]) = (low - reference[i], high - reference[i]);
                 let speed = options.velocity_limits[i];
-                (state_lower[N + i], state_upper[N + i]) =
-                    (-speed - reference[N + i], speed - reference[N + i]);
+                for (entry, limits) in [(i, options.position_limits[i]), (N + i, [-speed, speed])] {
+                    let limits = narrowed(limits, of_states[entry]);
+                    [state_lower[entry], state_upper[entry]] = limits.map(|b| b - reference[entry]);
+                }
             }
         }
     }
 
-    /// The terminal weight computed nearest to the end of the horizon.
+    /// Terminal weight and gain computed nearest to the end of the horizon.
     fn set_terminal(&mut self, start: f64) {
         let end = start + self.options.horizon as f64 * self.options.period;
         let share = (end / self.trajectory.duration()).clamp(0.0, 1.0);
         // A trajectory without duration has one weight, whichever: NaN becomes 0.
         let index = (share * TERMINAL_INTERVALS as f64).round() as usize;
-        self.problem.terminal_weight = self.terminal[index.min(TERMINAL_INTERVALS)];
+        self.regulator = index.min(TERMINAL_INTERVALS);
+        self.problem.terminal_weight = self.terminal[self.regulator].0;
     }
 
     fn keep_plan(&mut self, start: f64, state: &Node<N, NY>, disturbance: &[f64; M]) {

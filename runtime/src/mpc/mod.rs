@@ -53,6 +53,7 @@ mod error;
 mod horizon;
 mod integrate;
 mod linear;
+mod margins;
 mod node;
 mod nonlinear;
 mod note;

@@ -108,6 +108,11 @@ pub struct MpcOptions<const N: usize, const M: usize, const NR: usize = 0> {
     pub position_limits: [[f64; 2]; N],
     /// Soft bounds of the speeds; infinite if there is none.
     pub velocity_limits: [f64; N],
+    /// Probability, above 1/2, that a predicted input, position or speed is within a limit although the model's friction is
+    /// uncertain ([`Dynamics::friction_uncertainty`]). The plan keeps limits that are narrower by Φ⁻¹(p) standard deviations of
+    /// the prediction, under the feedback of the terminal weight's regulator. Each step makes a new plan, so the loop may stay as
+    /// near to a limit as the first stages allow. [`Self::rows`] are not narrowed. `None`: the plan keeps the limits themselves.
+    pub limit_probability: Option<f64>,
     /// Limits of sums of positions, velocities and inputs, see [`Self::with_rows`].
     pub rows: [MpcRow<N, M>; NR],
     /// Penalty of a violated soft bound, per rad, m, rad/s or m/s; of a soft row per its unit.
@@ -153,6 +158,7 @@ impl<const N: usize, const M: usize, const NR: usize> MpcOptions<N, M, NR> {
             input_limits: inputs,
             position_limits: limits.position,
             velocity_limits: limits.velocity,
+            limit_probability: None,
             rows: MpcRow::of_limits(model),
             limit_penalty: Penalty { linear: 1e4, quadratic: 1e5 },
             linearization: LinearizationPoint::Plan,
@@ -190,6 +196,7 @@ impl<const N: usize, const M: usize, const NR: usize> MpcOptions<N, M, NR> {
             input_limits: self.input_limits,
             position_limits: self.position_limits,
             velocity_limits: self.velocity_limits,
+            limit_probability: self.limit_probability,
             limit_penalty: self.limit_penalty,
             linearization: self.linearization,
             prediction: self.prediction,
@@ -220,6 +227,8 @@ impl<const N: usize, const M: usize, const NR: usize> MpcOptions<N, M, NR> {
         require("input_limits (upper minus lower)", &inputs, "not negative", |x| x >= 0.0)?;
         require("position_limits (upper minus lower)", &positions, "not negative (rad or m)", |x| x >= 0.0)?;
         require("velocity_limits", &self.velocity_limits, "positive (rad/s or m/s)", |x| x > 0.0)?;
+        let probability = self.limit_probability.unwrap_or(0.9);
+        require("limit_probability", &[probability], "above 1/2 and below 1", |p| p > 0.5 && p < 1.0)?;
         require("limit_penalty.linear", &[self.limit_penalty.linear], "positive and finite", positive)?;
         require("limit_penalty.quadratic", &[self.limit_penalty.quadratic], NOT_NEGATIVE, weight)?;
         for row in &self.rows {

@@ -62,12 +62,22 @@ fn as_text(
     files: &[PathBuf],
 ) -> String {
     let mut text = print::lines(findings);
-    let head = ["joint", "acts", "since s", "described", "learned", "batch", "hindsight", "learned/batch"];
+    let head = [
+        "joint",
+        "acts",
+        "since s",
+        "described",
+        "learned",
+        "by run",
+        "batch",
+        "hindsight",
+        "learned/by run",
+    ];
     let row = |joint: &OnlineJoint| {
-        let [described, learned, _, batch, hindsight] = joint.errors();
+        let [described, learned, _, by_run, batch, hindsight] = joint.errors();
         let state = [joint.name.clone(), joint.replay.state.trust.name().to_owned()];
         let since = plain(joint.replay.since(), 4);
-        let errors = [described, learned, batch, hindsight, learned / batch].map(|x| plain(x, 3));
+        let errors = [described, learned, by_run, batch, hindsight, learned / by_run].map(|x| plain(x, 3));
         state.into_iter().chain([since]).chain(errors).collect::<Vec<_>>()
     };
     text.push_str("\nrms error of predictions [N m or N]:\n");
@@ -111,7 +121,7 @@ fn as_json(
                 "shown": state.is_excited[k],
             })
         });
-        let [described, learned, acting, batch, hindsight] = joint.errors();
+        let [described, learned, acting, by_run, batch, hindsight] = joint.errors();
         let last = replay.samples.last().map(|sample| sample.friction);
         json!({
             "name": joint.name,
@@ -126,7 +136,7 @@ fn as_json(
             "samples": replay.samples.len(),
             "unexplained": joint.unexplained(),
             "errors": json!({
-                "described": described, "learned": learned, "acting": acting, "batch": batch, "hindsight": hindsight,
+                "described": described, "learned": learned, "acting": acting, "by_run": by_run, "batch": batch, "hindsight": hindsight,
             }),
             "batch": joint.causal.as_ref().map(|law| json!({"terms": law.terms, "window": law.window})),
         })

@@ -23,16 +23,28 @@ pub struct BatchLaw {
     pub error: f64,
 }
 
-/// The best law that was fitted to the samples before each sample: number of terms and window are chosen afterwards.
+/// Time at which a causal law is fitted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fitted {
+    /// Before each sample.
+    BeforeSample,
+    /// Before each run; the described law predicts the first one.
+    BeforeRun,
+}
+
+/// The best law that was fitted to earlier samples: number of terms and window are chosen afterwards.
 #[must_use]
-pub fn best_causal(joint: &JointReplay) -> Option<BatchLaw> {
-    let sums = Sums::of(&joint.samples);
-    let first = |i: usize, window: f64| {
-        joint.samples.partition_point(|sample| sample.time < joint.samples[i].time - window)
+pub fn best_causal(joint: &JointReplay, fitted: Fitted) -> Option<BatchLaw> {
+    let (samples, sums) = (&joint.samples, Sums::of(&joint.samples));
+    let before = |time: f64| samples.partition_point(|sample| sample.time < time);
+    let time = |i: usize| match fitted {
+        Fitted::BeforeSample => samples[i].time,
+        Fitted::BeforeRun => samples[i].begin,
     };
     best(WINDOWS.iter().flat_map(|window| (1..=TERMS).map(move |terms| (terms, *window))), |terms, window| {
-        let of_sample = |i: usize| error(&sums.law(joint, [first(i, window), i], terms), &joint.samples[i]);
-        (0..joint.samples.len()).map(of_sample).collect()
+        let range = |i: usize| [before(time(i) - window), before(time(i))];
+        let of_sample = |i: usize| error(&sums.law(joint, range(i), terms), &samples[i]);
+        (0..samples.len()).map(of_sample).collect()
     })
 }
 

@@ -4,7 +4,7 @@ use gelenk_findings::digits::significant;
 use gelenk_report::{Axis, Block, Cell, Figure, Marks, Plot, Report, Section, Table, text};
 
 use super::super::page::thinned;
-use super::batch::{BatchLaw, best_causal, best_in_hindsight};
+use super::batch::{BatchLaw, Fitted, best_causal, best_in_hindsight};
 use super::replay::{JointReplay, OnlineSample};
 use gelenk_adaptation::TERM_NAMES;
 
@@ -20,6 +20,8 @@ pub struct OnlineJoint {
     pub unit: &'static str,
     /// Its learned law and samples.
     pub replay: JointReplay,
+    /// The best law that was fitted to the samples before each run.
+    pub by_run: Option<BatchLaw>,
     /// The best law that was fitted to the samples before each sample.
     pub causal: Option<BatchLaw>,
     /// The best law that was fitted to all samples.
@@ -30,18 +32,22 @@ impl OnlineJoint {
     /// Fits the batch laws.
     #[must_use]
     pub fn new(name: String, unit: &'static str, replay: JointReplay) -> Self {
-        let (causal, hindsight) = (best_causal(&replay), best_in_hindsight(&replay));
-        Self { name, unit, replay, causal, hindsight }
+        let by_run = best_causal(&replay, Fitted::BeforeRun);
+        let causal = best_causal(&replay, Fitted::BeforeSample);
+        let hindsight = best_in_hindsight(&replay);
+        Self { name, unit, replay, by_run, causal, hindsight }
     }
 
-    /// Errors of the predictions: described, learned and acting law, causal batch law, law in hindsight [N·m or N].
+    /// Errors of the predictions: described, learned and acting law, batch laws before each run and each sample, law in hindsight
+    /// [N·m or N].
     #[must_use]
-    pub fn errors(&self) -> [f64; 5] {
+    pub fn errors(&self) -> [f64; 6] {
         let of = |law: &Option<BatchLaw>| law.as_ref().map_or(f64::NAN, |law| law.error);
         [
             self.replay.error(|sample| sample.prediction.torque),
             self.replay.error(|sample| sample.prediction.error),
             self.replay.error(|sample| sample.acting),
+            of(&self.by_run),
             of(&self.causal),
             of(&self.hindsight),
         ]
@@ -116,15 +122,15 @@ fn smoothed(samples: &[OnlineSample], of: &dyn Fn(usize) -> f64) -> Vec<[f64; 2]
 fn errors(joints: &[OnlineJoint]) -> Table {
     let mut table = Table::new(
         "errors",
-        "Root mean square of the errors of the predictions. Acting: the law that the controller had. Batch: the best law of the samples before \
-         each one. Hindsight: the best law of the whole log, which it has seen.",
+        "Root mean square of the errors of the predictions. Acting: the law that the controller had. By run: the best law fitted to the samples \
+         before each run. Batch: the same before each sample. Hindsight: the best law fitted to the whole log.",
     )
     .column("joint", "joint", "")
     .column("acts", "trust", "")
     .column("since", "since", "s")
     .column("samples", "samples", "")
     .column("unexplained", "unexplained", "");
-    for name in ["described", "learned", "acting", "batch", "hindsight"] {
+    for name in ["described", "learned", "acting", "by run", "batch", "hindsight"] {
         table = table.column(name, name, "");
     }
     let row = |joint: &OnlineJoint| {

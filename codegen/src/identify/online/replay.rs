@@ -51,6 +51,8 @@ pub struct JointReplay {
 pub struct OnlineSample {
     /// Time since the first row; runs follow each other \[s\].
     pub time: f64,
+    /// Time at which its run begins \[s\].
+    pub begin: f64,
     /// Prediction by the law before this sample.
     pub prediction: Prediction,
     /// Error of the law that acted [N·m or N].
@@ -110,6 +112,7 @@ pub fn replay(robot: &dyn Robot, forces: &Forces<'_>, runs: &[Run], delay: f64) 
                 let friction = adaptation.friction(joint, described[joint], speeds[joint]);
                 samples[joint].push(OnlineSample {
                     time,
+                    begin,
                     prediction,
                     acting: prediction.torque - explained,
                     friction: friction.unwrap_or_default(),

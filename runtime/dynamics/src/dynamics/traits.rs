@@ -172,6 +172,13 @@ pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
     /// velocities.
     fn friction_torques(&self, y: &[f64; NY], v: &[f64; N]) -> [f64; N];
 
+    /// Uncertainty of the friction as inputs: `B⁺ diag(σ)`, with the standard deviation σ of the friction of each joint at
+    /// velocities v [N m or N]. Column j has the inputs that compensate σ_j. The default is zero: friction is certain.
+    fn friction_uncertainty(&self, y: &[f64; NY], v: &[f64; N]) -> [[f64; N]; M] {
+        let _ = (y, v);
+        [[0.0; N]; M]
+    }
+
     /// Load-dependent friction `s₁(y, ẏ)`, without unit: friction per unit of the load τ_l. The load is the
     /// force of a joint's drive without friction, `M ÿ + k − gravity − springs`. The total friction is `τ +
     /// |τ_l| s₁`, see [`load`](super::load) and [`under_load`](super::under_load). It is zero for most
