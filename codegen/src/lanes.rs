@@ -1,4 +1,5 @@
-//! Functions over lanes (several states at once): checks and resolves the requested names.
+//! Requests for functions over lanes. Such a function evaluates eight states at once; a lane is one of these
+//! states.
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::emit::Math;
@@ -11,16 +12,16 @@ use crate::model::Model;
 use crate::program::cost::count;
 use crate::program::lanes;
 
-/// The functions requested over lanes.
+/// Names of the functions and groups that are requested over lanes.
 pub(crate) struct Lanes(Vec<String>);
 
 impl Lanes {
-    /// The functions that the caller requests, or else those that the description requests.
+    /// Takes the names that the caller requests. If there are none, the names in the description are taken.
     ///
-    /// - `asked`: names requested by the caller; may be empty
+    /// - `asked`: names that the caller requests; may be empty
     ///
     /// # Errors
-    /// `unknown-function` for each function that the model lacks.
+    /// `unknown-function` for each name of a function that the model lacks.
     pub(crate) fn new(model: &Model, asked: &[String]) -> Result<Self, Diagnostics> {
         let asked = match asked.is_empty() {
             true => &model.options.lanes,
@@ -30,12 +31,13 @@ impl Lanes {
         Ok(Self(asked.to_vec()))
     }
 
-    /// The names as requested.
+    /// Names of the requested functions and groups.
     pub(crate) fn names(&self) -> &[String] {
         &self.0
     }
 
-    /// The selection extended by the functions over lanes.
+    /// Adds the requested names to the selected functions, because a function over lanes needs the function
+    /// of one state. An empty selection means all functions and stays empty.
     pub(crate) fn selected_with(&self, selection: &[String]) -> Vec<String> {
         let mut all = selection.to_vec();
         if !function_names::select_all(selection) {
@@ -45,7 +47,9 @@ impl Lanes {
         all
     }
 
-    /// Functions with a form over lanes, and a note for each function without one.
+    /// Names of the requested functions that can be generated over lanes. A note is returned for each
+    /// requested function that cannot be generated so, and for each function that would otherwise have loops
+    /// over joints.
     pub(crate) fn possible(&self, functions: &[Function], math: Math) -> (Vec<String>, Vec<Diagnostic>) {
         let (mut possible, mut notes) = (Vec::new(), Vec::new());
         for name in self.resolved(functions) {
@@ -64,7 +68,7 @@ impl Lanes {
         (possible, notes)
     }
 
-    /// The names, groups spelled out.
+    /// Names of the requested functions. Groups are replaced by the names of their functions.
     fn resolved(&self, functions: &[Function]) -> Vec<String> {
         let frames = || {
             let of_frames = functions.iter().filter(|function| function.frame.is_some());
@@ -79,10 +83,11 @@ impl Lanes {
     }
 }
 
-/// Straight-line functions with a form over lanes; tools over arrays of states call them. Functions with
-/// loops over joints keep their loops and bits.
+/// Names of the functions without loops that can be generated over lanes. The Python module calls them for
+/// arrays of states. Functions with loops over joints are excluded: as straight-line code they would round
+/// differently.
 ///
-/// - `others`: excluded functions
+/// - `others`: names of further excluded functions
 pub(crate) fn of_straight_line_code(functions: &[Function], others: &[String]) -> Vec<String> {
     let functions = functions.iter().filter(|function| !others.contains(&function.name));
     let functions = functions.filter(|function| function.arrays.is_none());
@@ -90,8 +95,8 @@ pub(crate) fn of_straight_line_code(functions: &[Function], others: &[String]) -
     possible.map(|function| function.name.clone()).collect()
 }
 
-/// A note where the function of one state would be loops over joints, were it not asked for over lanes: both have the same
-/// text, so that their bits agree.
+/// A note if the function of one state is straight-line code only because the function is requested over
+/// lanes. Both functions have the same operations, so their results have the same bits.
 fn without_loops(name: &str, functions: &[Function]) -> Option<Diagnostic> {
     let cost = count(&functions.iter().find(|function| function.name == name)?.program);
     let operations = cost.multiplications + cost.additions;
@@ -107,7 +112,7 @@ fn without_loops(name: &str, functions: &[Function]) -> Option<Diagnostic> {
     })
 }
 
-/// Reason why a function has no form over lanes, and remedy.
+/// Reason why a function cannot be generated over lanes, and the remedy.
 fn obstacle(name: &str, functions: &[Function], math: Math) -> Option<(&'static str, Option<String>)> {
     if let Some(function) = functions.iter().find(|function| function.name == name) {
         let reason = match math {

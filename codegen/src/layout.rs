@@ -1,31 +1,31 @@
-//! Named array lengths: the meanings of array entries.
+//! Meanings of array entries, and the names of array lengths in generated code.
 
-/// Meaning of the entries of an array; names the array's length in every language.
+/// Meaning of the entries of an array. It determines the name of the array's length in generated code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dimension {
     /// Coordinates y.
     Coordinates,
-    /// Position entries of a robot with quaternions; they outnumber its velocities.
+    /// Positions of a robot with quaternions. There are more positions than velocities.
     Positions,
-    /// Joints of a robot with quaternions.
+    /// One entry for each joint of a robot with quaternions.
     Joints,
     /// Velocities ẏ, and quantities with one entry per velocity: accelerations, forces, derivatives by small motions.
     Velocities,
     /// Inputs u.
     Inputs,
-    /// Parameters of a regressor.
+    /// Parameters of a regressor, one for each column.
     Parameters,
-    /// Wrenches, six entries each: force, then moment.
+    /// Wrenches. Each wrench has six entries: force [N], then moment [N m].
     Wrenches,
-    /// Driven coordinates, three entries each: position, velocity, acceleration.
+    /// Coordinates of driven joints. Each coordinate has three entries: position, velocity, acceleration.
     Driven,
-    /// A number that is the same for every robot, e.g. the axes of space.
+    /// A fixed length for all robots, for example the three axes of space.
     Fixed,
 }
 
 impl Dimension {
     /// Name of the module constant with this length; `None` if the length does not depend on the robot.
-    /// Without quaternions coordinates and velocities share a constant.
+    /// Coordinates and velocities have the same constant `N`.
     #[must_use]
     pub const fn length(self) -> Option<&'static str> {
         match self {
@@ -40,7 +40,7 @@ impl Dimension {
     }
 }
 
-/// Length of an array with the meaning of its entries.
+/// Length of an array, with the meaning of the entries.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Extent {
     /// Meaning of the entries.
@@ -56,7 +56,7 @@ impl Extent {
         Self { dimension, len }
     }
 
-    /// Length of one row if the entries form rows.
+    /// Length of a row for arrays of wrenches (6) or driven coordinates (3); `None` for other arrays.
     #[must_use]
     pub const fn row(&self) -> Option<usize> {
         match self.dimension {
@@ -66,7 +66,7 @@ impl Extent {
         }
     }
 
-    /// A length that is the same for every robot.
+    /// An extent with a fixed length for all robots.
     #[must_use]
     pub const fn fixed(len: usize) -> Self {
         Self::new(Dimension::Fixed, len)

@@ -1,4 +1,4 @@
-//! The program `gelenk`: kinematic descriptions to plain Rust.
+//! The program `gelenk` generates Rust or C code from kinematic descriptions.
 
 fn main() -> std::process::ExitCode {
     gelenk_codegen::cli::run()

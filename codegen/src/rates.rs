@@ -10,21 +10,24 @@ use crate::random::Random;
 const STATES: usize = 4;
 const SEED: u64 = 0x7374_6966;
 
-/// Steep laws have a width of 1e-3 and more.
+/// Step of the differences. Steep force laws have a width of 1e-3 and more.
 const STEP: f64 = 1e-7;
 
-/// Squarings after which the norm of a power tells the spectral radius to three digits.
+/// Number of squarings after which the norm of the power gives the spectral radius with three digits.
 const SQUARINGS: usize = 12;
 
-/// Fastest mode of the linearization.
+/// Mode of the linearization whose eigenvalue has the largest magnitude.
 pub(crate) struct Mode {
-    /// Magnitude of its eigenvalue (1/s).
+    /// Magnitude of the mode's eigenvalue [1/s].
     pub rate: f64,
-    /// Coordinate with the largest entry in the mode.
+    /// Index of the coordinate whose velocity has the largest entry in the mode.
     pub coordinate: usize,
 }
 
-/// The fastest mode at seeded positions with inputs at the effort limits; `None` if no result is finite.
+/// The fastest mode of a robot at rest, over several seeded positions. Inputs have the effort limits of their
+/// joints. `None` if no position has a finite result.
+///
+/// - `forward`: the function `forward_dynamics`
 pub(crate) fn fastest(model: &Model, forward: &Function) -> Option<Mode> {
     let mut random = Random::new(SEED);
     let modes =
@@ -32,7 +35,8 @@ pub(crate) fn fastest(model: &Model, forward: &Function) -> Option<Mode> {
     modes.max_by(|a, b| a.rate.total_cmp(&b.rate))
 }
 
-/// A value for each velocity; parts of joints with quaternions are 0, where differences are small motions.
+/// A position for each velocity. The positions of joints with quaternions are 0; their differences are small
+/// motions.
 fn positions(model: &Model, random: &mut Random) -> Vec<f64> {
     let value = |(coordinate, [low, high]): (usize, [f64; 2])| match model.quaternion_joint_of(coordinate) {
         Some(_) => 0.0,
@@ -41,7 +45,7 @@ fn positions(model: &Model, random: &mut Random) -> Vec<f64> {
     model.joints().map(|joint| joint.seeded_range()).enumerate().map(value).collect()
 }
 
-/// ((0, 1), (∂ÿ/∂y, ∂ÿ/∂ẏ)), rows first.
+/// The matrix ((0, 1), (∂ÿ/∂y, ∂ÿ/∂ẏ)) as a list of rows; `None` if the function has no result.
 fn linearization(model: &Model, forward: &Function, y: &[f64]) -> Option<Vec<Vec<f64>>> {
     let n = y.len();
     let (u, rest) = (inputs(model), vec![0.0; n]);
@@ -78,7 +82,7 @@ fn acceleration(model: &Model, forward: &Function, values: &[f64], v: &[f64], u:
     results.into_iter().next()
 }
 
-/// The inputs that exert the effort limits of their joints; 0 if there is none.
+/// The inputs at which drives exert the effort limits of their joints. An input without such a limit is 0.
 fn inputs(model: &Model) -> Vec<f64> {
     let parameters = model.described_parameters();
     let joints: Vec<_> = model.joints().collect();
@@ -94,7 +98,7 @@ fn inputs(model: &Model) -> Vec<f64> {
     model.inputs().map(|each| input(each).unwrap_or(0.0)).collect()
 }
 
-/// The dominant eigenvalue by the norms of powers, `‖A^k‖^(1/k)`.
+/// The dominant eigenvalue from norms of powers, `‖A^k‖^(1/k)`; `None` if a norm is 0 or not finite.
 fn mode(a: &[Vec<f64>]) -> Option<Mode> {
     let n = a.len() / 2;
     let (mut rate, mut power) = (1.0, a.to_vec());

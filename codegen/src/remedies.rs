@@ -1,6 +1,6 @@
-//! Help texts by code, for diagnostics without one.
+//! Remedies for errors without a help text of their own, by the error's code.
 
-/// Help text for this code.
+/// Help text for errors with this code; `None` if the code has none.
 pub(crate) fn remedy(code: &str) -> Option<&'static str> {
     Some(match code {
         "number-not-finite" => "give a finite number, or remove the limit",
