@@ -20,7 +20,6 @@ pub(super) struct ArrayBuilder {
 
 impl ArrayBuilder {
     /// - `joints`: tree of the joints
-    ///
     /// - `coordinates`: coordinates that the joints follow; `None` if each joint is independent
     /// - `chains`: for each joint with a quaternion the joints of the loops that are its velocities
     pub(super) fn new(joints: Tree, coordinates: Option<Coordinates>, chains: Vec<Vec<usize>>) -> Self {

@@ -75,7 +75,6 @@ pub(super) fn flow_of<'g>(
 /// Force `2B s` of a motion s, from the angular part of s; see [`super`].
 ///
 /// - `spin`: tr 2K − 2K with 2K = 2 ∫ ṙ rᵀ dm
-///
 /// - `momentum`: 2 ∫ ṙ dm
 pub(super) fn swept<'g>(
     spin: &Matrix3<'g>,

@@ -100,10 +100,8 @@ pub(super) struct ChainDisturbance<'g> {
 
 impl<'g> ChainMotion<'g> {
     /// - Changes of the body's motion by one velocity.
-    ///
     /// - `omega`: angular velocity of the last body
     /// - `turns`: whether the velocity is angular
-    ///
     /// - `e`: unit vector of the velocity in the frame of the last body
     pub(super) fn disturbance(
         &self,
@@ -133,7 +131,6 @@ impl<'g> ChainMotion<'g> {
 /// Motion of the chain's last body for a unit of one velocity, in the frame of this body.
 ///
 /// - `turns`: whether the velocity is angular
-///
 /// - `place`: place of the velocity in the chain
 pub(super) fn unit_motion<'g>(turns: bool, place: ChainPlace, any: Scalar<'g>) -> Motion<'g> {
     let mut e = Vector3::zero(any);

@@ -47,7 +47,6 @@ impl ForwardRoute {
     /// Accelerations under joint forces and gravity, by coordinate.
     ///
     /// - `input`: state; the accelerations are known for driven coordinates and 0 for the other coordinates
-    ///
     /// - `forces`: joint forces without gravity, by coordinate
     pub fn accelerations<'g>(
         self,
