@@ -2,11 +2,13 @@
 
 use super::interface::Interface;
 
-/// Default of [`EmitOptions::longest_function`]. With debug information, as in Cargo's dev profile, rustc
-/// 1.95 nests one scope for each `let`, and LLVM visits the scopes recursively. 2 800 statements compile. 3
-/// 200 statements overflow the stack of 2 MB of its thread, which ends rustc. Without debug information, at
-/// opt-level 3, 9 000 statements need 0.9 s and 200 MB, and 28 000 statements need 4 s and 490 MB. There,
-/// parts of shorter functions are inlined, which does not nest scopes.
+/// Default of [`EmitOptions::longest_function`].
+///
+/// With debug information, as in Cargo's dev profile, rustc 1.95 nests one scope for each `let`, and LLVM visits
+/// the scopes recursively. A function of 2 800 statements compiles. A function of 3 200 statements overflows the
+/// stack of 2 MB of LLVM's thread, which ends rustc. Without debug information, at opt-level 3, 9 000 statements
+/// need 0.9 s and 200 MB, and 28 000 statements need 4 s and 490 MB. There, parts of shorter functions are
+/// inlined, which does not nest scopes.
 const LONGEST_FUNCTION: usize = 2_000;
 
 /// Options of the printer.

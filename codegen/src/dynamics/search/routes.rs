@@ -166,7 +166,7 @@ impl<'m> Formulations<'m> {
     }
 
     /// The formulation of [`Self::recursive`], or the formulation of the inverse dynamics if that is cheaper.
-    /// With quaternions, the latter has a finer search.
+    /// With quaternions, the search for the inverse dynamics is finer.
     fn recursive_or_refined(&self, moving: Moving) -> Formulation {
         let own = self.recursive(moving);
         if !self.mechanism.has_quaternions() {

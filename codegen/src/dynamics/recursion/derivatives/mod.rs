@@ -16,11 +16,15 @@
 //! δn = h × δa + (tr Σ − Σ) β + (tr 2K − 2K) δω
 //! ```
 //!
-//! A unit of a revolute coordinate gives δω = ω × z, β = U z, δa = a × z, and a unit of its velocity gives δω
-//! = z, β = 2 ω × z. A unit of a prismatic coordinate gives δa = U z, and a unit of its velocity gives δa = 2
-//! ω × z. U = ω̇× + ω× ω×, and z is the joint's axis. These are the derivatives of Carpentier and Mansard
-//! (2018) and of Singh, Russell and Wensing (2022) with classical accelerations instead of spatial ones. They
-//! require no linear velocities.
+//! With U = ω̇× + ω× ω× and the joint's axis z, a unit of a joint's position or velocity gives:
+//!
+//! - position of a revolute joint: `δω = ω × z`, `β = U z`, `δa = a × z`
+//! - velocity of a revolute joint: `δω = z`, `β = 2 ω × z`
+//! - position of a prismatic joint: `δa = U z`
+//! - velocity of a prismatic joint: `δa = 2 ω × z`
+//!
+//! These are the derivatives of Carpentier and Mansard (2018) and of Singh, Russell and Wensing (2022) with
+//! classical accelerations instead of spatial ones. They require no linear velocities.
 
 mod base_body;
 mod column;
