@@ -40,7 +40,8 @@ struct Place<'g> {
 }
 
 impl<'a, 'g> FrameForces<'a, 'g> {
-    /// - Places the bodies at the coordinates `y`.
+    /// Places the bodies at the coordinates `y`.
+    ///
     /// - `mechanism`: a mechanism in metres, with equations in the bodies' own frames
     pub fn new(model: &'a Model, mechanism: Mechanism<Scalar<'g>>, y: &'a [Scalar<'g>]) -> Self {
         let placements = place(&mechanism, &Formulation::plain(mechanism.bodies.len()), y);

@@ -25,7 +25,8 @@ pub struct Masses<'g> {
 }
 
 impl<'g> Masses<'g> {
-    /// - Creates the masses at the positions `y`.
+    /// Creates the masses at the positions `y`.
+    ///
     /// - `mechanism`: a mechanism in metres whose masses are those of the description
     pub fn new(mechanism: Mechanism<Scalar<'g>>, y: &[Scalar<'g>]) -> Self {
         let plain = Formulation::plain(mechanism.bodies.len());

@@ -99,7 +99,8 @@ pub(super) struct ChainDisturbance<'g> {
 }
 
 impl<'g> ChainMotion<'g> {
-    /// - Changes of the body's motion by one velocity.
+    /// Changes of the body's motion by one velocity.
+    ///
     /// - `omega`: angular velocity of the last body
     /// - `turns`: whether the velocity is angular
     /// - `e`: unit vector of the velocity in the frame of the last body

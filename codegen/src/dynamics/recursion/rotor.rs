@@ -26,7 +26,8 @@ pub(super) struct Gyrostat<'g> {
 }
 
 impl<'g> Gyrostat<'g> {
-    /// - Transforms a rotor to the working frame of its carrier.
+    /// Transforms a rotor to the working frame of its carrier.
+    ///
     /// - `placement`: placement of the carrier
     pub(super) fn new(rotor: &Rotor<Scalar<'g>>, placement: &Placement<'g>) -> Self {
         let coupling = rotor.coupling_inertia();

@@ -33,7 +33,8 @@ pub(super) struct Context<'a> {
 }
 
 impl<'a> Context<'a> {
-    /// - Begins to print a module.
+    /// Begins to print a module.
+    ///
     /// - `reserved`: names of the module's own items, which the robot's functions must not have
     pub(super) fn new(module: &'a Module, options: &'a EmitOptions, mut reserved: Vec<String>) -> Self {
         let parameters = module.parameters.iter().map(|each| each.name.as_str());
