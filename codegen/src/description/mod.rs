@@ -55,8 +55,7 @@ pub(crate) struct RobotDescription {
     /// Whether the children of a link have the order of their joints' names, as in Pinocchio. Otherwise they
     /// have the order of the description.
     pub sort_joints: bool,
-    /// Followers that `held` or `--hold` names. There is an error unless the joints that they follow are held
-    /// too.
+    /// Followers in `held` or `--hold`. It is an error if the joints that they follow are not held, too.
     pub resting: Vec<Name>,
     /// Drives of the tables `[[drives]]`, which may act on several joints.
     pub drives: Vec<SharedDriveDescription>,

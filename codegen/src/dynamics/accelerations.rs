@@ -14,9 +14,9 @@ use crate::spatial::Force;
 pub struct AccelerationDerivatives<'g> {
     /// Accelerations ÿ, n entries.
     pub accelerations: Vec<Scalar<'g>>,
-    /// ∂ÿ/∂y, n × n.
+    /// Derivative ∂ÿ/∂y, n × n.
     pub by_coordinates: Matrix<'g>,
-    /// ∂ÿ/∂ẏ, n × n.
+    /// Derivative ∂ÿ/∂ẏ, n × n.
     pub by_velocities: Matrix<'g>,
     /// Inverse mass matrix M⁻¹, n × n.
     pub inverse: Matrix<'g>,
@@ -25,13 +25,13 @@ pub struct AccelerationDerivatives<'g> {
 /// Linearized accelerations `ÿ = A_y y + A_v ẏ + B_x u + c` with n coordinates y and m inputs u.
 #[derive(Debug, Clone)]
 pub struct AffineAccelerations<'g> {
-    /// A_y, n × n.
+    /// Matrix A_y, n × n.
     pub by_coordinates: Matrix<'g>,
-    /// A_v, n × n.
+    /// Matrix A_v, n × n.
     pub by_velocities: Matrix<'g>,
-    /// B_x, n × m.
+    /// Matrix B_x, n × m.
     pub by_inputs: Matrix<'g>,
-    /// c, n entries.
+    /// Vector c, n entries.
     pub remainder: Vec<Scalar<'g>>,
 }
 

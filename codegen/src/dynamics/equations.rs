@@ -169,13 +169,13 @@ impl<'g> Equations<'_, 'g> {
         sum(&self.gravity_forces(y), &joint)
     }
 
-    /// Load-dependent friction s₁ by coordinate; `None` if no joint has load-dependent friction.
+    /// Coefficients s₁ of load-dependent friction by coordinate; `None` if no joint has such friction.
     pub(super) fn load_shares(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Option<Vec<Scalar<'g>>> {
         load_friction::is_there(self.model).then(|| load_friction::shares(self.graph, self.model, y, v))
     }
 
-    /// Load-dependent friction s₁ by coordinate, without unit. Its force is s₁ times the magnitude of the
-    /// load.
+    /// Coefficients s₁(ẏ) of load-dependent friction by coordinate, without unit. The friction force is s₁
+    /// times the magnitude of the load.
     pub fn load_friction(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         load_friction::shares(self.graph, self.model, y, v)
     }

@@ -11,7 +11,7 @@ use crate::program::{GraphOutput, InputArray, Program, Shape, lower, lower_from_
 /// The values of an array at one joint, one for each row.
 pub(super) type Rows<'g> = [Scalar<'g>];
 
-/// An array form under construction.
+/// An array form while it is built.
 pub(super) struct ArrayBuilder {
     form: Arrays,
     /// Arrays that the setup computes.

@@ -2,11 +2,17 @@
 //! are in the base frame.
 //!
 //! In this frame every sum along a path or over a subtree is a sum of arrays. Every matrix entry of two
-//! joints is a product of two columns with six or nine entries. S is the screw of a joint, v and a are the
-//! spatial velocity and acceleration of its body, Ψ̇ = v × S and Ψ̈ = a × S + v × Ψ̇. I is the composite
-//! inertia of all bodies beyond the joint and f their force. 2B s = Σ 2 ∫ r ∧ (ω_s × ṙ) dm is the force that
-//! their velocities add for a motion s with the angular part ω_s. For a joint j on the path from the base to
-//! joint i
+//! joints is a product of two columns with six or nine entries. The symbols are:
+//!
+//! - S: screw of a joint, the spatial velocity of the joint's body for a unit of the joint's velocity
+//! - v, a: spatial velocity and acceleration of the joint's body
+//! - Ψ̇ = v × S, Ψ̈ = a × S + v × Ψ̇
+//! - I: composite inertia, the sum of the inertias of all bodies beyond the joint
+//! - f: sum of the forces of these bodies
+//! - 2B s = Σ 2 ∫ r ∧ (ω_s × ṙ) dm: force that the velocities ṙ of these bodies add for a motion s with the
+//!   angular part ω_s
+//!
+//! For a joint j on the path from the base to joint i:
 //!
 //! ```text
 //! M_ji = S_jᵀ I_i S_i = M_ij
