@@ -9,7 +9,7 @@ impl Formula {
     /// The number 1.
     pub const ONE: Self = Self::Number(1.0);
 
-    /// The number if the formula is a number.
+    /// The number; `None` if the formula is not a number.
     pub fn as_number(&self) -> Option<f64> {
         match self {
             Self::Number(value) => Some(*value),
@@ -152,7 +152,8 @@ impl Formula {
         }
     }
 
-    /// The formula with some parts replaced; constants in the rest are folded again.
+    /// The formula with each part replaced for which `other` returns a formula. Constants in the rest are
+    /// folded again.
     pub fn substituted(&self, other: &dyn Fn(&Self) -> Option<Self>) -> Self {
         if let Some(other) = other(self) {
             return other;
@@ -170,8 +171,8 @@ impl Formula {
         }
     }
 
-    /// The formula with `tanh(slope · x)` instead of `sign x`, and its square instead of `|sign x|`, so that
-    /// both are smooth.
+    /// The formula with `tanh(slope · x)` instead of `sign x`, and with `tanh²(slope · x)` instead of
+    /// `|sign x|`. Both replacements are smooth.
     pub fn with_smooth_sign(&self, slope: f64) -> Self {
         let smooth = |x: &Self| {
             let x = x.with_smooth_sign(slope);

@@ -3,7 +3,7 @@
 use super::function::Function;
 use std::ops::Range;
 
-/// A parsed text. Names are not resolved, constants not folded.
+/// A parsed text. Names are not resolved, and constants are not folded.
 ///
 /// Truth values and numbers are never mixed: each operand has the kind that its operation requires.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,7 +21,7 @@ pub enum Node {
     Number(f64),
     /// `true` or `false`.
     Truth(bool),
-    /// A name: a parameter, a channel, position or velocity, or `pi`.
+    /// A name: a parameter, a channel of a log, position or velocity, or `pi`.
     Name(String),
     /// An operation on one operand.
     Unary(Unary, Box<Expression>),

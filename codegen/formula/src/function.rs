@@ -15,7 +15,7 @@ pub enum Function {
     Exp,
     /// Absolute value; its derivative is `sign`.
     Abs,
-    /// −1, 0 or 1; exact in the value, derivative zero.
+    /// Sign: −1, 0 or 1. Its derivative is taken as 0, also at the jump.
     Sign,
     /// Square root; NaN of negative numbers.
     Sqrt,

@@ -6,7 +6,7 @@ const UNIT: &str = "formula-unit";
 const COMMA: &str = "formula-comma";
 
 impl FormulaError {
-    /// Whether the text is a number in another notation.
+    /// Whether the text is a number with a unit or with a decimal comma.
     pub fn is_habit(&self) -> bool {
         [UNIT, COMMA].contains(&self.code)
     }

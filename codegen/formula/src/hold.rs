@@ -1,6 +1,6 @@
 //! Held joints, given by name patterns.
 
-/// A name pattern of held joints with their position.
+/// A name pattern of joints that are held, and the position at which they are held.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hold {
     /// Name pattern; `*` matches any text.
