@@ -94,10 +94,10 @@ const FRICTION_REGRESSOR: Quantity = Quantity {
 
 const BY_POSITION: &str = "τ(y, ẏ) = friction_regressor(y, ẏ) · friction_parameters";
 
-/// The parameters of friction that depends on the position.
+/// Row of the friction parameters if friction depends on the position.
 pub const PARAMETERS_BY_POSITION: Quantity = Quantity { equation: BY_POSITION, ..FRICTION_PARAMETERS };
 
-/// The regressor of friction that depends on the position.
+/// Row of the friction regressor if friction depends on the position.
 pub const REGRESSOR_BY_POSITION: Quantity =
     Quantity { equation: BY_POSITION, arguments: &[Coordinates, Velocities], ..FRICTION_REGRESSOR };
 
