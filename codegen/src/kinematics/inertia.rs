@@ -7,15 +7,15 @@ use crate::graph::{Graph, Scalar};
 use crate::model;
 use crate::spatial::{MassMoments, Symmetric3, Vector3};
 
-/// Choice of the mass that is shifted along a joint's axis.
+/// Choice of the mass that is shifted between a body and its parent, at a point on the joint's axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RegroupChoice {
-    /// The body itself becomes massless.
+    /// The body becomes massless.
     Massless,
-    /// The parent's first moment becomes zero along x.
+    /// The parent's first moment of mass becomes zero along x.
     BalanceParent,
-    /// A component of the parent's first moment becomes zero, together with components taken by its other
-    /// children.
+    /// This component of the parent's first moment of mass (0, 1, 2 for x, y, z) becomes zero. The masses of
+    /// all children with this choice are computed together.
     Take(usize),
 }
 
@@ -31,7 +31,7 @@ pub fn moments_of_body<'g>(graph: &'g Graph, body: &model::Body) -> MassMoments<
 /// 1990): masses on a revolute joint's axis, and the second moment of a prismatic joint's body. M, k and q do
 /// not change.
 ///
-/// `base` receives the moments that arrive there, in the base frame; its second moment is then meaningless.
+/// `base` gets the moments that reach the base, in the base frame. Its second moment is then meaningless.
 pub fn regroup<'g>(
     bodies: &mut [Body<Scalar<'g>>],
     base: &mut MassMoments<Scalar<'g>>,
