@@ -42,7 +42,7 @@ pub fn latex(program: &Program, notation: &Notation) -> String {
 /// A program as LaTeX equations, each with left-hand and right-hand side.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LatexEquations {
-    /// Equations of the intermediate values.
+    /// Equations of the intermediate values, as left-hand and right-hand side.
     pub abbreviations: Vec<(String, String)>,
     /// Results in terms of intermediate values.
     pub results: Vec<LatexResult>,
@@ -59,7 +59,7 @@ pub struct LatexResult {
 }
 
 impl LatexResult {
-    /// The entry of a scalar, or the matrix.
+    /// The entry of a scalar. For other results, the vector or matrix.
     #[must_use]
     pub fn value(&self) -> String {
         if self.is_scalar {
@@ -94,7 +94,7 @@ struct Printer<'a> {
 }
 
 impl Printer<'_> {
-    /// Each value's name and expression; a sine that only came with its cosine is left out.
+    /// Name and expression of each value. A sine that is computed only together with its cosine is left out.
     fn equations(&self) -> Vec<(String, String)> {
         let is_read = Flow::new(self.program).is_read;
         let read = self.program.instructions.iter().zip(is_read).filter(|(_, is_read)| *is_read);

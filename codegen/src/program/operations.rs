@@ -8,13 +8,13 @@ use gelenk_formula::Function;
 pub struct Program {
     /// Input arrays in argument order.
     pub inputs: Vec<InputArray>,
-    /// Instructions in execution order; instruction `k` defines value `k`.
+    /// Instructions in execution order. Instruction `k` defines value `k`.
     pub instructions: Vec<Instruction>,
     /// Results in order.
     pub outputs: Vec<Output>,
 }
 
-/// Results of more entries than this are written where the caller wants them.
+/// Results with more entries than this number are written to memory of the caller.
 ///
 /// A matrix that is returned passes through memory once or twice more: its entries are stored one by one and
 /// copied as vectors at once, which a processor cannot forward from its store buffer. M and bias forces of a
@@ -28,7 +28,7 @@ impl Program {
         outputs.flat_map(|output| output.entries.iter().copied())
     }
 
-    /// A program with the same inputs and result shapes, but without instructions.
+    /// A program with the same inputs and result shapes, but without instructions and with zeros as results.
     pub(crate) fn face(&self) -> Self {
         let outputs = self.outputs.iter().map(|output| Output {
             entries: vec![Operand::Constant(0.0); output.entries.len()],
@@ -37,7 +37,7 @@ impl Program {
         Self { inputs: self.inputs.clone(), instructions: Vec::new(), outputs: outputs.collect() }
     }
 
-    /// Whether results are written in place, which is faster for large results.
+    /// Whether results are written to memory of the caller, which is faster for large results.
     pub(crate) fn has_large_results(&self) -> bool {
         self.entries().count() > LARGEST_RETURNED
     }
@@ -52,7 +52,7 @@ pub struct InputArray {
     pub extent: Extent,
 }
 
-/// Defines one value.
+/// An instruction. It defines one value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Instruction {
     /// Name of the value: a Rust identifier, unique within the program.
@@ -66,9 +66,9 @@ pub struct Instruction {
 pub enum Operand {
     /// Value of an earlier instruction, by index.
     Value(usize),
-    /// Entry of an input array: index of the array, index of the entry.
+    /// Entry of an input array: index of the array, then index of the entry.
     Input(usize, usize),
-    /// Free parameter: index in `Model::parameters`.
+    /// Free parameter: index into `Model::parameters`.
     Parameter(usize),
     /// A finite number.
     Constant(f64),
@@ -89,7 +89,8 @@ pub enum Operation {
     Negate(Operand),
     /// `a * b + c` with one rounding (opt-in).
     MultiplyAdd(Operand, Operand, Operand),
-    /// `sin a`; its cosine is [`Operation::CosineOf`] of this value. One call computes both.
+    /// `sin a`. The same call computes the cosine, which is [`Operation::CosineOf`] with the index of this
+    /// instruction.
     SinCos(Operand),
     /// The cosine computed by the [`Operation::SinCos`] at this index.
     CosineOf(usize),
@@ -154,7 +155,7 @@ impl Shape {
         }
     }
 
-    /// Lengths, rows first.
+    /// Lengths of the dimensions, rows first.
     #[must_use]
     pub fn extents(self) -> Vec<Extent> {
         match self {
