@@ -1,4 +1,4 @@
-//! Notes and warnings about skipped or changed parts of a URDF, one per kind.
+//! Notes and warnings about skipped or changed parts of a URDF, with one note for each kind.
 
 use super::foreign as urdf_foreign;
 use crate::diagnostic::Severity;
@@ -22,7 +22,7 @@ pub(super) const HARMLESS: [&str; 14] = [
     "<self_collision_checking>",
 ];
 
-/// A kind of remark about a description. It gives one note for all places.
+/// A kind of remark about a description. A kind gives one note for all its places.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Remark {
     AxisMissing,
