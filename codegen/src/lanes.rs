@@ -1,5 +1,5 @@
-//! Functions over lanes. They compute eight states at once; each state is a lane. This module checks and
-//! resolves the requested names.
+//! Functions over lanes. A function over lanes computes eight states at once, and each state is a lane. This
+//! module checks and resolves the requested names.
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::emit::Math;

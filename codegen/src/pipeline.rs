@@ -25,7 +25,8 @@ use crate::verify;
 /// Options of the caller, in addition to the description.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct GenerateOptions {
-    /// Functions to generate. If empty, the description chooses them; its default is all functions.
+    /// Names of the functions to generate. If empty, the description chooses the functions, by default all
+    /// functions.
     pub functions: Vec<String>,
     /// Angles within this distance (rad) of a multiple of 90° are rounded to it.
     pub snap_angles: Option<f64>,
@@ -51,14 +52,15 @@ pub struct GenerateOptions {
     pub fused_multiply_add: bool,
     /// Choice between straight-line code and loops over joints for large functions.
     pub form: Form,
-    /// Adds tests of the functions to the module; they compare with the values of the interpreter.
+    /// Adds tests of the functions to the module. The tests compare results with the values of the
+    /// interpreter.
     pub self_test: bool,
     /// Largest number of operations of a function. `None`: [`MOST_OPERATIONS`].
     pub max_operations: Option<usize>,
     /// Names of functions that are also written for eight states at once. If empty, the description chooses
     /// them.
     pub lanes: Vec<String>,
-    /// Lines added to the module's documentation of the robot.
+    /// Lines that are added to the module's documentation of the robot.
     pub remarks: Vec<String>,
     /// Options of the printer.
     pub emit: EmitOptions,

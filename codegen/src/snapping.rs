@@ -1,4 +1,4 @@
-//! Operations that snapping nearly right angles would save.
+//! The number of operations that snapping saves, which rounds nearly right angles to multiples of 90°.
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::functions::function::Function;

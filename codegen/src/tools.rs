@@ -49,7 +49,7 @@ const OF_CASADI: [Given; 3] = [
 /// A function for CasADi. Poses of frames are added.
 struct Given {
     name: &'static str,
-    /// The function of the module that computes it.
+    /// The function of the module that computes the value.
     value: &'static str,
     /// The function that has its derivatives.
     derivatives: &'static str,

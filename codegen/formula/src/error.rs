@@ -8,7 +8,7 @@ use std::ops::Range;
 pub struct FormulaError {
     /// Code of the error, for programs.
     pub code: &'static str,
-    /// Message.
+    /// Message of the error.
     pub message: String,
     /// Suggested correction; `None` if there is no suggestion.
     pub help: Option<String>,

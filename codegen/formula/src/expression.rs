@@ -27,7 +27,7 @@ pub enum Node {
     Unary(Unary, Box<Expression>),
     /// An operation on two operands.
     Binary(Operator, Box<[Expression; 2]>),
-    /// `pow(a, n)`
+    /// The power `pow(a, n)`.
     Power(Box<Expression>, u32),
 }
 
@@ -82,7 +82,7 @@ pub enum Operator {
 pub enum Kind {
     /// Number.
     Number,
-    /// True (1) or false (0).
+    /// Truth value: true or false.
     Truth,
 }
 

@@ -36,7 +36,7 @@ pub enum Formula {
     Multiply(Box<Formula>, Box<Formula>),
     /// `a / b`
     Divide(Box<Formula>, Box<Formula>),
-    /// `a.powi(n)`, n ≥ 0
+    /// `a.powi(n)` with n ≥ 0
     Power(Box<Formula>, u32),
     /// `f(a)`
     Call(Function, Box<Formula>),

@@ -57,12 +57,12 @@ pub enum FrictionPart<C = Formula> {
 }
 
 impl FrictionTerm {
-    /// `coefficient · v`
+    /// The term `coefficient · v`.
     pub fn viscous(coefficient: Formula) -> Self {
         Self { coefficient, basis: Formula::Velocity }
     }
 
-    /// `coefficient · sign(v)`
+    /// The term `coefficient · sign(v)`.
     pub fn coulomb(coefficient: Formula) -> Self {
         Self { coefficient, basis: direction(None) }
     }

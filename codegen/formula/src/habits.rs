@@ -56,7 +56,8 @@ fn spelled(unit: &str) -> String {
     }
 }
 
-/// An error for a number that is followed by something without an operator, or that has a comma in it.
+/// Rejects a text that begins with a number and continues with a unit or a name without an operator, or with
+/// a decimal comma.
 pub(super) fn check(text: &str) -> Result<(), FormulaError> {
     let trimmed = text.trim_start();
     let start = text.len() - trimmed.len();

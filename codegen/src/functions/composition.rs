@@ -16,11 +16,11 @@ const MOST_HALVINGS: usize = MOST_DOUBLINGS + MOST_REPETITIONS;
 /// A result of a [`Composition`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct ComposedResult {
-    /// Symbol.
+    /// Symbol of the result.
     pub name: &'static str,
     /// Lengths of the dimensions, outermost first.
     pub extents: Vec<Extent>,
-    /// Meaning.
+    /// Meaning of the result.
     pub meaning: &'static str,
 }
 
@@ -173,7 +173,8 @@ impl Composition {
         called * self.call_count(substeps) + self.own_cost(n, m, substeps, MOST_HALVINGS)
     }
 
-    /// Like [`Self::cost`], but the smallest number if the number depends on the data.
+    /// Number of operations as [`Self::cost`] counts them, but the smallest number if the number depends on
+    /// the data.
     #[must_use]
     pub fn least_cost(self, n: usize, m: usize, substeps: usize, called: Cost) -> Cost {
         called * self.call_count(substeps) + self.own_cost(n, m, substeps, 0)

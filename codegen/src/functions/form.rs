@@ -106,11 +106,13 @@ pub(super) struct Forms<'m> {
     formulations: &'m Formulations<'m>,
     form: Form,
     straight: &'m [String],
-    /// Functions that others may call, once they are derived.
+    /// Derived functions that other functions may call.
     derived: RefCell<BTreeMap<&'static str, Rc<Derived>>>,
 }
 
 impl<'m> Forms<'m> {
+    /// The functions of a model. No function is derived yet.
+    ///
     /// - `straight`: functions that are always straight-line code
     pub(super) fn new(
         model: &'m Model,

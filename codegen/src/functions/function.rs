@@ -24,7 +24,7 @@ pub struct Function {
     pub results: Vec<String>,
     /// Further notes of the documentation, for example on the derivation, limits and sources.
     pub notes: Vec<String>,
-    /// Constants printed before the function.
+    /// Constants that are printed before the function.
     pub constants: Vec<Constant>,
     /// The function as straight-line code.
     pub program: Program,
@@ -90,24 +90,24 @@ pub struct Constant {
 /// Value of a constant.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ConstantValue {
-    /// `usize`
+    /// A count: `usize`.
     Count(usize),
-    /// `u64`
+    /// A hash: `u64`.
     Hash(u64),
-    /// `[&str; n]`
+    /// Names: `[&str; n]`.
     Names(Dimension, Vec<String>),
-    /// `[usize; n]`
+    /// Indices: `[usize; n]`.
     Indices(Dimension, Vec<usize>),
-    /// `[[usize; 2]; n]`
+    /// Pairs of indices: `[[usize; 2]; n]`.
     Pairs(Vec<[usize; 2]>),
-    /// `[f64; n]`
+    /// Numbers: `[f64; n]`.
     Numbers(Dimension, Vec<f64>),
-    /// `[[f64; 2]; n]`: lowest and highest value.
+    /// Lowest and highest values: `[[f64; 2]; n]`.
     Ranges(Dimension, Vec<[f64; 2]>),
-    /// `[[f64; columns]; n]`
+    /// A matrix: `[[f64; columns]; n]`.
     Rows(Dimension, Vec<Vec<f64>>),
-    /// `[(usize, usize, f64); n]`: row, column and value of the non-zero entries.
+    /// The non-zero entries of a matrix with row, column and value: `[(usize, usize, f64); n]`.
     Sparse(Vec<(usize, usize, f64)>),
-    /// `[[bool; columns]; rows]`
+    /// A pattern of a matrix: `[[bool; columns]; rows]`.
     Pattern(Vec<Vec<bool>>),
 }

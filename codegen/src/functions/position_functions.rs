@@ -2,7 +2,8 @@
 
 use crate::layout::{Dimension, Extent};
 
-/// A function of the positions of a robot with quaternions. Its text is the same for every such robot.
+/// A function of the positions of a robot with quaternions. Its text is the same for all robots with
+/// quaternions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PositionFunction {
     /// Sum `y ⊕ d`.
@@ -18,11 +19,11 @@ pub enum PositionFunction {
 /// An argument or a result of a [`PositionFunction`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PositionValue {
-    /// Name.
+    /// Name of the value.
     pub name: &'static str,
     /// Dimensions, outermost first.
     pub dimensions: &'static [Dimension],
-    /// Meaning.
+    /// Meaning of the value.
     pub meaning: &'static str,
 }
 

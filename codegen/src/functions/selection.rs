@@ -1,7 +1,7 @@
 //! Selection of functions, and omission of functions that cannot be generated.
 //!
-//! Without a selection all functions are requested, and a note lists those that cannot be generated. If a
-//! function requested by name cannot be generated, the reason is an error.
+//! Without a selection all functions are requested, and a note lists the functions that cannot be generated.
+//! If a function requested by name cannot be generated, the reason is an error.
 
 use super::derive;
 use crate::diagnostic::{Diagnostic, Diagnostics};

@@ -33,7 +33,7 @@ impl Edge {
     }
 }
 
-/// A node. Its operands precede it in the graph.
+/// A node. The operands of a node precede it in the graph.
 ///
 /// Nodes are canonical:
 ///

@@ -43,7 +43,7 @@ impl<'g> Scalar<'g> {
         Self { graph, edge }
     }
 
-    /// The signed reference.
+    /// The edge: a signed reference to the node.
     pub fn edge(self) -> Edge {
         self.edge
     }
@@ -68,17 +68,17 @@ impl<'g> Scalar<'g> {
         self.value() == Some(0.0)
     }
 
-    /// `f(self)`
+    /// The function value `f(self)`.
     pub fn call(self, function: Function) -> Self {
         Self::new(self.graph, self.graph.call(function, self.edge))
     }
 
-    /// `self / divisor`
+    /// The quotient `self / divisor`.
     pub fn divided_by(self, divisor: Self) -> Self {
         Self::new(self.graph, self.graph.div(self.edge, divisor.edge))
     }
 
-    /// `self · self`
+    /// The square `self · self`.
     pub fn squared(self) -> Self {
         self * self
     }

@@ -1,4 +1,5 @@
-//! Choice of the joints that shafts replace as rows of the fit.
+//! Choice of the joints that shafts replace. The fit has a row of equations for each joint. The shaft of a
+//! drive on several joints takes the row of one of these joints.
 
 use nalgebra::{DMatrix, RowDVector};
 

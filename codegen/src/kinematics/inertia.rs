@@ -19,7 +19,7 @@ pub enum RegroupChoice {
     Take(usize),
 }
 
-/// Moments of a described body about its link frame's origin.
+/// Moments of mass of a body about the origin of its link's frame.
 pub fn moments_of_body<'g>(graph: &'g Graph, body: &model::Body) -> MassMoments<Scalar<'g>> {
     let mass = lower(graph, &body.mass);
     let center = Vector3(body.center_of_mass.each_ref().map(|f| lower(graph, f)));
@@ -27,9 +27,9 @@ pub fn moments_of_body<'g>(graph: &'g Graph, body: &model::Body) -> MassMoments<
     MassMoments::of_inertia(mass, center, inertia)
 }
 
-/// Moves masses that act only through their sum from body to parent (base parameters; Gautier and Khalil
-/// 1990): masses on a revolute joint's axis, and the second moment of a prismatic joint's body. M, k and q do
-/// not change.
+/// Moves masses that act only as sums from a body to its parent (base parameters; Gautier and Khalil 1990).
+/// These are the masses on a revolute joint's axis, and the second moment of a prismatic joint's body. M, k
+/// and q do not change.
 ///
 /// `base` gets the moments that reach the base, in the base frame. Its second moment is then meaningless.
 pub fn regroup<'g>(
@@ -81,7 +81,7 @@ fn second_only(moments: MassMoments<Scalar<'_>>) -> MassMoments<Scalar<'_>> {
     MassMoments { mass: zero, first: Vector3::zero(zero), second: moments.second }
 }
 
-/// Shortest lever (m) for balancing; shorter ones require masses so large that digits are lost.
+/// Shortest lever arm (m) for balancing. Shorter lever arms require masses so large that digits are lost.
 pub const SHORTEST_LEVER: f64 = 1e-3;
 
 /// A mass at the origin of a child's joint, which belongs to both bodies.

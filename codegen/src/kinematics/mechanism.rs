@@ -13,7 +13,7 @@ use crate::spatial::{Angle, Attitude, MassMoments, Pose, Twist, Vector3, rotatio
 pub struct Mechanism<S: Numbers> {
     /// Graph of the scalars, or nodes without a graph.
     pub graph: S::Graph,
-    /// Number of coordinates, including driven ones.
+    /// Number of coordinates, including driven coordinates.
     pub coordinates: usize,
     /// Number of driven coordinates. They are the last coordinates.
     pub driven: usize,
@@ -51,7 +51,7 @@ pub struct Body<S> {
     /// Rotation by the quaternion; `None` except for the first body of a chain. It comes after the twist with
     /// its offset, and before the body's motion.
     pub attitude: Option<Attitude<S>>,
-    /// Parent body; `None` if the base carries the joint.
+    /// Index of the parent body; `None` if the base carries the joint.
     pub parent: Option<usize>,
     /// Type of the joint.
     pub axis: JointAxis,
@@ -80,9 +80,10 @@ pub struct Rotor<S> {
     pub transmission: Transmission<S>,
     /// Gear ratio i: turns of the rotor per unit of the drive's motion.
     pub ratio: S,
-    /// Body whose joint the drive moves; `None` if the drive moves a sum of coordinates.
+    /// Index of the body whose joint the drive moves; `None` if the drive moves a sum of coordinates.
     pub driven: Option<usize>,
-    /// Body that carries the rotor; `None` for the base, and for rotors that only enter the diagonal of M.
+    /// Index of the body that carries the rotor; `None` for the base, and for rotors that only enter the
+    /// diagonal of M.
     pub carrier: Option<usize>,
     /// Axis of the rotor in the carrier's frame.
     pub axis: Vector3<S>,

@@ -10,18 +10,18 @@ use crate::graph::{Graph, Scalar};
 use crate::model::{Model, QuaternionJoint, QuaternionKind};
 use crate::spatial::{Attitude, Pose, Vector3};
 
-/// Position of a body in the chain of a joint with a quaternion.
+/// Place of a body in the chain of a joint with a quaternion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ChainPlace {
-    /// The first body of the chain.
+    /// Index of the first body of the chain.
     pub first: usize,
-    /// The last body of the chain.
+    /// Index of the last body of the chain.
     pub last: usize,
     /// Axis of the body's motion in the frame of the last body: 0, 1, 2 for x, y, z.
     pub axis: usize,
 }
 
-/// Chain of the joint of a velocity; `None` for joints without a quaternion.
+/// Place in the chain of the body that belongs to a velocity; `None` for joints without a quaternion.
 ///
 /// - `index`: index of the body in a list that contains the chain
 pub(super) fn chain_place(model: &Model, coordinate: usize, index: usize) -> Option<ChainPlace> {
@@ -39,7 +39,7 @@ fn axes(axis: usize) -> [usize; 3] {
     [(axis + 1) % 3, (axis + 2) % 3, axis]
 }
 
-/// Frame of a body of a chain in the link's frame; z is along the body's motion.
+/// Frame of a body of a chain, in the link's frame. z is along the body's motion.
 pub(super) fn frame(graph: &Graph, place: ChainPlace) -> Pose<Scalar<'_>> {
     let columns =
         axes(place.axis).map(|axis| Numeric3::from_fn(|row, _| if row == axis { 1.0 } else { 0.0 }));

@@ -29,7 +29,7 @@ pub struct DescribedBody<'g> {
     pub rate: f64,
     /// Whether this is the slide of a helical joint.
     pub is_screw_slide: bool,
-    /// Parent body; `None` for the base.
+    /// Index of the parent body; `None` for the base.
     pub parent: Option<usize>,
     /// Pose of the joint's frame in the parent body's frame.
     pub pose: Pose<Scalar<'g>>,

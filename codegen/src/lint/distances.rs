@@ -64,6 +64,8 @@ impl<'m> Distances<'m> {
         Self::with_parameters(model, between, described)
     }
 
+    /// The distances for other values of the free parameters.
+    ///
     /// - `described`: values of the free parameters
     pub(super) fn with_parameters(
         model: &'m Model,

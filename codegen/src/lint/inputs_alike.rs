@@ -1,4 +1,4 @@
-//! Inputs at frames with the same effect as others.
+//! Inputs at frames with the same effect as other inputs.
 
 use super::levers::{Levers, ROUNDING};
 use crate::description::RobotDescription;

@@ -17,9 +17,9 @@ pub struct Drive {
     pub gear_ratio: Formula,
     /// Axial inertia J_R of the rotor (kg m²).
     pub rotor_inertia: Formula,
-    /// Link that carries the rotor.
+    /// Index of the link that carries the rotor.
     pub carrier: usize,
-    /// Rotor axis in the carrier link's frame, unit length.
+    /// Axis of the rotor in the frame of the carrier link, with unit length.
     pub axis: [f64; 3],
     /// Effect of the rotor on M.
     pub coupling: RotorCoupling,
@@ -27,15 +27,15 @@ pub struct Drive {
     pub input: Input,
     /// Torque limits of the motor (N m).
     pub torque: MotorTorque,
-    /// Speed limit of the shaft (rad/s); `None` without a limit. For a drive on one coordinate, the joint's
-    /// speed limit is narrowed to this limit.
+    /// Speed limit of the shaft (rad/s); `None` without a limit. For a drive on one coordinate, the speed
+    /// limit of the joint is narrowed accordingly.
     pub speed: Option<f64>,
     /// Torque–speed line of the motor; `None` without a line.
     pub line: Option<TorqueSpeedLine>,
     /// Friction of the shaft as a function of the shaft's angle `y` and speed `v`, for a drive on several
     /// coordinates. Empty for a drive on one coordinate, because the joint's friction includes this friction.
     pub friction: Vec<FrictionTerm>,
-    /// Whether the drive is described under `[[drives]]` and not at a joint.
+    /// Whether the description has the drive under `[[drives]]` and not at a joint.
     pub stands_apart: bool,
 }
 

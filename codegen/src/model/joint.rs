@@ -36,7 +36,7 @@ impl FollowedCoordinate {
 pub struct MovingJoint<'m> {
     /// The joint.
     pub joint: &'m Joint,
-    /// Link carried by the joint.
+    /// Index of the link that the joint carries.
     pub link: usize,
     /// Coordinates of the joint: its own coordinate, or the coordinates that it follows.
     pub follows: Vec<FollowedCoordinate>,
@@ -58,7 +58,7 @@ pub struct Joint {
     pub kind: JointKind,
     /// Pose of the joint frame in the parent link's frame. At position 0 it is the pose of the link's frame.
     pub origin: Pose,
-    /// Axis in the joint frame, unit length.
+    /// Axis in the joint frame, with unit length.
     pub axis: [f64; 3],
     /// Motion of the joint.
     pub motion: Motion,

@@ -101,7 +101,7 @@ pub(crate) fn product(a: &Rotation, b: &Rotation) -> Rotation {
     std::array::from_fn(|i| std::array::from_fn(|j| (0..3).map(|k| a[i][k] * b[k][j]).sum::<f64>() + 0.0))
 }
 
-/// `R_z(yaw) R_y(pitch) R_x(roll)`, the convention of URDF.
+/// The rotation `R_z(yaw) R_y(pitch) R_x(roll)`, the convention of URDF.
 pub(crate) fn from_rpy([roll, pitch, yaw]: [f64; 3]) -> Rotation {
     product(&about_z(yaw), &product(&about_y(pitch), &about_x(roll)))
 }
@@ -176,14 +176,16 @@ pub(crate) fn from_quaternion([w, x, y, z]: [f64; 4], tolerance: f64) -> Rotatio
 
 /// Standard Denavit–Hartenberg row: pose of frame i in the frame that turns with joint i.
 ///
-/// `T_z(d) T_x(a) R_x(α)`, preceded by the joint's rotation `R_z(θ)` (Denavit and Hartenberg, 1955)
+/// The pose is `T_z(d) T_x(a) R_x(α)`. The joint's rotation `R_z(θ)` precedes it (Denavit and Hartenberg,
+/// 1955).
 pub(crate) fn standard_dh(d: Formula, a: Formula, alpha: f64) -> Pose {
     Pose { translation: [a, Formula::ZERO, d], rotation: about_x(alpha) }
 }
 
 /// Modified Denavit–Hartenberg row: pose of frame i in frame i − 1 at position 0.
 ///
-/// `R_x(α) T_x(a) R_z(θ) T_z(d)` (Khalil and Kleinfinger, 1986; Craig, Introduction to Robotics, 1986)
+/// The pose is `R_x(α) T_x(a) R_z(θ) T_z(d)` (Khalil and Kleinfinger, 1986; Craig, Introduction to Robotics,
+/// 1986).
 pub(crate) fn modified_dh(d: Formula, a: Formula, alpha: f64, theta: f64) -> Pose {
     let tilt = Pose { translation: [a, Formula::ZERO, Formula::ZERO], rotation: about_x(alpha) };
     let lift = Pose { translation: [Formula::ZERO, Formula::ZERO, d], rotation: about_z(theta) };

@@ -28,18 +28,18 @@ pub enum QuaternionKind {
     Floating,
 }
 
-/// Reason why a velocity has no law of a position.
+/// Help text: why a velocity of a joint with a quaternion has no force law of a position.
 pub(crate) const NO_LAW_OF_POSITION: &str = "a law of such a velocity depends only on `v`, because the \
                                              velocity has no position; for springs in any direction use \
                                              `[[forces]]` between two frames";
 
-/// Reason why a velocity has no rotor.
+/// Help text: why a velocity of a joint with a quaternion has no rotor.
 pub(crate) const NO_ROTOR: &str = "a rotor turns about one axis, this joint about three: use `drive = \
                                    \"ideal\"` for a torque in the body's frame, and a link with its own \
                                    joint for a reaction wheel";
 
 impl QuaternionKind {
-    /// Reason why a velocity has no position limits. Limits of a module are listed by velocity, and
+    /// Help text: why a velocity has no position limits. Limits of a module are listed by velocity, and
     /// controllers use deviations along the velocities.
     pub(crate) fn why_unlimited(self, index: usize) -> &'static str {
         match self {

@@ -16,20 +16,20 @@ pub struct Model {
     pub description: Vec<String>,
     /// Gravitational acceleration in the base frame (m/s²).
     pub gravity: [Formula; 3],
-    /// Free parameters, in the order of their description.
+    /// Free parameters, in the order of the description.
     pub parameters: Vec<Parameter>,
     /// All links. `links[0]` is the base. Parents precede children.
     pub links: Vec<Link>,
-    /// Link indices of the moving joints, in the order of the coordinates: coordinate `i` moves
+    /// Indices of the links that the joints of the coordinates carry: coordinate `i` moves
     /// `links[coordinates[i]]`.
     pub coordinates: Vec<usize>,
-    /// Link indices of the driven joints. Lists of all moving joints have them after the coordinates: driven
-    /// joint `k` is `Motion::Coordinate(coordinates.len() + k)`.
+    /// Indices of the links that the driven joints carry. In lists of all moving joints, driven joints follow
+    /// the joints of the coordinates: driven joint `k` is `Motion::Coordinate(coordinates.len() + k)`.
     pub driven: Vec<usize>,
     /// Spherical and floating joints, in the order of their coordinates. Each of these joints has several
     /// coordinates.
     pub quaternion_joints: Vec<QuaternionJoint>,
-    /// Joints that follow coordinates. Lists of all moving joints have them after the coordinates.
+    /// Joints that follow coordinates. In lists of all moving joints they are last.
     pub followers: Vec<Follower>,
     /// Drives. Drives with an input are in the order of the inputs u.
     pub drives: Vec<Drive>,

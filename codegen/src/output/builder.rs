@@ -184,10 +184,11 @@ impl Builder {
         }
     }
 
-    /// Generates all descriptions and returns the files. If one has errors, nothing is written.
+    /// Generates all descriptions and returns the written files. If a description has errors, nothing is
+    /// written.
     ///
     /// Generated modules in `$OUT_DIR` that this build script no longer writes are removed, for example after
-    /// renaming a robot. In other folders they are kept.
+    /// renaming a robot. In other folders these modules are kept.
     ///
     /// # Errors
     /// [`BuildError`] with the problems of all descriptions.

@@ -8,7 +8,7 @@ use super::letters::greek_letter;
 use super::{Operand, Operation, Output, Program, Shape};
 use gelenk_formula::Function;
 
-/// Names for indices of a program.
+/// Names of the parts to which a program refers by index.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Notation {
     /// Names of all free parameters of the program.
@@ -53,7 +53,7 @@ pub struct LatexEquations {
 pub struct LatexResult {
     /// Symbol.
     pub name: String,
-    /// Entries by row; one entry for a scalar.
+    /// Entries by row. A scalar has one entry.
     pub rows: Vec<Vec<String>>,
     is_scalar: bool,
 }

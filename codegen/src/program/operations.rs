@@ -87,7 +87,7 @@ pub enum Operation {
     Divide(Operand, Operand),
     /// `-a`
     Negate(Operand),
-    /// `a * b + c` with one rounding (opt-in).
+    /// `a * b + c` with one rounding. Programs have it only on request.
     MultiplyAdd(Operand, Operand, Operand),
     /// `sin a`. The same call computes the cosine, which is [`Operation::CosineOf`] with the index of this
     /// instruction.
@@ -99,7 +99,7 @@ pub enum Operation {
 }
 
 impl Operation {
-    /// The same operation with other operands; the pair of a `CosineOf` is kept.
+    /// The same operation with other operands. The pair of a `CosineOf` is kept.
     pub(crate) fn map(self, mut change: impl FnMut(Operand) -> Operand) -> Self {
         match self {
             Self::Add(a, b) => Self::Add(change(a), change(b)),
@@ -129,11 +129,11 @@ pub struct Output {
 /// Shape of a result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shape {
-    /// `f64`
+    /// A number: `f64`.
     Scalar,
-    /// `[f64; n]`
+    /// A vector: `[f64; n]`.
     Vector(Extent),
-    /// `[[f64; columns]; rows]`
+    /// A matrix: `[[f64; columns]; rows]`.
     Matrix(Extent, Extent),
 }
 

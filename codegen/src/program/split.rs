@@ -1,8 +1,8 @@
 //! Division of long programs into parts, because compile time grows faster than the length of a function.
 //!
 //! Parts follow one another in the order of the program. No operation moves, so all bits of the results are
-//! kept. Each part can become a function whose arguments are the values that it uses and whose results are
-//! the values used later.
+//! kept. Each part can become a function. Its arguments are the values that the part uses, and its results
+//! are the values that later parts use.
 
 use std::collections::BTreeSet;
 use std::ops::Range;

@@ -22,11 +22,11 @@ pub struct ClosedForm {
 /// A symbol of a closed form.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Symbol {
-    /// Value of the symbol in LaTeX.
+    /// Symbol in LaTeX.
     pub name: String,
-    /// Value in LaTeX.
+    /// Value of the symbol in LaTeX.
     pub value: String,
-    /// Meaning.
+    /// Meaning of the symbol.
     pub meaning: String,
 }
 

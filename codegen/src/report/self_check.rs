@@ -1,6 +1,5 @@
 //! Self-check: comparison of every function with an independent evaluation of the model, and eigenvalues of
 //! the mass matrix.
-//! mass matrix.
 
 use gelenk_report::{Claim, Criterion};
 use nalgebra::{DMatrix, SymmetricEigen};

@@ -44,27 +44,27 @@ impl<'g> Matrix3<'g> {
         Vector3([self[0][k], self[1][k], self[2][k]])
     }
 
-    /// `Aᵀ`
+    /// The transpose `Aᵀ`.
     pub fn transposed(&self) -> Self {
         Self([0, 1, 2].map(|k| self.column(k).0))
     }
 
-    /// `A v`
+    /// The product `A v`.
     pub fn times(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         Vector3(self.0.map(|row| Vector3(row).dot(v)))
     }
 
-    /// `Aᵀ v`
+    /// The product `Aᵀ v`.
     pub fn transposed_times(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         Vector3([0, 1, 2].map(|k| self.column(k).dot(v)))
     }
 
-    /// `A B`
+    /// The product `A B`.
     pub fn product(&self, other: &Self) -> Self {
         Self(self.0.map(|row| other.transposed_times(Vector3(row)).0))
     }
 
-    /// `(tr A − A) v`
+    /// The product `(tr A − A) v`.
     pub fn complement_times(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         let a = self;
         Vector3([

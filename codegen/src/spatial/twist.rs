@@ -18,9 +18,9 @@ pub struct Angle {
 /// A constant rotation `R_z(γ) R_x(α)`, stored as sines and cosines.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Twist {
-    /// sin γ, cos γ
+    /// Sine and cosine of γ.
     pub gamma: (f64, f64),
-    /// sin α, cos α
+    /// Sine and cosine of α.
     pub alpha: (f64, f64),
 }
 

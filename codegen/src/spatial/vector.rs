@@ -22,18 +22,18 @@ impl<'g> Vector3<Scalar<'g>> {
         Self([any.constant(0.0); 3])
     }
 
-    /// `self · other`
+    /// The dot product `self · other`.
     pub fn dot(self, other: Self) -> Scalar<'g> {
         self[0] * other[0] + self[1] * other[1] + self[2] * other[2]
     }
 
-    /// `self × other`
+    /// The cross product `self × other`.
     pub fn cross(self, other: Self) -> Self {
         let component = |i: usize, j: usize| self[i] * other[j] - self[j] * other[i];
         Self([component(1, 2), component(2, 0), component(0, 1)])
     }
 
-    /// `factor · self`
+    /// The multiple `factor · self`.
     pub fn scaled(self, factor: Scalar<'g>) -> Self {
         Self(self.0.map(|x| x * factor))
     }
@@ -149,7 +149,7 @@ impl<'g> Symmetric3<Scalar<'g>> {
         Self::new([any.constant(0.0); 6])
     }
 
-    /// `a bᵀ + b aᵀ`
+    /// The symmetric product `a bᵀ + b aᵀ`.
     pub fn symmetric_product(a: Vector3<Scalar<'g>>, b: Vector3<Scalar<'g>>) -> Self {
         let entry = |i: usize, j: usize| {
             if i == j { (a[i] * b[i]) * 2.0 } else { a[i] * b[j] + a[j] * b[i] }
@@ -157,7 +157,7 @@ impl<'g> Symmetric3<Scalar<'g>> {
         Self::new([entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)])
     }
 
-    /// `a aᵀ`
+    /// The product `a aᵀ`.
     pub fn square(a: Vector3<Scalar<'g>>) -> Self {
         Self::new([a[0] * a[0], a[0] * a[1], a[0] * a[2], a[1] * a[1], a[1] * a[2], a[2] * a[2]])
     }
@@ -178,7 +178,7 @@ impl<'g> Symmetric3<Scalar<'g>> {
         }
     }
 
-    /// `self · v`
+    /// The product `self · v`.
     pub fn times(self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         Vector3([
             self.xx * v[0] + self.xy * v[1] + self.xz * v[2],

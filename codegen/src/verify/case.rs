@@ -47,7 +47,7 @@ impl<'m, T: Number> Case<'m, T> {
         forces
     }
 
-    /// Accelerations that are zero except those of the driven joints.
+    /// Accelerations of the driven joints. All other accelerations are zero.
     pub fn unaccelerated(&self) -> Vec<T> {
         let n = self.n();
         self.a.iter().enumerate().map(|(k, &a)| if k < n { T::zero() } else { a }).collect()

@@ -138,7 +138,7 @@ fn groups(terms: &[FrictionTerm]) -> Vec<Vec<&FrictionTerm>> {
     groups
 }
 
-/// Coefficients of friction by basis function: first those of joints, then those of shafts.
+/// Coefficients of friction by basis function: first the coefficients of joints, then of shafts.
 pub fn friction<T: Number>(case: &Case<'_, T>) -> Vec<T> {
     let groups = case.rubbing().flat_map(|rubbing| groups(rubbing.terms));
     let sum = |group: Vec<&FrictionTerm>| {

@@ -298,8 +298,8 @@ impl<'m, T: Number> Robot<'m, T> {
         (wrenches, forces)
     }
 
-    /// Speed and acceleration of a rotor: those of its shaft, and for a rotor that is a body, also those of
-    /// its carrier about the rotor's axis.
+    /// Speed and acceleration of a rotor about its axis. If the rotor is a body, the motion of its carrier is
+    /// included.
     pub fn shaft_rates(&self, drive: &Drive, links: &[LinkMotion<T>], [v, a]: [&[T]; 2]) -> [T; 2] {
         let carrier = &links[drive.carrier];
         let axis = times(&carrier.rotation, constant(drive.axis));

@@ -47,7 +47,7 @@ pub fn product<T: Number>(a: &Matrix<T>, b: &Matrix<T>) -> Matrix<T> {
 }
 
 /// Product of two rotations. All its entries have the same error. Along a chain of joints this error only
-/// adds up; errors of separate sums of products would grow by a factor with each joint.
+/// adds up. Errors of separate sums of products would grow by a factor with each joint.
 pub fn rotation_product<T: Number>(a: &Matrix<T>, b: &Matrix<T>) -> Matrix<T> {
     let error = largest(a) * largest(b);
     product(a, b).map(|row| row.map(|x| x.with_error_of(error)))

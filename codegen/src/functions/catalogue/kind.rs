@@ -13,8 +13,8 @@ pub struct Kind {
     pub code: &'static str,
     /// Condition in messages. The example replaces `{}`.
     pub condition: &'static str,
-    /// Names the part of a model because of which the model is of this kind. The text may be empty. `None` if
-    /// the model is not of this kind.
+    /// Function that names the part of a model because of which the model is of this kind. The name may be
+    /// empty. `None` if the model is not of this kind.
     pub example: fn(&Model) -> Option<String>,
     /// Rows of the catalogue with the functions that only these robots have.
     pub adds: &'static [Quantity],
@@ -90,7 +90,7 @@ impl Kind {
 }
 
 impl Otherwise {
-    /// Documentation equal to that of the row.
+    /// No changes of the documentation.
     pub(super) const ROW: Self = Self { equation: None, first_result: None, only_note: None, notes: &[] };
 
     /// Changes the documentation of a function.
@@ -128,39 +128,39 @@ const fn product(name: &'static str, missing: &'static str, help: &'static str) 
     Product { name, missing, help }
 }
 
-/// Functions as loops over joints.
+/// The product: functions as loops over joints.
 pub const LOOPS: Product =
     product("loops", "loops over joints are not available", "the functions are straight-line code");
 
-/// Closed forms for people.
+/// The product: closed forms for people.
 pub const CLOSED_FORMS: Product = product(
     "closed-forms",
     "closed forms are not available",
     "`gelenk inspect program` prints the equations with intermediate values",
 );
 
-/// Functions for CasADi.
+/// The product: functions for CasADi.
 pub const CASADI: Product = product(
     "casadi",
     "functions for CasADi are not available",
     "the module itself is valid for such robots: remove `--for casadi`",
 );
 
-/// Functions for acados.
+/// The product: functions for acados.
 pub const ACADOS: Product = product(
     "acados",
     "functions for acados are not available",
     "the module itself is valid for such robots: remove `--for acados`",
 );
 
-/// Export to other formats.
+/// The product: export to other formats.
 pub const EXPORT: Product = product(
     "export",
     "the robot cannot be exported",
     "URDF and MJCF have no prescribed motions: without `motion` the joint is a coordinate",
 );
 
-/// Identification by the library, without the measured motion of driven joints.
+/// The product: identification by the library, without the measured motion of driven joints.
 pub const IDENTIFICATION: Product = product(
     "identification",
     "the robot cannot be identified",

@@ -10,7 +10,7 @@ use crate::dynamics::recursion::motion::MotionInput;
 use crate::function_names;
 use crate::functions::module_constants;
 
-/// Rows of the catalogue.
+/// Rows of the regressors and their parameters in the catalogue.
 pub const QUANTITIES: &[Quantity] = &[
     Quantity {
         name: function_names::INERTIAL_PARAMETERS,

@@ -71,23 +71,23 @@ pub struct ArrayOutput {
     pub array: ArrayId,
 }
 
-/// A step over arrays. Sums of products start with the first product and add the others in order.
+/// A step over arrays. Sums of products start with the first product and add the other products in order.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Step {
     /// The same small straight-line program for each joint.
     Map(Map),
     /// `to[·][j] = from[·][j]` plus the entries of all joints before j, computed from parents to children.
     SumAncestors {
-        /// Terms.
+        /// Array of the terms.
         from: ArrayId,
-        /// Sums.
+        /// Array of the sums.
         to: ArrayId,
     },
     /// `to[·][j] = from[·][j]` plus the entries of all joints beyond j, computed from children to parents.
     SumSubtrees {
-        /// Terms.
+        /// Array of the terms.
         from: ArrayId,
-        /// Sums.
+        /// Array of the sums.
         to: ArrayId,
     },
     /// A matrix over pairs of joints on one path.
@@ -209,7 +209,8 @@ impl Arrays {
         }
     }
 
-    /// Whether the previous joint carries each joint except the first, and no joint has a quaternion.
+    /// Whether the joints form one chain, in which the previous joint carries each joint except the first.
+    /// False if a joint has a quaternion.
     #[must_use]
     pub fn is_chain(&self) -> bool {
         self.joints.is_chain() && self.chains.is_empty()

@@ -22,7 +22,8 @@ impl Tree {
         self.parents.is_empty()
     }
 
-    /// Whether the previous entry is the parent of each entry except the first.
+    /// Whether the entries form one chain, in which the previous entry is the parent of each entry except the
+    /// first.
     #[must_use]
     pub fn is_chain(&self) -> bool {
         let parents = self.parents.iter().enumerate();

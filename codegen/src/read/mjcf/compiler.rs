@@ -9,7 +9,7 @@ use super::files::{Element, plain_path};
 pub(super) struct Compiler {
     /// Unit of angles [rad].
     pub(super) angle: f64,
-    /// Axes of the three angles of `euler`; capital letters mean axes of the parent frame.
+    /// Axes of the three angles of `euler`. Capital letters mean axes of the parent frame.
     pub(super) eulerseq: [char; 3],
     /// Whether a range is a limit even if no attribute says so.
     pub(super) autolimits: bool,

@@ -12,7 +12,7 @@ pub(super) enum Filling {
     Legacy,
     /// Volume inside a closed surface.
     Exact,
-    /// Surface.
+    /// The surface alone.
     Shell,
 }
 

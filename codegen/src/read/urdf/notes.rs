@@ -4,7 +4,8 @@ use super::foreign as urdf_foreign;
 use crate::diagnostic::Severity;
 use crate::read::skipped as notes;
 
-/// Elements that do not enter the dynamics, except those known to [`urdf_foreign`]; they share one note.
+/// Elements that do not affect the dynamics, unless [`urdf_foreign`] knows their content. All of them share
+/// one note.
 pub(super) const HARMLESS: [&str; 14] = [
     "<visual>",
     "<collision>",

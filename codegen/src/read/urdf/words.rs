@@ -37,7 +37,7 @@ impl Reader<'_> {
     }
 
     /// Warns of an element that changes the dynamics in other tools, and of elements and attributes inside it
-    /// that do. Returns whether there are any.
+    /// that change the dynamics. Returns whether there are any.
     pub(super) fn foreign(&mut self, node: XmlNode<'_>) -> bool {
         let mut is_known = false;
         for inner in node.descendants().filter(Node::is_element) {
