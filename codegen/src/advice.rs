@@ -11,9 +11,9 @@ use crate::rates::{self, Mode};
 use crate::wording::{list, three_digits};
 use gelenk_formula::Function as Call;
 
-/// Longest usual period of a control loop [s].
+/// Longest usual period of a control loop \[s\].
 const LONGEST_PERIOD: f64 = 0.02;
-/// Shortest usual period of a control loop [s].
+/// Shortest usual period of a control loop \[s\].
 const SHORTEST_PERIOD: f64 = 0.001;
 
 /// Stability limit of the classical Runge–Kutta method of order 4 for the product of step length and rate

@@ -109,7 +109,7 @@ impl FrameKind {
     }
 }
 
-/// Names that descriptions and the program accept: the functions of every robot, and [`GROUPS`]. Functions of
+/// Names that descriptions and the program accept: the functions that some robot has, and [`GROUPS`]. Functions of
 /// single frames are not included.
 pub fn listed() -> impl Iterator<Item = &'static str> {
     OF_ROBOTS.iter().copied().chain(GROUPS)

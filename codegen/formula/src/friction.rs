@@ -139,7 +139,7 @@ impl<C: Display> FrictionPart<C> {
     }
 }
 
-/// `[["v", 76.556], ["tanh(5*v)", 3.924]]`
+/// The terms as a list of a description, for example `[["v", 76.556], ["tanh(5*v)", 3.924]]`.
 fn weighted<C: Display>(terms: &[FrictionTerm<C>]) -> String {
     let pair = |term: &FrictionTerm<C>| format!("[\"{}\", {}]", term.basis.text(&[]), term.coefficient);
     format!("[{}]", terms.iter().map(pair).collect::<Vec<_>>().join(", "))

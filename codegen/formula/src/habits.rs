@@ -44,7 +44,7 @@ const UNITS: [(&str, &str, &str); 28] = [
     ("A", "1", "A"),
 ];
 
-/// Signs between units that mean the same.
+/// The unit without spaces and with one spelling of signs that mean the same.
 fn spelled(unit: &str) -> String {
     let unit: String = unit.chars().filter(|c| !c.is_whitespace()).collect();
     let unit = unit.replace(['·', '⋅', '.'], "*").replace('²', "^2");
@@ -103,7 +103,7 @@ fn with_comma(text: &str, number: &str, decimals: &str) -> Result<(), FormulaErr
     Err(error(COMMA, message, help, 0..text.len()))
 }
 
-/// `1:80`, as gear ratios are printed.
+/// The error of a ratio that is not a number, for example `1:80`, as gear ratios are printed.
 fn ratio(text: &str, one: &str, other: &str) -> FormulaError {
     let message = format!("`{}` is not a number; a ratio is one number or a quotient of two", text.trim());
     let quotients = match one {

@@ -32,7 +32,7 @@ pub enum Form {
 }
 
 /// Bytes of machine code that an operation of a large straight-line function takes, spilled registers
-/// included: 10 to 20 of x86-64 with AVX-512, fewer where functions are small.
+/// included. Measured on x86-64 with AVX-512: 10 to 20, fewer in small functions.
 const BYTES_PER_OPERATION: usize = 12;
 
 /// Largest machine code in bytes of a straight-line function. Two functions were measured for each robot,

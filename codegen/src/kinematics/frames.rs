@@ -230,7 +230,7 @@ fn common_normals<'g>(model: &Model, tree: &DescribedTree<'g>, directions: &[f64
     drafts
 }
 
-/// The child with the largest subtree, the first of equals.
+/// For each body the child with the largest subtree (the first child if several subtrees are equally large).
 fn main_children(tree: &DescribedTree<'_>) -> Vec<Option<usize>> {
     let mut sizes = vec![1; tree.bodies.len()];
     let mut main: Vec<Option<usize>> = vec![None; tree.bodies.len()];

@@ -75,7 +75,7 @@ fn on_axis(moments: MassMoments<Scalar<'_>>) -> MassMoments<Scalar<'_>> {
     MassMoments { mass: moments.mass, first: Vector3([zero, zero, moments.first[2]]), second }
 }
 
-/// The second moment alone: it depends on the orientation only, which a prismatic joint does not change.
+/// The second moment alone. This moment depends only on the orientation, which a prismatic joint does not change.
 fn second_only(moments: MassMoments<Scalar<'_>>) -> MassMoments<Scalar<'_>> {
     let zero = moments.mass.constant(0.0);
     MassMoments { mass: zero, first: Vector3::zero(zero), second: moments.second }
@@ -119,7 +119,7 @@ fn shared_with<'g>(body: &Body<Scalar<'g>>, choice: RegroupChoice, child: usize)
     (body.axis == JointAxis::Revolute).then_some(Shared { child, in_parent, component })
 }
 
-/// The masses that balance a first moment; `None` if levers are not constants, or where digits would be lost.
+/// The masses that balance a first moment; `None` if levers are not constants or digits would be lost.
 fn balancing_masses(shared: &[Shared<'_>], first: Vector3<Scalar<'_>>) -> Option<Vec<f64>> {
     let row = |component: usize| -> Option<Vec<f64>> {
         let levers = shared.iter().map(|each| each.in_parent.first[component].value());

@@ -313,7 +313,7 @@ impl<'g> Mechanism<Scalar<'g>> {
 /// Largest difference of sums of lengths that are equal up to rounding (m).
 const SAME_LEVER: f64 = 1e-15;
 
-/// `x / unit`, exact where both are the same constant.
+/// `x / unit`, exact if both are the same constant.
 fn scaled_down(x: Scalar<'_>, unit: f64) -> Scalar<'_> {
     match x.value() {
         Some(value) => x.constant(value / unit),

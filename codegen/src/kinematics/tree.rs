@@ -91,7 +91,7 @@ impl<'g> DescribedTree<'g> {
         self.links.push((carrier, pose.then(displacement(graph, joint, position))));
     }
 
-    /// Adds the body of a joint that moves, and before it a body that slides where the joint is helical.
+    /// Adds the body of a joint that moves, and before it a body that slides if the joint is helical.
     fn attach_moving(
         &mut self,
         graph: &'g Graph,

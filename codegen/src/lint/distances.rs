@@ -12,7 +12,7 @@ const SEED: u64 = 0x6469_7374_616e_6365;
 
 /// Number of the closest states from which descents begin.
 const STARTS: usize = 8;
-/// A descent takes a dozen steps, and sixty where the distance only touches zero.
+/// Most steps of a descent: a descent takes about 12 steps, and about 60 if the distance only touches zero.
 const STEPS: usize = 100;
 /// Step of the differences [rad or m].
 const DIFFERENCE: f64 = 1e-6;
@@ -119,7 +119,7 @@ impl<'m> Distances<'m> {
         self.coordinates().filter(changes).collect()
     }
 
-    /// Distance [m] with one coordinate at a position. All other coordinates are as close to 0 as their
+    /// Distance \[m\] with one coordinate at a position. All other coordinates are as close to 0 as their
     /// limits allow.
     pub(super) fn with(&self, link: usize, position: f64) -> f64 {
         self.gap(&self.moved(&self.states[0], &[(link, position)])).norm()
@@ -155,7 +155,7 @@ impl<'m> Distances<'m> {
         joint.and_then(|joint| joint.limits.position).unwrap_or([f64::NEG_INFINITY, f64::INFINITY])
     }
 
-    /// The state with other positions of coordinates; joints that follow them move too.
+    /// The state with other positions of some coordinates. Joints that follow these coordinates move too.
     fn moved(&self, state: &[f64], changes: &[(usize, f64)]) -> Vec<f64> {
         positions(self.model, &self.described, |link, _| {
             let change = changes.iter().find(|(changed, _)| *changed == link);

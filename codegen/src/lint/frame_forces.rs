@@ -27,7 +27,7 @@ const DRIVING_FORCE: Rule = Rule::warning("driving-force");
 /// Fixture: `codegen/tests/snapshots/bad/strokes.toml.snap`.
 const DRIVE_BESIDE: Rule = Rule::note("drive-beside-input");
 
-/// Shorter distances count as zero [m].
+/// Shorter distances count as zero \[m\].
 const SHORTEST: f64 = 1e-9;
 /// Largest relative difference of the longest and the shortest distance that counts as constant.
 const CONSTANT: f64 = 1e-9;

@@ -79,7 +79,7 @@ pub struct Joint {
 const TURN: f64 = std::f64::consts::PI;
 const SLIDE: f64 = 0.5;
 
-/// Farther positions add nothing but rounding: limits of ±1e9 m stand for none.
+/// Farther positions would only add rounding: limits of ±1e9 m mean that the joint has no limits.
 const FARTHEST: f64 = 20.0;
 
 impl Joint {

@@ -52,7 +52,7 @@ fn early_angles(program: &Program) -> Vec<usize> {
     early
 }
 
-/// Appends the operands of an instruction, earliest first; short, since an angle is a sum of a few joints.
+/// Appends the operands of an instruction, earliest first. The list is short because an angle is a sum of a few joints.
 fn move_operands(program: &Program, index: usize, is_moved: &mut [bool], order: &mut Vec<usize>) {
     let mut pending: Vec<(usize, bool)> = read_values(program, index);
     while let Some((value, is_ready)) = pending.pop() {

@@ -322,7 +322,7 @@ fn latex_subscript(stem: &str, index: &str) -> String {
     format!("{stem}_{{{}}}", parts.join(","))
 }
 
-/// Words stand upright, letters and numbers as they are.
+/// The part of an index in LaTeX: words are upright, and letters and numbers remain as they are.
 fn latex_index(part: &str) -> String {
     match greek_letter(part) {
         Some(_) => latex_letter(part),

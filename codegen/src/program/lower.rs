@@ -207,7 +207,7 @@ impl<'g> Lowering<'g> {
         self.values[edge.index()] = Some(value);
     }
 
-    /// Our function makes both at the price of one, so one alone has no function.
+    /// Computes sine and cosine together, because one call costs as much as one of them.
     fn sine_and_cosine(&mut self, angle: Edge) {
         let operand = self.signed(angle);
         let pair = self.instructions.len();

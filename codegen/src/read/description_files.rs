@@ -8,7 +8,7 @@ use super::options::ReadOptions;
 use super::{Loaded, file_kind, from_xml, is_xml, toml_with};
 use crate::diagnostic::{Diagnostic, Diagnostics, Report, Span};
 
-/// Larger files are refused [bytes].
+/// Larger files are refused \[bytes\].
 const LARGEST: u64 = 256 << 20;
 
 /// A description and the files that it extends, with their contents at the first reading. Every later

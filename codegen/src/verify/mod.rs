@@ -159,7 +159,7 @@ fn compare(
     found.iter().zip(expected).map(excess).reduce(worse)
 }
 
-/// A NaN is worse than any number.
+/// The larger disagreement; NaN counts as larger than any number.
 fn worse(one: Disagreement, other: Disagreement) -> Disagreement {
     if other.excess <= one.excess || one.excess.is_nan() { one } else { other }
 }

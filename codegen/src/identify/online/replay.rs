@@ -16,7 +16,7 @@ const RATE_DIGITS: usize = 6;
 /// Relative difference of the rates of two runs that is larger than that of two clocks.
 const OTHER_RATE: f64 = 0.01;
 /// Largest difference of a step of time from whole periods for which velocities are accurate enough
-/// [periods].
+/// \[periods\].
 const LARGEST_JITTER: f64 = 0.1;
 
 /// Function of positions y, velocities ẏ and accelerations ÿ. It returns the generalized forces of the
@@ -42,7 +42,7 @@ pub struct JointReplay {
     pub prior: [f64; gelenk_adaptation::TERMS],
     /// Root mean square of the joint's speed in motion [rad/s or m/s].
     pub speed: f64,
-    /// Friction of the description at [`Self::speed`] [N·m or N].
+    /// Friction of the description at [`JointReplay::speed`] [N·m or N].
     pub described: f64,
     /// Samples of the estimator.
     pub samples: Vec<OnlineSample>,

@@ -7,7 +7,7 @@ use super::files::{Element, plain_path};
 
 /// Settings of the model. The defaults are MuJoCo's.
 pub(super) struct Compiler {
-    /// Unit of angles [rad].
+    /// Unit of angles \[rad\].
     pub(super) angle: f64,
     /// Axes of the three angles of `euler`. Capital letters mean axes of the parent frame.
     pub(super) eulerseq: [char; 3],

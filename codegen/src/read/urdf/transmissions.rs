@@ -22,7 +22,7 @@ fn inner<'a>(node: XmlNode<'a>, words: &'a [&str]) -> impl Iterator<Item = XmlNo
     node.descendants().filter(Node::is_element).filter(is_meant)
 }
 
-/// The numbers in these elements, without repetitions.
+/// The numbers in these elements, without consecutive repetitions.
 fn numbers<'a>(nodes: impl Iterator<Item = XmlNode<'a>>) -> Vec<f64> {
     let mut numbers: Vec<f64> = nodes.filter_map(|node| value_of(node).parse().ok()).collect();
     numbers.dedup();
