@@ -1,4 +1,4 @@
-//! Diagnostics: problems of a description, each with place and remedy.
+//! Diagnostics: the problems of a description. Each has a place and a remedy if they are known.
 //!
 //! Each stage returns either a correct value or [`Diagnostics`] with all problems it found. A [`Diagnostic`]
 //! has a copy of the offending source line, so that terminal, build log and JSON can show it.
@@ -12,7 +12,7 @@ use std::fmt;
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Diagnostics(Vec<Diagnostic>);
 
-/// Most entries that are printed; a hostile file may have a million.
+/// Largest number of printed entries. A hostile file may have a million.
 const SHOWN: usize = 100;
 
 impl Diagnostics {
@@ -75,10 +75,10 @@ impl fmt::Display for Diagnostics {
 
 impl std::error::Error for Diagnostics {}
 
-/// A place in [`Sources`]: bytes `start..end` of one text.
+/// A place in the texts of a [`Report`]: bytes `start..end` of one text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct Span {
-    /// Index of the text.
+    /// Index of the text in the [`Report`].
     pub source: usize,
     /// First byte.
     pub start: usize,
@@ -109,7 +109,7 @@ impl<T> At<T> {
     }
 }
 
-/// One text that was read.
+/// A text that was read.
 #[derive(Debug)]
 struct Source {
     name: String,
@@ -125,11 +125,11 @@ pub(crate) struct Report {
     dropped: usize,
 }
 
-/// Largest number of diagnostics: finding their places in very long lines takes time.
+/// Largest number of kept diagnostics, because finding their places in very long lines takes time.
 const KEPT: usize = 1000;
 
 impl Report {
-    /// Adds a text under its name in messages; returns its index for spans.
+    /// Adds a text with the name that messages show. Returns the text's index for [`Span`]s.
     pub fn add_source(&mut self, name: &str, text: &str) -> usize {
         let breaks = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(at, _)| at + 1);
         let line_starts = std::iter::once(0).chain(breaks).collect();
@@ -137,7 +137,7 @@ impl Report {
         self.sources.len() - 1
     }
 
-    /// The characters of a span.
+    /// The characters of a span; empty if the text has no such bytes.
     pub fn text(&self, span: Span) -> &str {
         self.sources.get(span.source).and_then(|source| source.text.get(span.start..span.end)).unwrap_or("")
     }
@@ -160,7 +160,7 @@ impl Report {
         self.push(span, entry)
     }
 
-    /// Adds a finished diagnostic.
+    /// Adds a diagnostic. If the list is full, an error is only counted.
     pub fn push(&mut self, span: Option<Span>, mut entry: Diagnostic) -> &mut Self {
         if self.is_full() && entry.severity == Severity::Error {
             self.dropped += 1;
@@ -171,14 +171,14 @@ impl Report {
         self
     }
 
-    /// Adds advice to the diagnostic added last.
+    /// Sets the remedy of the diagnostic that was added last.
     pub fn help(&mut self, help: impl Into<String>) {
         if let Some(last) = self.entries.last_mut().filter(|_| self.dropped == 0) {
             last.remedy = Some(help.into());
         }
     }
 
-    /// Number of errors.
+    /// Number of errors, including the errors that were only counted.
     pub fn error_count(&self) -> usize {
         let errors = self.entries.iter().filter(|entry| entry.severity == Severity::Error);
         errors.count() + self.dropped
@@ -194,7 +194,7 @@ impl Report {
         self.error_count() > 0
     }
 
-    /// All diagnostics; an error without help gets the help of its code.
+    /// All diagnostics. An error without a remedy gets the remedy of its code.
     pub fn finish(mut self) -> Diagnostics {
         if self.dropped > 0 {
             let message = format!("{} more problems are not shown", self.dropped);

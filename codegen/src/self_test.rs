@@ -12,16 +12,16 @@ pub(crate) const STATES: u64 = 2;
 /// One call of a function with the interpreter's results.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SelfTest {
-    /// The function.
+    /// Name of the function.
     pub function: String,
-    /// Arguments in order.
+    /// Arguments in the order of the function, each flat.
     pub arguments: Vec<Vec<f64>>,
-    /// Results, flat and row-major.
+    /// Results in the order of the function, flat and row-major.
     pub results: Vec<Vec<f64>>,
 }
 
-/// Calls of each function at seeded states with the described parameters. Calls with a non-finite result are
-/// omitted, for example of a singular mass matrix.
+/// Two calls of each function at seeded states. Free parameters have the values of the description. A call
+/// with a result that is not finite is left out, for example if the mass matrix is singular.
 #[must_use]
 pub fn self_tests(model: &Model, functions: &[Function]) -> Vec<SelfTest> {
     let described = model.parameters.iter().map(|parameter| parameter.default);
@@ -45,8 +45,8 @@ pub(crate) fn arguments(model: &Model, function: &Function, seed: u64) -> Vec<Ve
     inputs.map(|input| entries(model, input.extent.dimension, &mut random)).collect()
 }
 
-/// Entries of an argument. Positions lie within the limits, and no velocity is close to 0, where friction may
-/// jump.
+/// Entries of an argument. Positions are within the limits. No velocity is close to 0, because friction may
+/// jump there.
 fn entries(model: &Model, dimension: Dimension, random: &mut Random) -> Vec<f64> {
     match dimension {
         Dimension::Coordinates | Dimension::Positions => {

@@ -8,30 +8,30 @@ use crate::program::cost::{Cost, count};
 use gelenk_kernels::discrete_time::Text;
 use gelenk_kernels::manifold;
 
-/// Largest numbers of doublings and of repetitions in `discretize`, those of its text.
+/// Largest numbers of doublings and of repetitions in the text of `discretize`.
 const MOST_DOUBLINGS: usize = 6;
 const MOST_REPETITIONS: usize = 18;
 const MOST_HALVINGS: usize = MOST_DOUBLINGS + MOST_REPETITIONS;
 
-/// A result of a function over a sample time.
+/// A result of a [`Composition`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct ComposedResult {
-    /// Symbol.
+    /// Symbol of the result.
     pub name: &'static str,
-    /// Lengths, outermost first.
+    /// Lengths of the dimensions, outermost first.
     pub extents: Vec<Extent>,
-    /// Meaning.
+    /// Meaning of the result.
     pub meaning: &'static str,
 }
 
-/// A generated function over a sample time.
+/// A generated function that calls another generated function, and computes the motion over one sample time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Composition {
     /// Zero-order hold of the linearization.
     Discretize,
-    /// Runge–Kutta steps.
+    /// State after the sample time, by Runge–Kutta steps.
     Step,
-    /// Runge–Kutta steps with sensitivities.
+    /// State after the sample time and its derivatives, by Runge–Kutta steps.
     StepDerivatives,
 }
 
@@ -49,7 +49,7 @@ impl Composition {
         }
     }
 
-    /// The generated function that is called.
+    /// Name of the generated function that this function calls.
     #[must_use]
     pub fn calls(self) -> &'static str {
         match self {
@@ -58,7 +58,7 @@ impl Composition {
         }
     }
 
-    /// Whether the function takes several steps in one period.
+    /// Whether the function divides the sample time into substeps.
     #[must_use]
     pub fn has_substeps(self) -> bool {
         self != Self::Discretize
@@ -84,7 +84,7 @@ impl Composition {
         }
     }
 
-    /// The results for a robot.
+    /// The results for a model.
     pub(crate) fn results(self, model: &Model) -> Vec<ComposedResult> {
         let n = Extent::new(Dimension::Coordinates, model.coordinates.len());
         let positions = match model.quaternion_joints.is_empty() {
@@ -117,7 +117,7 @@ impl Composition {
         }
     }
 
-    /// Method, error and limits.
+    /// Notes of the documentation: method, error and limits.
     pub(crate) fn notes(self, has_quaternions: bool) -> &'static [&'static str] {
         match self {
             Self::Discretize if has_quaternions => &[
@@ -155,7 +155,7 @@ impl Composition {
         }
     }
 
-    /// Number of calls.
+    /// Number of calls of [`Self::calls`] in one period.
     pub(crate) fn call_count(self, substeps: usize) -> usize {
         match self {
             Self::Discretize => 1,
@@ -163,8 +163,9 @@ impl Composition {
         }
     }
 
-    /// Operations for N coordinates and M inputs: those of the calls and of the loops as written, including
-    /// factors 0 and 1. If the number depends on the data, it is the largest.
+    /// Number of operations for n coordinates and m inputs: the operations of the calls, and the operations
+    /// of the function's own loops including multiplications by 0 and 1. If the number depends on the data,
+    /// this is the largest number.
     ///
     /// - `called`: operations of one call
     #[must_use]
@@ -172,13 +173,14 @@ impl Composition {
         called * self.call_count(substeps) + self.own_cost(n, m, substeps, MOST_HALVINGS)
     }
 
-    /// Like [`Self::cost`], but the smallest number if it depends on the data.
+    /// Number of operations as [`Self::cost`] counts them, but the smallest number if the number depends on
+    /// the data.
     #[must_use]
     pub fn least_cost(self, n: usize, m: usize, substeps: usize, called: Cost) -> Cost {
         called * self.call_count(substeps) + self.own_cost(n, m, substeps, 0)
     }
 
-    /// Operations in a robot's module; `None` if the module lacks the called function.
+    /// Number of operations in the module of a robot; `None` if the module lacks the called function.
     pub(crate) fn cost_in(self, model: &Model, functions: &[Function]) -> Option<Cost> {
         let called = functions.iter().find(|function| function.name == self.calls())?;
         let substeps = model.options.substeps.unwrap_or(1);
@@ -214,7 +216,7 @@ impl Composition {
         }
     }
 
-    /// Additional texts for joints with quaternions.
+    /// Additional texts that the module includes if the robot has joints with quaternions.
     pub(crate) fn manifold_texts(self) -> &'static [manifold::Text] {
         use manifold::Text::{RungeKutta, Sensitivities, ZeroOrderHold};
         match self {
@@ -224,7 +226,7 @@ impl Composition {
         }
     }
 
-    /// Fixed texts included in the module.
+    /// Fixed texts that the module includes.
     pub(crate) fn texts(self) -> &'static [Text] {
         match self {
             Self::Discretize => &[Text::Sums, Text::Halves, Text::ZeroOrderHold],
