@@ -386,8 +386,8 @@ fn scene_markup(scene: &Scene) -> Markup {
     }
 }
 
-/// The slider of a joint. The sliders of a joint with a quaternion displace and rotate its body, and are no
-/// coordinates.
+/// The slider of a joint. The sliders of a joint with a quaternion displace and rotate its body. They are
+/// not coordinates.
 fn slider(index: usize, symbol: SceneSymbol, joint: &SceneJoint) -> Markup {
     let [low, high] = joint.range();
     let letter = Some(symbol.letter()).filter(|_| !matches!(symbol, SceneSymbol::Velocity(_)));

@@ -94,7 +94,7 @@ where
     /// are held for `period` (s).
     ///
     /// # Errors
-    /// [`JointLqrError`] for weights or a period out of range, positions that are no attitudes, a model
+    /// [`JointLqrError`] for weights or a period out of range, quaternions that are not attitudes, a model
     /// without feed-forward, or a linearization without zero-order hold or stabilizing gain.
     pub fn new(
         model: D,

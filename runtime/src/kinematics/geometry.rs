@@ -91,7 +91,7 @@ impl Screws {
     }
 
     /// Axis of the rotation by [`PROBE`] from the home pose to `turned`, and the point on it that is closest
-    /// to the origin. `None` if this motion is no rotation by [`PROBE`].
+    /// to the origin. `None` if this motion is not a rotation by [`PROBE`].
     fn axis(&self, turned: &Pose) -> Option<(Vector3<f64>, Vector3<f64>)> {
         let turn = matrix(&turned.1) * self.home_rotation.transpose();
         let antisymmetric = (turn - turn.transpose()) * 0.5;

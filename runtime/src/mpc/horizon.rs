@@ -233,7 +233,7 @@ where
     ///
     /// # Errors
     /// [`ControllerFault::Stalled`] after more than `MAX_BRIDGED` periods; the next step continues from this
-    /// measurement. [`ControllerFault::Attitude`] for a measured quaternion that is no attitude.
+    /// measurement. [`ControllerFault::Attitude`] for a measured quaternion that is not an attitude.
     /// [`ControllerFault::NotFinite`] for a time that is not finite.
     pub fn observe(&mut self, cycle: &Cycle<N, M, NY>) -> Result<(f64, Node<N, NY>), ControllerFault> {
         self.time = cycle.time;

@@ -27,8 +27,9 @@ impl Certificate {
         self.decrease > 0.5 * self.residuals.gap
     }
 
-    /// Whether this point is better than another one if both are no solutions. If both keep the hard bounds
-    /// to `feasibility`, the one with the lower cost is better, otherwise the one with the smaller residuals.
+    /// Whether this point is better than another one if neither point is a solution. If both keep the hard
+    /// bounds to `feasibility`, the one with the lower cost is better, otherwise the one with the smaller
+    /// residuals.
     pub(super) fn is_better_than(&self, other: &Self, feasibility: f64) -> bool {
         let keeps = |point: &Self| point.merit.is_finite() && point.residuals.primal <= feasibility;
         if keeps(self) && keeps(other) { self.cost < other.cost } else { self.merit < other.merit }

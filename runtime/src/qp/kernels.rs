@@ -80,12 +80,13 @@ pub(super) fn product<
     }
 }
 
-/// The first `count` columns of `R` lanes from lane `r` on, by blocks. Eight sums at least hide the latency of a fused
-/// multiply-add. With a column of the left factor and one number of the right one they must fit 16 registers, with two to spare:
-/// the compiler loads the next number before the last one is used.
+/// Computes the first `count` columns of `R` lanes from lane `r` on, by blocks. At least eight sums hide the
+/// latency of a fused multiply-add. The sums, a column of the left factor and one number of the right factor
+/// must fit in 16 registers, with two registers to spare, because the compiler loads the next number before
+/// the last one is used.
 ///
 /// # Safety
-/// As for [`block`], for these columns.
+/// The conditions of [`block`] must be satisfied for these columns.
 #[inline(always)]
 unsafe fn columns<V: Vector, const R: usize, const TERMS: usize>(
     out: &mut [V],

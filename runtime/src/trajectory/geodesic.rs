@@ -67,8 +67,8 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Geo
     /// # Errors
     /// [`TrajectoryError::TooFew`] for fewer than two points, [`TrajectoryError::OutOfRange`] for times that
     /// do not increase from 0, [`TrajectoryError::NotFinite`] for an entry that is not finite,
-    /// [`TrajectoryError::Attitude`] for a quaternion that is no attitude, and [`TrajectoryError::HalfTurn`]
-    /// for a rotation by 180° between two points.
+    /// [`TrajectoryError::Attitude`] for a quaternion that is not an attitude, and
+    /// [`TrajectoryError::HalfTurn`] for a rotation by 180° between two points.
     pub fn through(robot: D, points: &[(f64, [f64; NY])]) -> Result<Self, TrajectoryError> {
         let (times, positions) = checked(&robot, points)?;
         let ways: Vec<[f64; N]> =

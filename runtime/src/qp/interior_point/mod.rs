@@ -53,7 +53,7 @@ enum Candidate {
     Free,
     /// An iterate.
     Iterate,
-    /// The best iterate at the end of the method, even if it is no solution.
+    /// The best iterate at the end of the method, even if it is not a solution.
     Last,
 }
 

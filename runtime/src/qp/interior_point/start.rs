@@ -62,7 +62,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
 
     /// Restarts from a point as deep inside the bounds as the dynamics allow, with its whole cost as the
     /// scale of the gap. If the optimum without bounds is far outside of the bounds, the cost of moving it
-    /// into the bounds is no good scale, and the method proceeds slowly along the boundary.
+    /// into the bounds is not a good scale, and the method proceeds slowly along the boundary.
     pub(super) fn restart(&mut self, run: &mut Run) {
         if run.iterations > 0 {
             self.iterate.copy_from(&self.best);
