@@ -167,13 +167,13 @@ pub struct Counts {
     pub deadline_misses: u64,
     /// Largest number of consecutive missed deadlines.
     pub longest_miss: u64,
-    /// Readings that did not arrive.
+    /// Periods without a reading.
     pub missing: u64,
     /// Readings with NaN or infinity.
     pub not_finite: u64,
-    /// Readings that jumped.
+    /// Readings in which a position jumped.
     pub jumps: u64,
-    /// Readings that were constant during desired motion.
+    /// Readings in which a position remained constant during desired motion.
     pub frozen: u64,
     /// Readings whose velocities contradicted their positions or were not finite.
     pub velocity_faults: u64,

@@ -15,7 +15,7 @@ pub enum GeometryError {
     /// A joint does not rotate its frame about an axis by its coordinate.
     #[error("joint {} is not a revolute joint whose frame turns with its coordinate", .joint + 1)]
     NotRevolute {
-        /// Index of the joint; messages count from 1.
+        /// Index of the joint, from 0. Messages count from 1.
         joint: usize,
     },
     /// The pose is not a product of rotations about six axes.

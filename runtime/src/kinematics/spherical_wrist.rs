@@ -109,7 +109,7 @@ pub enum KinematicsError {
         .joint + 1
     )]
     Limits {
-        /// Index of the joint with the largest violation in the best solution; messages count from 1.
+        /// Index of the joint with the largest violation in the best solution, from 0. Messages count from 1.
         joint: usize,
         /// Amount of this violation (rad).
         excess: f64,

@@ -19,7 +19,7 @@ pub enum CartesianError {
     /// A pose cannot be reached.
     #[error("pose {}: {source}", .pose + 1)]
     Unreachable {
-        /// Index of the pose; messages count from 1.
+        /// Index of the pose, from 0. Messages count from 1.
         pose: usize,
         /// Reason for which the arm cannot reach the pose.
         source: KinematicsError,
@@ -27,7 +27,7 @@ pub enum CartesianError {
     /// The straight path to a pose leaves the arm's workspace.
     #[error("at {time} s on the path to pose {}: {source}", .pose + 1)]
     WayUnreachable {
-        /// Index of the pose at the end of the path; messages count from 1.
+        /// Index of the pose at the end of the path, from 0. Messages count from 1.
         pose: usize,
         /// Time since the start of the path (s).
         time: f64,
@@ -41,7 +41,7 @@ pub enum CartesianError {
         .pose + 1
     )]
     Singular {
-        /// Index of the pose at the end of the path; messages count from 1.
+        /// Index of the pose at the end of the path, from 0. Messages count from 1.
         pose: usize,
         /// Time since the start of the path (s).
         time: f64,
@@ -56,11 +56,11 @@ pub enum CartesianError {
         .joint + 1
     )]
     Jump {
-        /// Index of the pose at the end of the path; messages count from 1.
+        /// Index of the pose at the end of the path, from 0. Messages count from 1.
         pose: usize,
         /// Time since the start of the path (s).
         time: f64,
-        /// Index of the joint; messages count from 1.
+        /// Index of the joint, from 0. Messages count from 1.
         joint: usize,
         /// Step of the joint (rad).
         step: f64,

@@ -214,9 +214,9 @@ pub enum TrajectoryError {
         .point + 1, .joint + 1, .limits[0], .limits[1]
     )]
     PointOutside {
-        /// Index of the point; messages count from 1.
+        /// Index of the point, from 0. Messages count from 1.
         point: usize,
-        /// Index of the joint; messages count from 1.
+        /// Index of the joint, from 0. Messages count from 1.
         joint: usize,
         /// Position of the joint [rad or m].
         position: f64,
@@ -231,7 +231,7 @@ pub enum TrajectoryError {
     DependentOutside {
         /// Name of the joint.
         joint: &'static str,
-        /// Index of the point; messages count from 1.
+        /// Index of the point, from 0. Messages count from 1.
         point: usize,
         /// Position of the joint [rad or m].
         position: f64,
@@ -247,7 +247,7 @@ pub enum TrajectoryError {
     DependentOvershoot {
         /// Name of the joint.
         joint: &'static str,
-        /// Index of the point before; messages count from 1.
+        /// Index of the point before, from 0. Messages count from 1.
         point: usize,
         /// Farthest position of the joint [rad or m].
         position: f64,
@@ -271,13 +271,13 @@ pub enum TrajectoryError {
         "points {} and {} are equal: remove one, or stop there with a sequence of points", .point, .point + 1
     )]
     RepeatedPoint {
-        /// Index of the second point; messages count from 1.
+        /// Index of the second point, from 0. Messages count from 1.
         point: usize,
     },
     /// A quaternion of a point is not an attitude.
     #[error("point {}: {error}", .point + 1)]
     Attitude {
-        /// Index of the point; messages count from 1.
+        /// Index of the point, from 0. Messages count from 1.
         point: usize,
         /// Joint and fault of the quaternion.
         error: AttitudeError,
@@ -290,7 +290,7 @@ pub enum TrajectoryError {
     HalfTurn {
         /// Name of the joint.
         joint: &'static str,
-        /// Index of the second point; messages count from 1.
+        /// Index of the second point, from 0. Messages count from 1.
         point: usize,
         /// Angle of the rotation (rad).
         angle: f64,
@@ -298,7 +298,7 @@ pub enum TrajectoryError {
     /// Neither speed nor acceleration of a joint is limited.
     #[error("joint {} moves, but neither its speed nor its acceleration is limited", .joint + 1)]
     Unlimited {
-        /// Index of the joint; messages count from 1.
+        /// Index of the joint, from 0. Messages count from 1.
         joint: usize,
     },
     /// A file cannot be read.

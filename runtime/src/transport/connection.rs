@@ -70,7 +70,7 @@ pub enum TransportError {
     /// An input is not finite, or too large for its encoding. Nothing was sent.
     #[error("input {} cannot be encoded", .input + 1)]
     Input {
-        /// Index of the input; messages count from 1.
+        /// Index of the input, from 0. Messages count from 1.
         input: usize,
     },
 }

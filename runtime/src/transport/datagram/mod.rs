@@ -181,7 +181,7 @@ pub enum DatagramError {
     /// An input is NaN or infinite.
     #[error("input {} is not finite", .input + 1)]
     Input {
-        /// Index of the input; messages count from 1.
+        /// Index of the input, from 0. Messages count from 1.
         input: usize,
     },
     /// The duration or the force of a push is not finite, or the number of its frame is above 254.
