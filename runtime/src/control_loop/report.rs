@@ -169,7 +169,7 @@ pub struct Counts {
     pub longest_miss: u64,
     /// Periods without a reading.
     pub missing: u64,
-    /// Readings with NaN or infinity.
+    /// Readings with NaN, infinity or a quaternion that is not an attitude.
     pub not_finite: u64,
     /// Readings in which a position jumped.
     pub jumps: u64,

@@ -66,7 +66,7 @@ pub struct LoopSettings<const N: usize, const M: usize> {
     pub settling_time: f64,
     /// Release time of the brakes (s), in which the inputs hold the start position.
     pub release_time: f64,
-    /// Number of periods without a reading after which the loop refuses to start.
+    /// Number of periods without a plausible reading after which the loop refuses to start.
     pub start_periods: u32,
     /// Largest number of periods in which the loop repeats the brake command until the brakes are engaged.
     pub brake_periods: u32,
