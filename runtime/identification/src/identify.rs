@@ -140,7 +140,7 @@ pub struct JointFriction {
 ///
 /// # Errors
 /// The call fails if logs cannot be read or do not match the robot's joints, if signals are too short or far beyond
-/// described limits, or if the estimate is refused ([`estimate`] lists the reasons). An error after the first finding is
+/// described limits, or if the estimate is refused ([`estimate()`] lists the reasons). An error after the first finding is
 /// [`IdentificationError::After`], which holds the earlier findings. A joint without a friction law is not an error, see
 /// [`JointFriction::report`].
 pub fn identify(

@@ -27,7 +27,7 @@ pub struct PlanSettings {
     /// no such limit.
     pub turn: f64,
     /// Posture from which the robot moves to the beginning of the motion [rad or m], by joint. A joint with a quaternion has
-    /// the coordinates of [`Approach::from`](super::Approach::from). `None` plans no approach.
+    /// the coordinates of [`Approach`](super::Approach). `None` plans no approach.
     pub start: Option<Vec<f64>>,
 }
 

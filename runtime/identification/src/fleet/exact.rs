@@ -56,7 +56,7 @@ impl Exact {
         bytes.extend(&odd[..kept]);
     }
 
-    /// A number from its trailing zero bits and the bytes of the rest; `None` if the bytes are no valid number.
+    /// A number from its trailing zero bits and the bytes of the rest; `None` if the bytes are not a valid number.
     pub(super) fn read(zeros: u8, odd: &[u8]) -> Option<Self> {
         let negative = odd.last().is_some_and(|byte| byte & 0x80 != 0);
         let mut all = [if negative { 0xff } else { 0 }; 16];

@@ -142,7 +142,7 @@ impl JointSums {
 trait Stored: Sized {
     fn put(&self, bytes: &mut Vec<u8>);
 
-    /// Reads a value from the beginning of `rest` and removes its bytes; `None` if they are no valid value. No more memory
+    /// Reads a value from the beginning of `rest` and removes its bytes; `None` if they are not a valid value. No more memory
     /// is allocated than the bytes justify.
     fn take(rest: &mut &[u8]) -> Option<Self>;
 }

@@ -46,7 +46,7 @@ const OF_MOMENTS: Rule = Rule::note("moments");
 ///
 /// # Errors
 /// [`IdentificationError::File`] if the moments belong to another description, were made by another version, or come from
-/// too few logs. The other errors are those of [`estimate`](crate::estimation::estimate).
+/// too few logs. The other errors are those of [`crate::estimation::estimate()`].
 pub fn identify_moments(
     robot: &dyn Robot,
     description: &[&[u8]],

@@ -52,7 +52,7 @@ impl Reduced {
     /// Reduces the samples in one pass. A second, orthogonal pass follows if the library is ill-conditioned.
     ///
     /// # Errors
-    /// - [`NotFinite`](IdentificationError::NotFinite), [`Overflow`](super::super::error::IdentificationError::Overflow):
+    /// - [`NotFinite`](IdentificationError::NotFinite), [`Overflow`](IdentificationError::Overflow):
     ///   values that are not finite, or too large
     /// - [`ZeroColumn`](IdentificationError::ZeroColumn): a term that is zero everywhere
     /// - [`Collinear`](IdentificationError::Collinear): collinear terms
