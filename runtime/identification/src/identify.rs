@@ -87,8 +87,8 @@ pub struct Identification {
     pub estimate: Estimate,
     /// Friction laws of the joints that moved.
     pub friction: Vec<JointFriction>,
-    /// The rows of the equations that shafts of drives take from joints; `None` if no shaft takes a row. In such a row,
-    /// positions and velocities are those of the shaft, and efforts are those of its motor.
+    /// The rows of the equations that shafts of drives take from joints; `None` if no shaft takes a row. In the row of a
+    /// shaft, positions and velocities are those of the shaft, and efforts are those of its motor.
     pub(crate) shafts: Option<ShaftRows>,
 }
 

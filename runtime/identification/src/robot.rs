@@ -83,8 +83,8 @@ pub trait Robot {
         }
     }
 
-    /// For each joint, whether it is moved from outside, as a linear axis under a robot. Logs have the motion of such a
-    /// joint, but not its force.
+    /// For each joint, whether it is moved from outside, as a linear axis under a robot. Logs have the motion of a joint
+    /// that is moved from outside, but not its force.
     fn unmeasured(&self) -> Vec<bool> {
         vec![false; self.joint_names().len()]
     }

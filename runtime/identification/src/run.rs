@@ -71,7 +71,7 @@ pub struct PreparedRun {
     /// Smoothed efforts, one column for each joint or input as [`Effort`] says.
     pub efforts: Vec<Vec<f64>>,
     /// For each joint and sample, whether the joint rests. Dry friction at rest takes any value up to the static one, so the
-    /// effort of such a sample contains no information on friction. Empty if no joint rests.
+    /// effort of this sample contains no information on friction. Empty if no joint rests.
     pub resting: Vec<Vec<bool>>,
     /// Kind of the efforts.
     pub effort: Effort,

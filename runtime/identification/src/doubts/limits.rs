@@ -274,8 +274,7 @@ fn in_column(of: &str, column: Option<&String>) -> String {
     column.map_or_else(String::new, |column| format!(" ({of} {column})"))
 }
 
-/// The largest unit with which values are within their limit and use a noticeable part of it; `None` if there is no such
-/// unit.
+/// The largest unit with which values are within their limit and use a noticeable part of it; `None` if there is none.
 ///
 /// - `share`: ratio of the values to their limit
 fn likely(share: f64, units: &'static [&'static str]) -> Option<&'static str> {

@@ -160,7 +160,7 @@ impl Layout {
         (0..self.joints).filter(|&joint| self.measured[joint] && !self.known_gains[joint])
     }
 
-    /// The layout without the equations of joints that rest and whose gains are unknown. Stiction holds such a joint, and
+    /// The layout without the equations of joints that rest and whose gains are unknown. Stiction holds a joint at rest, so
     /// its current does not determine its force.
     pub(super) fn without_resting_currents(self) -> Self {
         let rests = |joint: &usize| !self.known_gains[*joint] && !self.moves[*joint];

@@ -23,8 +23,8 @@ pub struct PlanSettings {
     /// Range of positions of prismatic joints without described limits \[m\]. Revolute joints without described limits may
     /// turn by ±π.
     pub travel: f64,
-    /// Largest rotation of joints with a quaternion from their zero position \[rad\], above 0 and below π. Descriptions have
-    /// no such limit.
+    /// Largest rotation of joints with a quaternion from their zero position \[rad\], above 0 and below π. A description
+    /// does not limit it.
     pub turn: f64,
     /// Posture from which the robot moves to the beginning of the motion [rad or m], by joint. A joint with a quaternion has
     /// the coordinates of [`Approach`](super::Approach). `None` plans no approach.

@@ -10,7 +10,7 @@ use nalgebra::DMatrix;
 
 impl FrictionData<'_> {
     /// The speed from which the data determine the law without the effect of the filter. It is the tenth smallest speed of
-    /// the samples that are farther from rests and reversals than the filter reaches. If there are fewer than ten such
+    /// the samples that are farther from rests and reversals than the filter reaches. If there are fewer than ten of these
     /// samples, it is the largest speed of all samples.
     pub(super) fn resolved_from(&self) -> f64 {
         let near = self.filtered.map_or_else(|| vec![false; self.velocities.len()], Filtered::near);

@@ -24,8 +24,8 @@ pub(super) fn assumed_unit(step: i128) -> (f64, Option<String>) {
     (factor, Some(message))
 }
 
-/// A finding if all steps are exactly one second. Robots are not recorded so slowly, but a counter of samples has such
-/// steps.
+/// A finding if all steps are exactly one second. Robots are not recorded so slowly, but a counter of samples has steps of
+/// one.
 ///
 /// - `times`: times in 10⁻¹² of the unit
 /// - `unit`: unit of the times [s]

@@ -51,12 +51,12 @@ pub struct JointPreparation {
     pub bandwidth: f64,
     /// Estimated share of noise in the power of the filtered ÿ.
     pub acceleration_noise: f64,
-    /// Delay that was removed from the effort with the index of this joint \[s\]: the given delay, or the effort's own delay
-    /// if it differs significantly from the common one, otherwise the common one. The preparation itself removes a found
-    /// delay only if it exceeds 10 ms by two standard errors, else 0. [`crate::identify::identify`] adds the rest of the
-    /// delay from its common estimate.
+    /// Delay that was removed from the effort with the index of this joint \[s\]. It is the given delay, or else the
+    /// effort's own delay if this differs significantly from the common one, otherwise the common delay. The preparation
+    /// removes a found delay only if it exceeds 10 ms by two standard errors. Otherwise the value is 0 until
+    /// [`crate::identify::identify`] adds the delay of its common estimate.
     pub delay: f64,
     /// The reason for which the effort with the index of this joint cannot be used; `None` if it can be used. The columns of
-    /// such an effort hold NaN, so that no fit uses them.
+    /// an unusable effort hold NaN, so that no fit uses them.
     pub fault: Option<Finding>,
 }

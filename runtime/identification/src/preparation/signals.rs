@@ -103,10 +103,10 @@ pub(super) struct Smoothing {
     pub cut: f64,
     /// Delay of each effort [s].
     pub delays: Vec<f64>,
-    /// Whether each effort is unusable. The columns of such an effort hold NaN.
+    /// Whether each effort is unusable. The columns of an unusable effort hold NaN.
     pub faulty: Vec<bool>,
-    /// Low-pass filter that the efforts passed before they were recorded. All other signals pass it here. `None` if there is
-    /// no such filter.
+    /// Low-pass filter that the efforts passed before they were recorded. All other signals pass it here. `None` if the
+    /// efforts passed no filter.
     pub band: Option<Band>,
 }
 

@@ -25,7 +25,7 @@ pub(super) enum Key {
 pub(super) struct Family {
     pub meaning: Meaning,
     pub key: Key,
-    /// Index of the column of each joint or input; `None` if the log has no such column.
+    /// Index of the column of each joint or input; `None` if the log does not have the column.
     pub columns: Vec<Option<usize>>,
     /// Numbers in the headers; empty if the columns do not differ by numbers.
     pub numbers: Vec<u64>,

@@ -36,7 +36,7 @@ pub(in crate::log) struct Found {
 /// The names of the columns of a quantity in a log, for messages and for `--columns`.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct ColumnLabels {
-    /// Header or number of the column of each joint or input; `none` if the log has no such column.
+    /// Header or number of the column of each joint or input; `none` if the log does not have the column.
     pub(crate) columns: Vec<String>,
     /// All columns in the form that `--columns` takes, as `q{}`.
     pub(crate) pattern: String,

@@ -54,7 +54,7 @@ impl Program {
         self.results.len()
     }
 
-    /// Kind of the expression `index`: number or truth value; `None` if there is no such expression.
+    /// Kind of the expression `index`: number or truth value; `None` if the index is too large.
     pub(crate) fn kind(&self, index: usize) -> Option<Kind> {
         self.results.get(index).map(|r| r.1)
     }
