@@ -200,7 +200,8 @@ fn are_alike(one: &DVector<f64>, other: &DVector<f64>) -> bool {
 }
 
 /// The library without terms that act as offsets in these data, as `sign(v)` does if each run moves in one direction, and a
-/// sentence on the terms that were left out. A library with only such terms is returned unchanged, and the fit refuses it.
+/// sentence on the terms that were left out. A library with only terms of this kind is returned unchanged, and the fit
+/// refuses it.
 fn without_offsets(library: Library, data: &FrictionData) -> Result<(Library, Option<String>)> {
     let (matrix, runs) = (library.matrix(&[data.velocities])?, runs(data));
     let varies = |term: &usize| {
