@@ -43,8 +43,8 @@ pub(super) struct Checked<'a> {
     pub(super) correlation_time: f64,
     /// Joints whose efforts are not used.
     pub(super) left_out: &'a [usize],
-    /// Whether the loads of the gears are covered: friction under load is part of the fit, or the rigid forces are without
-    /// gravity and so are not the loads.
+    /// Whether the check for friction under load is left out: this friction is part of the fit, or the rigid forces are
+    /// without gravity and so are not the loads of the gears.
     pub(super) loads_are_known: bool,
 }
 

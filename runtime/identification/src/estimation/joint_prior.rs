@@ -81,7 +81,7 @@ impl JointPrior {
 
     /// Variance of the score due to the spread of an offset, in the weights of independent samples.
     ///
-    /// - `weight`: weight of the samples without force of [`Self::samples_of_offset`]
+    /// - `weight`: product of [`Self::samples_of_offset`] and the weight 1/σ² of a sample
     pub(super) fn offset_score(&self, weight: f64) -> f64 {
         weight * self.time
     }

@@ -38,9 +38,9 @@ pub(super) struct Layout {
     /// Indices of the unknowns in each joint's equation, ascending. The sums of a joint have these columns, then the
     /// described rigid force and the measured force.
     pub(super) local: Vec<Vec<usize>>,
-    /// Number of the delay of each effort; empty if the delays are known.
+    /// For each effort, the index of its delay. Efforts with the same index share a delay. Empty if the delays are known.
     pub(super) delays: Vec<usize>,
-    /// Numbers of the delays in each joint's equation.
+    /// For each joint, the indices of the delays in its equation.
     pub(super) late: Vec<Vec<usize>>,
     /// Factors k of the terms tanh(k v), for each joint.
     pub(super) steepness: Vec<[f64; WIDTHS.len()]>,
@@ -131,7 +131,7 @@ impl Layout {
 
     /// The layout with unknown delays of the efforts.
     ///
-    /// - `delays`: number of the delay of each effort
+    /// - `delays`: for each effort, the index of its delay
     pub(super) fn with_delays(mut self, delays: &[usize]) -> Result<Self> {
         let efforts = if self.effort == Effort::Joint { self.joints } else { self.inputs() };
         require_length("delays of the efforts", efforts, delays.len())?;

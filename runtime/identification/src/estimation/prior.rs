@@ -17,7 +17,8 @@ pub(super) struct Prior {
     pub(super) metric: DMatrix<f64>,
     /// The described parameters.
     pub(super) described: Vec<f64>,
-    /// Whether each parameter stays as described: those of bodies without mass and of rotors without inertia.
+    /// Whether each parameter is held at its described value. Parameters of bodies without mass and of rotors without
+    /// inertia are held.
     pub(super) held: Vec<bool>,
     /// Indices of the bodies with mass.
     pub(super) bodies: Vec<usize>,
@@ -95,8 +96,8 @@ impl Prior {
     }
 }
 
-/// The quadratic form of the distance from described parameters, and whether each parameter is held: those of bodies without
-/// mass and of rotors without inertia are.
+/// The quadratic form of the distance from described parameters, and whether each parameter is held. Parameters of bodies
+/// without mass and of rotors without inertia are held.
 pub(crate) fn distance(described: &[f64], bodies: usize) -> (DMatrix<f64>, Vec<bool>) {
     let p = described.len();
     let (mut metric, mut held) = (DMatrix::zeros(p, p), vec![false; p]);

@@ -30,7 +30,7 @@ pub enum Gravity {
 }
 
 impl Gravity {
-    /// The first assumption for efforts with or without gravity.
+    /// The assumption before the fit: [`Self::Compensated`] if the robot compensates gravity, otherwise [`Self::Recorded`].
     pub(crate) fn of(is_compensated: bool) -> Self {
         if is_compensated { Self::Compensated } else { Self::Recorded }
     }

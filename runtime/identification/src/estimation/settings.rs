@@ -31,7 +31,7 @@ pub struct EstimationSettings {
     /// The filter that the runs passed. It has rounded the jumps of friction at reversals in the efforts, so the columns of
     /// friction pass it, too. `None` if the runs passed no filter.
     pub filter: Option<Filter>,
-    /// Number of the delay of each effort, from 0 on. Efforts with the same number share a delay. The rest of each delay
+    /// For each effort, the index of its delay, from 0 on. Efforts with the same index share a delay. The rest of each delay
     /// after the removed one is estimated together with all other unknowns. `None` if the delays are known.
     pub delays: Option<Vec<usize>>,
     /// Confidence level of the intervals, between 0 and 1.

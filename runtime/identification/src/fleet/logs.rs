@@ -70,7 +70,7 @@ pub struct ReducedLog {
     pub correlation: f64,
 }
 
-/// A doubt of the fits to single logs. Doubts with the same joint and kind are counted.
+/// A doubt of the fits to single logs. Doubts with the same joint and kind are combined and counted.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Doubt {
     /// Index of the joint; `None` if the doubt is about all joints.

@@ -29,7 +29,7 @@ pub struct FrictionData<'a> {
     /// Ranges of samples that were recorded without interruption. They are contiguous and contain all samples. Each run has
     /// an offset of its own. Errors of different runs count as uncorrelated. `None` takes all samples as one run.
     pub runs: Option<&'a [Range<usize>]>,
-    /// The filter that the torques passed, which laws pass, too; `None` if the torques passed no filter.
+    /// The filter that the torques passed. Friction laws pass it, too. `None` if the torques passed no filter.
     pub(crate) filtered: Option<&'a Filtered<'a>>,
     /// Friction terms of the common estimate; `None` if there are none. The errors of the law are at least as large as those
     /// that follow from the estimate.

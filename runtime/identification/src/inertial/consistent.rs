@@ -40,8 +40,8 @@ pub(crate) struct ConsistentProblem {
 /// The solution of a [`ConsistentProblem`].
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ConsistentSolution {
-    /// x. Each body's [`margin`] is at least [`MARGIN`] (up to rounding). An entry of the list of nonnegative ones is
-    /// exactly zero if it would be negative without the bound.
+    /// Solution x. Each body's [`margin`] is at least [`MARGIN`] (up to rounding). An entry of
+    /// [`ConsistentProblem::nonnegative`] is exactly zero if it would be negative without the bound.
     pub parameters: DVector<f64>,
     /// Indices of bodies that the data would make impossible. Their pseudo-inertias are singular up to the margin.
     pub on_boundary: Vec<usize>,

@@ -23,7 +23,7 @@ pub struct Payload {
     /// m²].
     pub moments: [Uncertain; 6],
     /// Mass m, first moments m c, and moments of inertia Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the frame's origin [kg, kg m, kg
-    /// m²]. Added to the body's parameters they give those of the body with the load.
+    /// m²]. The sum of these and of the body's parameters describes the body with the load.
     pub parameters: [Uncertain; PER_BODY],
     /// Whether the motion determines each parameter: its interval is smaller than the spread among bodies of this mass. The
     /// other parameters are those of a ball of 1500 kg/m³ at the centre of mass, if the motion determines the mass.

@@ -187,8 +187,8 @@ pub struct FrictionResult {
     pub velocity_unit: String,
     /// Friction law without the constant and without friction under load.
     pub law: FrictionLaw,
-    /// Terms of s₁ in the friction under load `|τ_l| s₁(v)`, with the load τ_l of the gear; empty if friction does not grow
-    /// with the load.
+    /// Terms whose sum is s₁(v) in the friction under load `|τ_l| s₁(v)`, with the load τ_l of the gear; empty if friction
+    /// does not grow with the load.
     pub load: Vec<FrictionTerm>,
     /// Constant torque that all runs have in common [N·m or N]. It is written with the law. `None` if the constant does not
     /// differ significantly from zero.

@@ -10,7 +10,7 @@ use super::pattern::ColumnOptions;
 /// A robot's joints and inputs for which a log has columns. Velocities of joints with a quaternion do not count as joints
 /// here.
 pub(in crate::log) struct RobotColumns {
-    /// Joints that are not held.
+    /// Joints that the user does not hold at fixed positions (`hold=…` of [`ColumnOptions`]).
     pub joints: Targets,
     /// Joints whose torques a log may have: neither held nor moved from outside.
     pub torques: Targets,

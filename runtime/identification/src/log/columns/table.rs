@@ -18,7 +18,7 @@ pub(super) struct Quantity {
     pub names: [&'static str; 2],
     /// SI units for rotary and for linear joints. The first unit is assumed if none is named.
     pub units: [&'static [&'static str]; 2],
-    /// Letters of the components. Each component has a column.
+    /// Letters of the quantity's components, as x, y and z. Each component has a column.
     pub components: &'static [&'static str],
     /// Words of the quantity: doubt (0 for the usual words), English words, words of other languages. Single letters count
     /// only if no longer word names a quantity.

@@ -117,8 +117,8 @@ impl Lasso {
     /// Coefficients and chosen terms at one λ.
     ///
     /// # Errors
-    /// [`IdentificationError::EverythingRemoved`] with the largest λ that keeps a term if there are none, and the errors of
-    /// [`Self::path`].
+    /// [`IdentificationError::EverythingRemoved`] with the largest λ that keeps a term, if no term is chosen. The other
+    /// errors are those of [`Self::path`].
     pub(crate) fn fit(
         &self,
         moments: &Moments,

@@ -23,7 +23,7 @@ pub(crate) struct Observed<'a> {
     pub(crate) weights: Option<&'a [f64]>,
     /// Contiguous ranges of samples that cover all samples.
     pub(crate) runs: &'a [Range<usize>],
-    /// The filter that the torques passed, which the law passes, too; `None` if there is none.
+    /// The filter that the torques passed. The law passes it, too. `None` if the torques passed no filter.
     pub(crate) filtered: Option<&'a Filtered<'a>>,
 }
 
