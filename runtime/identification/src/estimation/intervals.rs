@@ -231,7 +231,7 @@ impl Scores {
     }
 }
 
-/// Covariance of the active unknowns, and the numbers that belong to it.
+/// Covariance of the active unknowns, with the degrees of freedom.
 pub(super) struct Covariance {
     pub(super) matrix: DMatrix<f64>,
     /// Number of combinations of inertial parameters that the data decide: `tr(A⁻¹ H)` over these parameters.

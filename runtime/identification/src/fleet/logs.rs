@@ -56,7 +56,7 @@ pub struct ReducedLog {
     pub name: String,
     /// SHA-256 of the bytes of the log.
     pub(super) hash: Hash,
-    /// SHA-256 of the samples of the log. Copies that differ in empty lines or comments have the same one.
+    /// SHA-256 of the samples of the log. Copies that differ in empty lines or comments have the same hash.
     pub(super) content: Hash,
     /// Number of samples of the smoothed log at which a joint moves.
     pub samples: u64,

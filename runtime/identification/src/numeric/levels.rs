@@ -26,7 +26,7 @@ macro_rules! levels {
             value: $value,
         };)*
 
-        /// All of them.
+        /// Names of all levels.
         #[cfg(test)]
         pub(crate) const NAMES: &[&str] = &[$($name.name),*];
     };

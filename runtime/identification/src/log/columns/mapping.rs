@@ -55,8 +55,8 @@ const HINT: &str = ". --columns '?' prints all columns as a line to edit";
 /// Finds the columns of a robot in a sheet.
 ///
 /// # Errors
-/// [`IdentificationError::File`] if a quantity has no columns or two sets of columns, or if a unit does not fit. The message
-/// has the argument of `--columns` that decides.
+/// [`IdentificationError::File`](super::super::super::error::IdentificationError::File) if a quantity has no columns or two
+/// sets of columns, or if a unit does not fit. The message has the argument of `--columns` that decides.
 pub(in crate::log) fn resolve(
     sheet: &Sheet,
     robot: &RobotColumns,
