@@ -124,9 +124,9 @@ impl Composition {
                 "δ is the displacement from y, 0 at the start of the period. v̄ is the argument `v`. Since D \
                  v̄ = 0, δ − v̄ t is the deviation from the motion with the velocities v̄; it satisfies δ̇ = D \
                  δ + v − v̄. Derivatives of δ⁺ are taken along ⊕ at the final positions.",
-                "With w = D δ + v this is the zero-order hold of w = δ̇, computed by scaling and squaring \
-                 (Higham 2008, section 10.3). The limits are those of robots without quaternions: the results \
-                 are +∞ if the robot is too fast for the period.",
+                "The function integrates w = δ̇ = D δ + v by scaling and squaring (Higham 2008, section 10.3). ν = (b + √(b² + \
+                 4 a))/2 bounds the rates of the robot, with a = ‖A_y − A_v D‖ and b = ‖A_v + D‖ (largest sums of magnitudes \
+                 in a row; A_y = ∂ÿ/∂y, A_v = ∂ÿ/∂ẏ). If ν · period is above 2e7, all results are +∞.",
             ],
             Self::Step if has_quaternions => &[
                 "`SUBSTEPS` Runge–Kutta–Munthe-Kaas steps of order 4 (Munthe-Kaas 1999): the classical method \
@@ -135,9 +135,8 @@ impl Composition {
             ],
             Self::Discretize => &[
                 "Scaling and squaring of the lifted exponential (Higham 2008, section 10.3) in blocks of N × N: a Taylor \
-                 polynomial of degree 17 over 1/64 of a part of the period, six doublings, and repetitions of that part.",
-                "The part is the whole period if ν · period is at most 80. It is halved for each factor of two \
-                 above 80, at most 18 times. ν = (b + √(b² + 4 a))/2 bounds the rates of the robot, with a = \
+                 polynomial of degree 17 over a step h, at most 6 doublings of the integral and at most 18 of the result.",
+                "The period is halved until ν · h is at most 5/4. ν = (b + √(b² + 4 a))/2 bounds the rates of the robot, with a = \
                  ‖∂ÿ/∂y‖ and b = ‖∂ÿ/∂ẏ‖ (largest sums of magnitudes in a row). If 24 halvings do not suffice \
                  (ν · period above 2e7), all results are +∞.",
                 "Error: the truncated terms are below 1e-15 relative to their sum. Rounding stays below 1e-12 \
@@ -196,8 +195,8 @@ impl Composition {
         let (n, m) = (model.coordinates.len(), input_count(model));
         let Cost { multiplications, additions, .. } = self.least_cost(n, m, 1, count(&called.program));
         Some(format!(
-            "That is with {MOST_HALVINGS} halvings of the period; without any it is {multiplications} multiplications and {additions} \
-             additions."
+            "This cost is the largest one, for {MOST_HALVINGS} halvings of the period. Without halvings the function needs \
+             {multiplications} multiplications and {additions} additions."
         ))
     }
 

@@ -189,7 +189,7 @@ pub enum TrajectoryError {
         value: f64,
     },
     /// There are too few points or samples, or the numbers of two lists do not match.
-    #[error("{given} {what} given; at least {needed} are needed")]
+    #[error("{given} {what} given; {needed} are needed")]
     TooFew {
         /// Kind of the entries that are too few, for example points or samples.
         what: &'static str,

@@ -133,8 +133,8 @@ impl CommonRatio {
             self.joints.join(", ")
         );
         let remedy = format!(
-            "{}{usual}; counts and percents have a factor, as in --columns '{key}=…[0.05 {unit}]'. Otherwise positions are in \
-             another unit, or the described masses or the direction of gravity are wrong. --accept-poor takes efforts as they are",
+            "{}{usual}; counts and percents have a factor, as in --columns '{key}=…[0.05 {unit}]'. If the efforts are right, check the \
+             unit of the positions, the described masses and the direction of gravity. --accept-poor uses the efforts as they are",
             guess.unwrap_or_default()
         );
         COMMON_FACTOR.found(message).with("factor", self.factor, "").help(remedy)

@@ -104,8 +104,8 @@ impl LogMoments {
             return Ok(());
         }
         Err(fault(
-            "they belong to another description, to another state of its files, or to other options of reading: name \
-             the description that the logs were reduced with, or reduce them again",
+            "the moments were made with another description, with files that have changed since, or with other options for \
+             reading: name the same description and options, or repeat `gelenk identify --reduce`",
         ))
     }
 

@@ -305,7 +305,7 @@ impl FrictionResult {
         lines.extend(self.offset_line());
         lines.extend(self.resolved_from.map(|speed| {
             let (speed, unit) = (plain(speed, 2), &self.velocity_unit);
-            format!("resolved from {speed} {unit} on: all slower samples are within the filter of a rest or a reversal")
+            format!("resolved from {speed} {unit} on: all slower samples but at most nine are within a filter length of a rest or a reversal")
         }));
         let held_out = self.held_out.map_or_else(|| "unknown".into(), |r| format!("{r:.4}"));
         lines.push(format!(

@@ -376,7 +376,7 @@ fn paired<const L: usize>(
         (Some(value), Some(resolution)) => Ok(Some((value, resolution[index]))),
         (None, None) => Ok(None),
         _ => Err(CanFrameError::Settings(
-            "a drive measures exactly the quantities that its code has a resolution for",
+            "a message must have a velocity or torque exactly if the frame format has its resolution",
         )),
     }
 }
