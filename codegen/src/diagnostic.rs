@@ -1,4 +1,4 @@
-//! Diagnostics are the errors, warnings and notes about a description. A diagnostic has a place and a remedy.
+//! Diagnostics: the problems of a description. Each has a place and a remedy if they are known.
 //!
 //! Each stage returns either a correct value or [`Diagnostics`] with all problems that the stage found. A
 //! [`Diagnostic`] has a copy of the source line, which terminal, build log and JSON show.
@@ -12,7 +12,7 @@ use std::fmt;
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Diagnostics(Vec<Diagnostic>);
 
-/// Largest number of printed entries. A hostile file may have a million problems.
+/// Largest number of printed entries. A hostile file may have a million.
 const SHOWN: usize = 100;
 
 impl Diagnostics {
@@ -75,10 +75,10 @@ impl fmt::Display for Diagnostics {
 
 impl std::error::Error for Diagnostics {}
 
-/// A place in a text of the [`Report`]: the bytes `start..end`.
+/// A place in the texts of a [`Report`]: bytes `start..end` of one text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct Span {
-    /// Index of the text, from [`Report::add_source`].
+    /// Index of the text in the [`Report`].
     pub source: usize,
     /// Index of the first byte.
     pub start: usize,
@@ -109,7 +109,7 @@ impl<T> At<T> {
     }
 }
 
-/// One text that was read.
+/// A text that was read.
 #[derive(Debug)]
 struct Source {
     name: String,
@@ -125,11 +125,11 @@ pub(crate) struct Report {
     dropped: usize,
 }
 
-/// Largest number of diagnostics. Finding their places in very long lines takes time.
+/// Largest number of kept diagnostics, because finding their places in very long lines takes time.
 const KEPT: usize = 1000;
 
 impl Report {
-    /// Adds a text and returns its index for spans. Messages show `name`, usually the path of the file.
+    /// Adds a text with the name that messages show. Returns the text's index for [`Span`]s.
     pub fn add_source(&mut self, name: &str, text: &str) -> usize {
         let breaks = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(at, _)| at + 1);
         let line_starts = std::iter::once(0).chain(breaks).collect();
@@ -137,7 +137,7 @@ impl Report {
         self.sources.len() - 1
     }
 
-    /// The text of a span; empty if the span is not in a text.
+    /// The characters of a span; empty if the text has no such bytes.
     pub fn text(&self, span: Span) -> &str {
         self.sources.get(span.source).and_then(|source| source.text.get(span.start..span.end)).unwrap_or("")
     }
@@ -160,8 +160,7 @@ impl Report {
         self.push(span, entry)
     }
 
-    /// Adds a diagnostic at a place. Without a span the diagnostic keeps its own place. If the list is full,
-    /// errors are only counted.
+    /// Adds a diagnostic. If the list is full, an error is only counted.
     pub fn push(&mut self, span: Option<Span>, mut entry: Diagnostic) -> &mut Self {
         if self.is_full() && entry.severity == Severity::Error {
             self.dropped += 1;
@@ -179,7 +178,7 @@ impl Report {
         }
     }
 
-    /// Number of errors.
+    /// Number of errors, including the errors that were only counted.
     pub fn error_count(&self) -> usize {
         let errors = self.entries.iter().filter(|entry| entry.severity == Severity::Error);
         errors.count() + self.dropped
@@ -195,7 +194,7 @@ impl Report {
         self.error_count() > 0
     }
 
-    /// Converts the report to its diagnostics. An error without a remedy gets the remedy of its code.
+    /// All diagnostics. An error without a remedy gets the remedy of its code.
     pub fn finish(mut self) -> Diagnostics {
         if self.dropped > 0 {
             let message = format!("{} more problems are not shown", self.dropped);

@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Names in use, and the last number that was appended to each name. A search from 2 for each name would take
-/// quadratic time for thousands of equal names.
+/// Names in use, and for each stem the last number that was appended to it. Without this number, thousands of
+/// equal names would take quadratic time.
 #[derive(Debug, Default)]
 pub(crate) struct Distinct {
     taken: BTreeSet<String>,
@@ -17,8 +17,7 @@ impl Distinct {
         self.take_by_stem(wanted, wanted)
     }
 
-    /// Returns the wanted name if it is not in use, otherwise `stem` with a number: `stem_2`. The result is
-    /// then in use.
+    /// The wanted name, or the stem with a number if the wanted name is in use.
     pub(crate) fn take_by_stem(&mut self, wanted: &str, stem: &str) -> String {
         let mut name = wanted.to_owned();
         while self.taken.contains(&name) {

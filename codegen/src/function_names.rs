@@ -57,27 +57,26 @@ names! {
 /// Name of the group of all functions of named frames.
 pub const FRAMES: &str = "frames";
 
-/// Name of the group of all functions except those that are generated only on request.
+/// Name of the group of all functions, except the functions that are generated only if they are named.
 pub const ALL: &str = "all";
 
-/// Names of groups of functions.
+/// Names of the groups of functions.
 pub const GROUPS: [&str; 2] = [FRAMES, ALL];
 
-/// Whether a selection means all functions except those that are generated only on request. This is the case
-/// if the selection is empty or contains [`ALL`].
+/// Whether a selection is empty or contains [`ALL`].
 #[must_use]
 pub fn select_all(selection: &[String]) -> bool {
     selection.is_empty() || selection.iter().any(|name| name == ALL)
 }
 
-/// Quantity of a named frame that a function computes.
+/// A quantity of a named frame. The generated module has one function for each frame and quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FrameKind {
-    /// Pose of the frame in the base frame.
+    /// Position and orientation of the frame.
     Pose,
-    /// Jacobian J: J ẏ is the frame's linear velocity, then its angular velocity, in the axes of the base.
+    /// Jacobian J: `J ẏ` is the velocity of the frame.
     Jacobian,
-    /// J̇ ẏ, the frame's acceleration at ÿ = 0.
+    /// Product `J̇ ẏ`: the acceleration of the frame at ÿ = 0.
     JacobianRateTimesVelocity,
 }
 
@@ -101,7 +100,7 @@ impl FrameKind {
         self.pattern().replace("NAME", frame)
     }
 
-    /// Whether the name has the form of a frame's function. The frame may not exist.
+    /// Whether the name is a name of a frame's function. Whether the frame exists is not checked.
     fn is_of(self, name: &str) -> bool {
         let frame = self.pattern().split_once("NAME").and_then(|(start, end)| {
             let rest = name.strip_prefix(start)?;
@@ -111,8 +110,8 @@ impl FrameKind {
     }
 }
 
-/// Names that descriptions and the command line accept, except functions of named frames: all functions and
-/// [`GROUPS`].
+/// Names that descriptions and the program accept: the functions that some robot has, and [`GROUPS`]. Functions of
+/// single frames are not included.
 pub fn listed() -> impl Iterator<Item = &'static str> {
     OF_ROBOTS.iter().copied().chain(GROUPS)
 }

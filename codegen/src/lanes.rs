@@ -1,5 +1,5 @@
-//! Requests for functions over lanes. Such a function evaluates eight states at once; a lane is one of these
-//! states.
+//! Functions over lanes. A function over lanes computes eight states at once, and each state is a lane. This
+//! module checks and resolves the requested names.
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::emit::Math;
@@ -12,11 +12,12 @@ use crate::model::Model;
 use crate::program::cost::count;
 use crate::program::lanes;
 
-/// Names of the functions and groups that are requested over lanes.
+/// Names of the functions that are requested over lanes.
 pub(crate) struct Lanes(Vec<String>);
 
 impl Lanes {
-    /// Takes the names that the caller requests. If there are none, the names in the description are taken.
+    /// The names that the caller requests. If the caller requests nothing, the names that the description
+    /// requests.
     ///
     /// - `asked`: names that the caller requests; may be empty
     ///
@@ -31,13 +32,12 @@ impl Lanes {
         Ok(Self(asked.to_vec()))
     }
 
-    /// Names of the requested functions and groups.
+    /// The requested names. Groups are not replaced by the names of their functions.
     pub(crate) fn names(&self) -> &[String] {
         &self.0
     }
 
-    /// Adds the requested names to the selected functions, because a function over lanes needs the function
-    /// of one state. An empty selection means all functions and stays empty.
+    /// The selection and the functions over lanes. A selection of all functions is returned unchanged.
     pub(crate) fn selected_with(&self, selection: &[String]) -> Vec<String> {
         let mut all = selection.to_vec();
         if !function_names::select_all(selection) {
@@ -47,9 +47,7 @@ impl Lanes {
         all
     }
 
-    /// Names of the requested functions that can be generated over lanes. A note is returned for each
-    /// requested function that cannot be generated so, and for each function that would otherwise have loops
-    /// over joints.
+    /// The requested functions that can be written over lanes, and a note for each function that cannot.
     pub(crate) fn possible(&self, functions: &[Function], math: Math) -> (Vec<String>, Vec<Diagnostic>) {
         let (mut possible, mut notes) = (Vec::new(), Vec::new());
         for name in self.resolved(functions) {
@@ -68,7 +66,7 @@ impl Lanes {
         (possible, notes)
     }
 
-    /// Names of the requested functions. Groups are replaced by the names of their functions.
+    /// The names, with groups replaced by the names of their functions.
     fn resolved(&self, functions: &[Function]) -> Vec<String> {
         let frames = || {
             let of_frames = functions.iter().filter(|function| function.frame.is_some());
@@ -83,9 +81,9 @@ impl Lanes {
     }
 }
 
-/// Names of the functions without loops that can be generated over lanes. The Python module calls them for
-/// arrays of states. Functions with loops over joints are excluded: as straight-line code they would round
-/// differently.
+/// Names of the straight-line functions that can be written over lanes. Tools that work on arrays of states
+/// call them. Functions with loops over joints are left out, so that their text and their results do not
+/// change.
 ///
 /// - `others`: names of further excluded functions
 pub(crate) fn of_straight_line_code(functions: &[Function], others: &[String]) -> Vec<String> {
@@ -95,8 +93,8 @@ pub(crate) fn of_straight_line_code(functions: &[Function], others: &[String]) -
     possible.map(|function| function.name.clone()).collect()
 }
 
-/// A note if the function of one state is straight-line code only because the function is requested over
-/// lanes. Both functions have the same operations, so their results have the same bits.
+/// A note if the function would have loops over joints without the request over lanes. With the request, the
+/// function for one state is straight-line code too, so that the bits of both agree.
 fn without_loops(name: &str, functions: &[Function]) -> Option<Diagnostic> {
     let cost = count(&functions.iter().find(|function| function.name == name)?.program);
     let operations = cost.multiplications + cost.additions;

@@ -1,31 +1,34 @@
-//! Meanings of array entries, and the names of array lengths in generated code.
+//! Meaning and number of array entries. Lengths of arrays have names in generated code.
 
-/// Meaning of the entries of an array. It determines the name of the array's length in generated code.
+/// Meaning of the entries of an array. The name of the array's length follows from it in every language.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dimension {
     /// Coordinates y.
     Coordinates,
-    /// Positions of a robot with quaternions. There are more positions than velocities.
+    /// Position entries y of a robot with quaternions. A quaternion has four position entries, but three
+    /// velocities.
     Positions,
     /// One entry for each joint of a robot with quaternions.
     Joints,
-    /// Velocities ẏ, and quantities with one entry per velocity: accelerations, forces, derivatives by small motions.
+    /// Velocities ẏ, and quantities with one entry for each velocity: accelerations, forces, and derivatives
+    /// with respect to small motions.
     Velocities,
     /// Inputs u.
     Inputs,
     /// Parameters of a regressor, one for each column.
     Parameters,
-    /// Wrenches. Each wrench has six entries: force [N], then moment [N m].
+    /// Wrenches. Each has six entries: force, then moment.
     Wrenches,
-    /// Coordinates of driven joints. Each coordinate has three entries: position, velocity, acceleration.
+    /// Driven coordinates (joints with a prescribed motion). Each has three entries: position, velocity and
+    /// acceleration.
     Driven,
-    /// A fixed length for all robots, for example the three axes of space.
+    /// A number that is the same for every robot, for example 3 for the axes of space.
     Fixed,
 }
 
 impl Dimension {
-    /// Name of the module constant with this length; `None` if the length does not depend on the robot.
-    /// Coordinates and velocities have the same constant `N`.
+    /// Name of the module constant with this length; `None` if the length does not depend on the robot, or is
+    /// that of a regressor. Without quaternions, coordinates and velocities share a constant.
     #[must_use]
     pub const fn length(self) -> Option<&'static str> {
         match self {
@@ -40,7 +43,7 @@ impl Dimension {
     }
 }
 
-/// Length of an array, with the meaning of the entries.
+/// Length of an array, and the meaning of its entries.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Extent {
     /// Meaning of the entries.
@@ -56,7 +59,7 @@ impl Extent {
         Self { dimension, len }
     }
 
-    /// Length of a row for arrays of wrenches (6) or driven coordinates (3); `None` for other arrays.
+    /// Length of a row; `None` if the entries do not form rows.
     #[must_use]
     pub const fn row(&self) -> Option<usize> {
         match self.dimension {

@@ -7,8 +7,8 @@
 //! gelenk_codegen::build("robot.toml");
 //! ```
 //!
-//! [`Builder`] has all options. [`guide`] documents conventions, generated code and its use, and the
-//! extension by joint types, functions, printers and friction terms.
+//! [`Builder`] has all options. [`guide`] documents the conventions and signs, the generated code and its
+//! glossary, and how to add joint types, functions, printers and friction terms.
 
 // Constants reach the generated text, so they may not depend on the platform's library. Tests compare with it.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]

@@ -1,4 +1,4 @@
-//! The program `gelenk` generates Rust or C code from kinematic descriptions.
+//! The program `gelenk`: it writes plain Rust or C from kinematic descriptions.
 
 fn main() -> std::process::ExitCode {
     gelenk_codegen::cli::run()

@@ -1,4 +1,4 @@
-//! Calls all stages of the generator in order, from the description to the text of a module.
+//! The generator: all stages from a description to the text of a module.
 
 use std::path::{Path, PathBuf};
 
@@ -25,18 +25,18 @@ use crate::verify;
 /// Options of [`generate`] that are not in the description, or replace options there.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct GenerateOptions {
-    /// Names of the functions to generate. If the list is empty, the description's list is taken. If that
-    /// list is empty too, all functions are generated except those on request.
+    /// Names of the functions to generate. If empty, the description chooses the functions, by default all
+    /// functions.
     pub functions: Vec<String>,
     /// Largest distance [rad] of an angle from a multiple of 90° for which the angle is rounded to this
     /// multiple. `None` rounds no angle.
     pub snap_angles: Option<f64>,
     /// Whether friction is left out.
     pub no_friction: bool,
-    /// Whether mimic joints become independent joints.
+    /// Makes mimic joints independent joints.
     pub ignore_mimic: bool,
-    /// Slope s of `tanh(s v)`, which replaces `sign(v)` in friction and springs. If `None`, the description
-    /// decides.
+    /// Slope s of `tanh(s v)`, which replaces `sign(v)` in friction and springs. `None`: the slope in the
+    /// description, if it has one.
     pub smooth_sign: Option<f64>,
     /// Whether a robot is accepted although its mass matrix is not positive definite.
     pub accept_unphysical: bool,
@@ -44,25 +44,24 @@ pub struct GenerateOptions {
     pub exact_sign: bool,
     /// Whether the base is floating: a floating joint connects the base to the world.
     pub floating_base: bool,
-    /// Joints that are held, by patterns of their names, with the positions.
+    /// Joints that are held at a fixed position.
     pub hold: Vec<Hold>,
-    /// Name of a body in an MJCF. The robot is the subtree of this body. If `None`, the robot is the whole
-    /// tree.
+    /// Name of the body of an MJCF whose subtree is the robot.
     pub body: Option<String>,
     /// Whether a product and a sum are contracted to a fused multiply-add, which rounds once. The code is
     /// faster, but compiles only for processors with these instructions.
     pub fused_multiply_add: bool,
     /// Choice between straight-line code and loops over joints for large functions.
     pub form: Form,
-    /// Whether the module has tests of its functions. The tests compare results with values of the
-    /// generator's interpreter.
+    /// Adds tests of the functions to the module. The tests compare results with the values of the
+    /// interpreter.
     pub self_test: bool,
-    /// Largest number of operations of a function. If `None`, [`MOST_OPERATIONS`] is the limit.
+    /// Largest number of operations of a function. `None`: [`MOST_OPERATIONS`].
     pub max_operations: Option<usize>,
-    /// Names of the functions that also exist in a version for eight states at once. If the list is empty,
-    /// the description's list is taken.
+    /// Names of functions that are also written for eight states at once. If empty, the description chooses
+    /// them.
     pub lanes: Vec<String>,
-    /// Lines that are added to the robot's description in the module's documentation.
+    /// Lines that are added to the module's documentation of the robot.
     pub remarks: Vec<String>,
     /// Options of the printer.
     pub emit: EmitOptions,
@@ -73,7 +72,7 @@ pub struct GenerateOptions {
 pub struct Generated {
     /// The robot.
     pub model: Model,
-    /// The module as data: functions, constants and other items.
+    /// The module: functions and other printed items, before printing.
     pub module: Module,
     /// Text of the module, with its name and language.
     pub source: SourceFile,
@@ -81,11 +80,11 @@ pub struct Generated {
     pub is_control_model: bool,
     /// Warnings and notes about the description and the functions.
     pub notes: Diagnostics,
-    /// Paths of all files that were read. The first path is the description's.
+    /// All files that were read. The first is the description.
     pub files: Vec<PathBuf>,
 }
 
-/// Generates the text of a module from a description. The function reads files, but writes no file.
+/// Generates the text of a module from a description. It reads files, but writes no files.
 ///
 /// # Errors
 /// All [`Diagnostics`] of the first stage that has errors.
@@ -186,8 +185,8 @@ pub fn generate_pair(
     Ok([exact, smooth])
 }
 
-/// Largest number of velocities. M and its derivatives of a longer chain have more than 640 000 operations,
-/// twice the default limit, so the module would lack the dynamics.
+/// Largest number of velocities. For longer chains, M and its derivatives have more than 640 000 operations,
+/// twice the default limit, so their modules would lack the dynamics.
 const MOST_VELOCITIES: usize = 400;
 
 fn check_size(model: &Model) -> Result<(), Diagnostics> {
@@ -245,7 +244,6 @@ fn check_language(options: &GenerateOptions) -> Result<(), Diagnostics> {
     }
 }
 
-/// Derives the selected functions, and contracts them to fused multiply-adds on request.
 fn derive(
     model: &Model,
     options: &GenerateOptions,
@@ -273,7 +271,7 @@ fn derive(
     Ok(selected)
 }
 
-/// Adds the warnings of the model's stage, which may name the cause of the problems.
+/// Adds the warnings about the model, because they may explain why a function cannot be derived.
 fn with_warnings(problems: Diagnostics, notes: &Diagnostics) -> Diagnostics {
     let warnings = notes.entries().iter();
     let warnings = warnings.filter(|entry| entry.severity == Severity::Warning);
@@ -281,7 +279,7 @@ fn with_warnings(problems: Diagnostics, notes: &Diagnostics) -> Diagnostics {
     Diagnostics::new([problems.into_entries(), warnings].concat())
 }
 
-/// Names of the selected functions. An empty list selects all functions.
+/// Names of the requested functions. An empty list means all functions.
 fn selection<'a>(model: &'a Model, options: &'a GenerateOptions) -> &'a [String] {
     match options.functions.is_empty() {
         true => &model.options.functions,
@@ -289,7 +287,7 @@ fn selection<'a>(model: &'a Model, options: &'a GenerateOptions) -> &'a [String]
     }
 }
 
-/// Makes functions wrong for a test, as an error of the derivation would.
+/// For tests: functions that are wrong, as an error of the derivation would make them.
 #[cfg(test)]
 pub(crate) mod wrong_functions {
     use std::cell::Cell;
@@ -299,7 +297,7 @@ pub(crate) mod wrong_functions {
 
     thread_local!(static ARE_WANTED: Cell<bool> = const { Cell::new(false) });
 
-    /// Runs something with wrong functions in each [`generate`](super::generate) of this thread.
+    /// Calls `run`. Each [`generate`](super::generate) that it calls on this thread makes wrong functions.
     pub(crate) fn during<T>(run: impl FnOnce() -> T) -> T {
         ARE_WANTED.set(true);
         let result = run();
@@ -307,7 +305,7 @@ pub(crate) mod wrong_functions {
         result
     }
 
-    /// Replaces every sum by a difference.
+    /// Replaces every sum by a difference, if wrong functions are wanted.
     pub(super) fn spoil(functions: &mut [Function]) {
         let instructions = functions.iter_mut().flat_map(|function| &mut function.program.instructions);
         for instruction in instructions.filter(|_| ARE_WANTED.get()) {

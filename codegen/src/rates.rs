@@ -10,24 +10,22 @@ use crate::random::Random;
 const STATES: usize = 4;
 const SEED: u64 = 0x7374_6966;
 
-/// Step of the differences. Steep force laws have a width of 1e-3 and more.
+/// Step of the finite differences. Steep friction laws have a width of 1e-3 or more.
 const STEP: f64 = 1e-7;
 
-/// Number of squarings after which the norm of the power gives the spectral radius with three digits.
+/// Squarings after which the norm of a power gives the spectral radius to three digits.
 const SQUARINGS: usize = 12;
 
-/// Mode of the linearization whose eigenvalue has the largest magnitude.
+/// A mode of the linearization.
 pub(crate) struct Mode {
-    /// Magnitude of the mode's eigenvalue [1/s].
+    /// Magnitude of the mode's eigenvalue (1/s).
     pub rate: f64,
-    /// Index of the coordinate whose velocity has the largest entry in the mode.
+    /// Coordinate with the largest entry in the mode's eigenvector.
     pub coordinate: usize,
 }
 
-/// The fastest mode of a robot at rest, over several seeded positions. Inputs have the effort limits of their
-/// joints. `None` if no position has a finite result.
-///
-/// - `forward`: the function `forward_dynamics`
+/// The fastest mode at four seeded positions, with inputs at the effort limits. `None` if no result is
+/// finite.
 pub(crate) fn fastest(model: &Model, forward: &Function) -> Option<Mode> {
     let mut random = Random::new(SEED);
     let modes =
@@ -35,8 +33,7 @@ pub(crate) fn fastest(model: &Model, forward: &Function) -> Option<Mode> {
     modes.max_by(|a, b| a.rate.total_cmp(&b.rate))
 }
 
-/// A position for each velocity. The positions of joints with quaternions are 0; their differences are small
-/// motions.
+/// A position for each velocity. For parts of joints with quaternions the entries are small motions, here 0.
 fn positions(model: &Model, random: &mut Random) -> Vec<f64> {
     let value = |(coordinate, [low, high]): (usize, [f64; 2])| match model.quaternion_joint_of(coordinate) {
         Some(_) => 0.0,
@@ -82,7 +79,7 @@ fn acceleration(model: &Model, forward: &Function, values: &[f64], v: &[f64], u:
     results.into_iter().next()
 }
 
-/// The inputs at which drives exert the effort limits of their joints. An input without such a limit is 0.
+/// The inputs that exert the effort limits of their joints. An input is 0 if its joint has no limit.
 fn inputs(model: &Model) -> Vec<f64> {
     let parameters = model.described_parameters();
     let joints: Vec<_> = model.joints().collect();

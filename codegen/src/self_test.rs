@@ -14,14 +14,14 @@ pub(crate) const STATES: u64 = 2;
 pub struct SelfTest {
     /// Name of the function.
     pub function: String,
-    /// Values of the arguments, in their order.
+    /// Arguments in the order of the function, each flat.
     pub arguments: Vec<Vec<f64>>,
-    /// Values of the results, in their order. Matrices are flat and row-major.
+    /// Results in the order of the function, flat and row-major.
     pub results: Vec<Vec<f64>>,
 }
 
-/// Calls each function at seeded states with the description's values of free parameters. A call is omitted
-/// if a result is not finite, for example because the mass matrix is singular.
+/// Two calls of each function at seeded states. Free parameters have the values of the description. A call
+/// with a result that is not finite is left out, for example if the mass matrix is singular.
 #[must_use]
 pub fn self_tests(model: &Model, functions: &[Function]) -> Vec<SelfTest> {
     let described = model.parameters.iter().map(|parameter| parameter.default);
@@ -45,8 +45,8 @@ pub(crate) fn arguments(model: &Model, function: &Function, seed: u64) -> Vec<Ve
     inputs.map(|input| entries(model, input.extent.dimension, &mut random)).collect()
 }
 
-/// Entries of an argument. Positions are within the limits. The magnitude of each velocity is 0.1 or more,
-/// because friction may jump at 0.
+/// Entries of an argument. Positions are within the limits. No velocity is close to 0, because friction may
+/// jump there.
 fn entries(model: &Model, dimension: Dimension, random: &mut Random) -> Vec<f64> {
     match dimension {
         Dimension::Coordinates | Dimension::Positions => {

@@ -1,4 +1,4 @@
-//! Counts the operations that snapping saves, that is rounding nearly right angles to multiples of 90°.
+//! The number of operations that snapping saves, which rounds nearly right angles to multiples of 90°.
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::functions::function::Function;
@@ -9,8 +9,8 @@ use crate::read::{DescriptionFiles, NEARLY_RIGHT, NEARLY_RIGHT_ANGLE, ReadOption
 /// Functions whose operations the note about nearly right angles counts.
 const COUNTED: [&str; 2] = ["inverse_dynamics", "mass_matrix"];
 
-/// Adds the saved operations to the note about nearly right angles, for the functions that are generated. If
-/// snapping saves none, the note is removed.
+/// Adds the number of saved operations to the notes about nearly right angles. If snapping saves no
+/// operations, these notes are removed. Other notes stay as they are.
 pub fn priced(
     notes: Diagnostics,
     description: &mut DescriptionFiles,
@@ -35,8 +35,8 @@ pub fn priced(
     Diagnostics::new(entries)
 }
 
-/// Operations of the counted functions with and without snapping, as text. The text is empty if the numbers
-/// are equal. `None` if no counted function is generated.
+/// Operation counts with snapped angles and with the angles of the description, as text. The text is empty if
+/// the counts are equal. `None` if no counted function is generated.
 fn savings(
     description: &mut DescriptionFiles,
     options: &ReadOptions,

@@ -51,14 +51,14 @@ const OF_CASADI: [Given; 3] = [
 /// A function for CasADi.
 struct Given {
     name: &'static str,
-    /// Name of the module's function for the value.
+    /// The function of the module that computes the value.
     value: &'static str,
     /// Name of the module's function for the derivatives.
     derivatives: &'static str,
 }
 
-/// A note that lists functions for CasADi that are omitted because the module lacks functions that they call.
-/// `None` if CasADi is not a tool or no function is omitted.
+/// A note about the functions for CasADi that are left out, because the module lacks functions that they
+/// call.
 pub(crate) fn notes(
     functions: &[Function],
     compositions: &[Composition],
@@ -84,8 +84,8 @@ pub(crate) fn notes(
     (!lacking.is_empty()).then(|| Diagnostic::note("not-for-casadi", message).help(help))
 }
 
-/// Two parts of a message, if a tool is requested for single precision: the missing functions, and the tool
-/// that computes in double precision.
+/// For single precision: the files that do not exist in it, and the tool that computes in double precision.
+/// `None` if the module is in double precision or these tools are not requested.
 pub(crate) fn in_single_precision(emit: &EmitOptions) -> Option<[String; 2]> {
     let tools = [(Companion::Acados, "acados"), (Companion::Casadi, "CasADi")];
     let mut wanted = tools.iter().filter(|(tool, _)| emit.companions.contains(tool));
@@ -93,8 +93,7 @@ pub(crate) fn in_single_precision(emit: &EmitOptions) -> Option<[String; 2]> {
     Some([format!("functions for {name} in single precision"), format!("{name} computes")])
 }
 
-/// Functions `…_by_parameters` for CasADi: derivatives of poses, dynamics and inverse dynamics by the free
-/// parameters.
+/// Derivatives of the functions that CasADi calls, with respect to the free parameters.
 pub(crate) fn by_parameters(model: &Model, functions: &[Function]) -> Vec<Function> {
     let count = model.parameters.len();
     let is_differentiated = |function: &&Function| {

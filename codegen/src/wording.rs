@@ -3,12 +3,12 @@
 /// Largest number of listed names.
 const LISTED: usize = 4;
 
-/// The names in backticks as text: `` `a`, `b`, `c`, `d` and 20 more``.
+/// Names as a list, for example `` `a`, `b`, `c`, `d` and 20 more``.
 pub(crate) fn list<'a>(names: impl ExactSizeIterator<Item = &'a str>) -> String {
     listed(names.map(|name| format!("`{name}`")))
 }
 
-/// The first four entries as text, and the number of further entries: `a, b, c, d and 20 more`.
+/// The first entries as a list, with the number of the omitted entries.
 pub(crate) fn listed(entries: impl ExactSizeIterator<Item = String>) -> String {
     let count = entries.len();
     let shown: Vec<String> = entries.take(LISTED).collect();
@@ -18,7 +18,7 @@ pub(crate) fn listed(entries: impl ExactSizeIterator<Item = String>) -> String {
     }
 }
 
-/// The word for a shell, in single quotes if a character needs them.
+/// A word for the command line of a shell, quoted if necessary.
 pub(crate) fn quoted(word: &str) -> String {
     let is_plain = |letter: char| letter.is_alphanumeric() || "_-./,".contains(letter);
     if !word.is_empty() && word.chars().all(is_plain) {
@@ -49,14 +49,13 @@ pub(crate) fn three_digits(x: f64) -> String {
     digits(x, 3)
 }
 
-/// The number with the digits of the description, and an exponent instead of many zeros: `1e-300`,
-/// `1.5707963`.
+/// Number with up to 17 digits, without long runs of zeros: `1e-300`, `1.5707963`.
 pub(crate) fn as_written(x: f64) -> String {
     digits(x, MOST_DIGITS)
 }
 
-/// The numbers with the fewest digits for which the statement `is_true` about the rounded numbers is true,
-/// and at least three. `2 > 1.9999` does not become `2 > 2`.
+/// Numbers with as few digits as possible, but at least three, so that the statement `is_true` about the
+/// rounded numbers is true: `2 > 1.9999` does not become `2 > 2`.
 pub(crate) fn telling<const N: usize>(numbers: [f64; N], is_true: impl Fn([f64; N]) -> bool) -> [String; N] {
     let enough = |count: &usize| is_true(numbers.map(|x| rounded(x, *count)));
     let count = (3..MOST_DIGITS).find(enough).unwrap_or(MOST_DIGITS);

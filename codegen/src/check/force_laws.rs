@@ -168,7 +168,7 @@ fn brakes(law: &Law<'_>, grid: &Grid, span: Span, report: &mut Report) {
         let message =
             format!("the {what} of {name} accelerates the joint at velocities {}", ranges.join(" and "));
         report.note(Some(span), "friction-drives", message);
-        report.help("friction with the sign of the velocity brakes; with the opposite sign it adds energy");
+        report.help("friction brakes the joint if it has the sign of the velocity, and adds energy if it has the opposite sign");
     }
 }
 
