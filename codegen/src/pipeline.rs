@@ -33,10 +33,10 @@ pub struct GenerateOptions {
     pub snap_angles: Option<f64>,
     /// Whether friction is left out.
     pub no_friction: bool,
-    /// Makes mimic joints independent joints.
+    /// Whether mimic joints become independent joints.
     pub ignore_mimic: bool,
-    /// Slope s of `tanh(s v)`, which replaces `sign(v)` in friction and springs. `None`: the slope in the
-    /// description, if it has one.
+    /// Slope s of `tanh(s v)`, which replaces `sign(v)` in friction and springs. If `None`, the slope of the
+    /// description is used, if it has one.
     pub smooth_sign: Option<f64>,
     /// Whether a robot is accepted although its mass matrix is not positive definite.
     pub accept_unphysical: bool,
@@ -53,10 +53,10 @@ pub struct GenerateOptions {
     pub fused_multiply_add: bool,
     /// Choice between straight-line code and loops over joints for large functions.
     pub form: Form,
-    /// Adds tests of the functions to the module. The tests compare results with the values of the
-    /// interpreter.
+    /// Whether the module has tests of its functions. The tests compare results with the values of the
+    /// generator's interpreter.
     pub self_test: bool,
-    /// Largest number of operations of a function. `None`: [`MOST_OPERATIONS`].
+    /// Largest number of operations of a function. If `None`, [`MOST_OPERATIONS`] is the limit.
     pub max_operations: Option<usize>,
     /// Names of functions that are also written for eight states at once. If empty, the description chooses
     /// them.
