@@ -11,16 +11,16 @@ use crate::rates::{self, Mode};
 use crate::wording::{list, three_digits};
 use gelenk_formula::Function as Call;
 
-/// Longest usual period of a control loop [s].
+/// Longest usual period of a control loop \[s\].
 const LONGEST_PERIOD: f64 = 0.02;
-/// Shortest one.
+/// Shortest usual period of a control loop \[s\].
 const SHORTEST_PERIOD: f64 = 0.001;
 
 /// Stability limit of the classical Runge–Kutta method of order 4 for the product of step length and rate
 /// (Hairer and Wanner 1996, section IV.2).
 const UNSTABLE: f64 = 2.785_3;
 
-/// Notes for a model and its generated functions.
+/// Notes on exact signs if Jacobians are generated, and on stiff friction if `step` is generated.
 pub fn notes(model: &Model, functions: &[Function], compositions: &[Composition]) -> Vec<Diagnostic> {
     let mut names = functions.iter().map(|function| &function.name);
     let has_derivatives = names.any(|name| catalogue::differentiates_friction(name));
@@ -30,7 +30,7 @@ pub fn notes(model: &Model, functions: &[Function], compositions: &[Composition]
     jumps.into_iter().chain(stiff).collect()
 }
 
-/// Notes force laws with an exact sign.
+/// The note on force laws with an exact sign.
 fn jumps(model: &Model) -> Option<Diagnostic> {
     let moving = model.moving_joints();
     let joints = moving.iter().filter(|moving| moving.joint.jumps()).map(|moving| moving.joint.name.as_str());
@@ -51,7 +51,8 @@ fn jumps(model: &Model) -> Option<Diagnostic> {
     ))
 }
 
-/// Notes friction, dampers and springs that make Runge–Kutta steps of usual periods unstable at standstill.
+/// The note on friction, dampers and springs that make Runge–Kutta steps of usual periods unstable at
+/// standstill.
 fn stiff(model: &Model, functions: &[Function]) -> Option<Diagnostic> {
     let joints = model.moving_joints();
     let is_free = joints.iter().all(|moving| {

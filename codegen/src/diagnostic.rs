@@ -1,7 +1,7 @@
-//! Diagnostics: problems of a description, each with place and remedy.
+//! Diagnostics: the problems of a description. Each has a place and a remedy if they are known.
 //!
-//! Each stage returns either a correct value or [`Diagnostics`] with all problems it found. A [`Diagnostic`]
-//! has a copy of the offending source line, so that terminal, build log and JSON can show it.
+//! Each stage returns either a correct value or [`Diagnostics`] with all problems that the stage found. A
+//! [`Diagnostic`] has a copy of the source line, which terminal, build log and JSON show.
 
 use crate::remedies::remedy;
 pub use gelenk_findings::{Finding as Diagnostic, Location, Severity};
@@ -12,23 +12,23 @@ use std::fmt;
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Diagnostics(Vec<Diagnostic>);
 
-/// Most entries that are printed; a hostile file may have a million.
+/// Largest number of printed entries. A hostile file may have a million.
 const SHOWN: usize = 100;
 
 impl Diagnostics {
-    /// Sorts the entries by place, those without a place first, and removes duplicates.
+    /// Sorts the entries by place and removes duplicates. Entries without a place come first.
     pub fn new(mut entries: Vec<Diagnostic>) -> Self {
         entries.sort_by(|a, b| key(a).cmp(&key(b)));
         entries.dedup();
         Self(entries)
     }
 
-    /// The entries in order.
+    /// The diagnostics in the order of their places.
     pub fn entries(&self) -> &[Diagnostic] {
         &self.0
     }
 
-    /// The entries in order, by value.
+    /// Converts to the list of diagnostics, in the order of their places.
     pub fn into_entries(self) -> Vec<Diagnostic> {
         self.0
     }
@@ -75,14 +75,14 @@ impl fmt::Display for Diagnostics {
 
 impl std::error::Error for Diagnostics {}
 
-/// A place in [`Sources`]: bytes `start..end` of one text.
+/// A place in the texts of a [`Report`]: bytes `start..end` of one text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct Span {
-    /// Index of the text.
+    /// Index of the text in the [`Report`].
     pub source: usize,
-    /// First byte.
+    /// Index of the first byte.
     pub start: usize,
-    /// One past the last byte.
+    /// Index after the last byte.
     pub end: usize,
 }
 
@@ -109,7 +109,7 @@ impl<T> At<T> {
     }
 }
 
-/// One text that was read.
+/// A text that was read.
 #[derive(Debug)]
 struct Source {
     name: String,
@@ -117,7 +117,7 @@ struct Source {
     line_starts: Vec<usize>,
 }
 
-/// The texts that were read, and their diagnostics so far.
+/// The texts that were read, and the diagnostics that were added so far.
 #[derive(Debug, Default)]
 pub(crate) struct Report {
     sources: Vec<Source>,
@@ -125,11 +125,11 @@ pub(crate) struct Report {
     dropped: usize,
 }
 
-/// Largest number of diagnostics: finding their places in very long lines takes time.
+/// Largest number of kept diagnostics, because finding their places in very long lines takes time.
 const KEPT: usize = 1000;
 
 impl Report {
-    /// Adds a text under its name in messages; returns its index for spans.
+    /// Adds a text with the name that messages show. Returns the text's index for [`Span`]s.
     pub fn add_source(&mut self, name: &str, text: &str) -> usize {
         let breaks = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(at, _)| at + 1);
         let line_starts = std::iter::once(0).chain(breaks).collect();
@@ -137,7 +137,7 @@ impl Report {
         self.sources.len() - 1
     }
 
-    /// The characters of a span.
+    /// The characters of a span; empty if the text has no such bytes.
     pub fn text(&self, span: Span) -> &str {
         self.sources.get(span.source).and_then(|source| source.text.get(span.start..span.end)).unwrap_or("")
     }
@@ -160,7 +160,7 @@ impl Report {
         self.push(span, entry)
     }
 
-    /// Adds a finished diagnostic.
+    /// Adds a diagnostic. If the list is full, an error is only counted.
     pub fn push(&mut self, span: Option<Span>, mut entry: Diagnostic) -> &mut Self {
         if self.is_full() && entry.severity == Severity::Error {
             self.dropped += 1;
@@ -171,20 +171,20 @@ impl Report {
         self
     }
 
-    /// Adds advice to the diagnostic added last.
+    /// Sets the remedy of the diagnostic that was added last.
     pub fn help(&mut self, help: impl Into<String>) {
         if let Some(last) = self.entries.last_mut().filter(|_| self.dropped == 0) {
             last.remedy = Some(help.into());
         }
     }
 
-    /// Number of errors.
+    /// Number of errors, including the errors that were only counted.
     pub fn error_count(&self) -> usize {
         let errors = self.entries.iter().filter(|entry| entry.severity == Severity::Error);
         errors.count() + self.dropped
     }
 
-    /// Whether the list is full. Further errors are then only counted.
+    /// Whether the list has its largest number of diagnostics. Further errors are then only counted.
     pub fn is_full(&self) -> bool {
         self.entries.len() >= KEPT
     }
@@ -194,7 +194,7 @@ impl Report {
         self.error_count() > 0
     }
 
-    /// All diagnostics; an error without help gets the help of its code.
+    /// All diagnostics. An error without a remedy gets the remedy of its code.
     pub fn finish(mut self) -> Diagnostics {
         if self.dropped > 0 {
             let message = format!("{} more problems are not shown", self.dropped);
@@ -206,7 +206,8 @@ impl Report {
         Diagnostics::new(self.entries)
     }
 
-    /// `file:line:column` of a span, for messages with a second place.
+    /// The place of a span as `file:line:column`, for messages with a second place; empty if the span is not
+    /// in a text.
     pub fn place(&self, span: Span) -> String {
         self.location(span).map_or_else(String::new, |at| format!("{}:{}:{}", at.file, at.line, at.column))
     }
@@ -233,10 +234,11 @@ impl Report {
     }
 }
 
-/// Longest part of a line that is shown.
+/// Largest number of characters of a line that are shown.
 const WINDOW: usize = 120;
 
-/// The visible part of a line with the marked column in it, and how many characters can be marked.
+/// The visible part of a line, the index of the marked column in this part, and the number of marked
+/// characters.
 fn excerpt(line: &str, column: usize, marked: usize) -> (String, usize, usize) {
     let skipped = if column + 20 > WINDOW { column - 20 } else { 0 };
     let visible = line.chars().skip(skipped).take(WINDOW);

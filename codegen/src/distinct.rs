@@ -1,9 +1,9 @@
-//! Distinct names.
+//! Makes names distinct by numbers.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Names in use, and the last number appended to each. Searching from 2 each time would take quadratic time
-/// for thousands of equal names.
+/// Names in use, and for each stem the last number that was appended to it. Without this number, thousands of
+/// equal names would take quadratic time.
 #[derive(Debug, Default)]
 pub(crate) struct Distinct {
     taken: BTreeSet<String>,
@@ -11,12 +11,13 @@ pub(crate) struct Distinct {
 }
 
 impl Distinct {
-    /// The wanted name; a number is appended if the name is in use.
+    /// Returns the wanted name if it is not in use, otherwise the name with a number: `wanted_2`. The result
+    /// is then in use.
     pub(crate) fn take(&mut self, wanted: &str) -> String {
         self.take_by_stem(wanted, wanted)
     }
 
-    /// The wanted name, or its stem with a number if the name is in use.
+    /// The wanted name, or the stem with a number if the wanted name is in use.
     pub(crate) fn take_by_stem(&mut self, wanted: &str, stem: &str) -> String {
         let mut name = wanted.to_owned();
         while self.taken.contains(&name) {

@@ -1,10 +1,11 @@
-//! Names of the functions of modules. Descriptions, the program and the catalogue use these names.
+//! Names of the functions in generated modules. Descriptions, the command line and the table of functions
+//! (`functions/catalogue`) use these names.
 
 macro_rules! names {
     ($($constant:ident = $name:literal,)*) => {
         $(#[doc = concat!("`", $name, "`")] pub const $constant: &str = $name;)*
 
-        /// Functions of a robot, without those of named frames.
+        /// Names of all functions except the functions of named frames.
         const OF_ROBOTS: &[&str] = &[$($name),*];
     };
 }
@@ -53,29 +54,29 @@ names! {
     CENTROIDAL_MOMENTUM_MATRIX = "centroidal_momentum_matrix",
 }
 
-/// Group of all functions of named frames.
+/// Name of the group of all functions of named frames.
 pub const FRAMES: &str = "frames";
 
-/// Group of all functions except those on request.
+/// Name of the group of all functions, except the functions that are generated only if they are named.
 pub const ALL: &str = "all";
 
-/// Names of groups of functions.
+/// Names of the groups of functions.
 pub const GROUPS: [&str; 2] = [FRAMES, ALL];
 
-/// Whether a selection contains all functions except those on request: it is empty or contains [`ALL`].
+/// Whether a selection is empty or contains [`ALL`].
 #[must_use]
 pub fn select_all(selection: &[String]) -> bool {
     selection.is_empty() || selection.iter().any(|name| name == ALL)
 }
 
-/// Quantity of a named frame.
+/// A quantity of a named frame. The generated module has one function for each frame and quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FrameKind {
-    /// Pose.
+    /// Position and orientation of the frame.
     Pose,
-    /// Jacobian.
+    /// Jacobian J: `J ẏ` is the velocity of the frame.
     Jacobian,
-    /// Acceleration at ÿ = 0.
+    /// Product `J̇ ẏ`: the acceleration of the frame at ÿ = 0.
     JacobianRateTimesVelocity,
 }
 
@@ -83,7 +84,7 @@ impl FrameKind {
     /// All quantities.
     pub const ALL: [Self; 3] = [Self::Pose, Self::Jacobian, Self::JacobianRateTimesVelocity];
 
-    /// Name of the function, with `NAME` instead of the frame's name.
+    /// Name of the function, with `NAME` in place of the frame's name.
     #[must_use]
     pub const fn pattern(self) -> &'static str {
         match self {
@@ -93,13 +94,13 @@ impl FrameKind {
         }
     }
 
-    /// Name of the function of a frame, for example `frame_<name>_pose`.
+    /// Name of the function for the frame `frame`, for example `frame_tool_pose`.
     #[must_use]
     pub fn function(self, frame: &str) -> String {
         self.pattern().replace("NAME", frame)
     }
 
-    /// Whether the name is that of a frame's function. The frame itself is not checked.
+    /// Whether the name is a name of a frame's function. Whether the frame exists is not checked.
     fn is_of(self, name: &str) -> bool {
         let frame = self.pattern().split_once("NAME").and_then(|(start, end)| {
             let rest = name.strip_prefix(start)?;
@@ -109,12 +110,14 @@ impl FrameKind {
     }
 }
 
-/// Names that descriptions and the program accept: the functions of every robot, and [`GROUPS`].
+/// Names that descriptions and the program accept: the functions that some robot has, and [`GROUPS`]. Functions of
+/// single frames are not included.
 pub fn listed() -> impl Iterator<Item = &'static str> {
     OF_ROBOTS.iter().copied().chain(GROUPS)
 }
 
-/// Whether the name is a function of some robot or one of [`GROUPS`].
+/// Whether the name is that of a function, also of a named frame, or of a group in [`GROUPS`]. The frame may
+/// not exist.
 #[must_use]
 pub fn is_known(name: &str) -> bool {
     listed().any(|known| known == name) || FrameKind::ALL.iter().any(|kind| kind.is_of(name))

@@ -1,5 +1,6 @@
-//! Guides: conventions, use of generated code, and extension of the generator. `models/README.md` documents
-//! the description format, and `transport` of the runtime the connection to hardware.
+//! Guides about conventions, use of generated code, and extension of the generator. `models/README.md`
+//! documents the description format. The module `transport` of the runtime documents the connection to
+//! hardware.
 
 #[doc = include_str!("../docs/conventions.md")]
 pub mod conventions {}

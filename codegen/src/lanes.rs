@@ -1,4 +1,5 @@
-//! Functions over lanes (several states at once): checks and resolves the requested names.
+//! Functions over lanes. A function over lanes computes eight states at once, and each state is a lane. This
+//! module checks and resolves the requested names.
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::emit::Math;
@@ -11,16 +12,17 @@ use crate::model::Model;
 use crate::program::cost::count;
 use crate::program::lanes;
 
-/// The functions requested over lanes.
+/// Names of the functions that are requested over lanes.
 pub(crate) struct Lanes(Vec<String>);
 
 impl Lanes {
-    /// The functions that the caller requests, or else those that the description requests.
+    /// The names that the caller requests. If the caller requests nothing, the names that the description
+    /// requests.
     ///
-    /// - `asked`: names requested by the caller; may be empty
+    /// - `asked`: names that the caller requests; may be empty
     ///
     /// # Errors
-    /// `unknown-function` for each function that the model lacks.
+    /// `unknown-function` for each name of a function that the model lacks.
     pub(crate) fn new(model: &Model, asked: &[String]) -> Result<Self, Diagnostics> {
         let asked = match asked.is_empty() {
             true => &model.options.lanes,
@@ -30,12 +32,12 @@ impl Lanes {
         Ok(Self(asked.to_vec()))
     }
 
-    /// The names as requested.
+    /// The requested names. Groups are not replaced by the names of their functions.
     pub(crate) fn names(&self) -> &[String] {
         &self.0
     }
 
-    /// The selection extended by the functions over lanes.
+    /// The selection and the functions over lanes. A selection of all functions is returned unchanged.
     pub(crate) fn selected_with(&self, selection: &[String]) -> Vec<String> {
         let mut all = selection.to_vec();
         if !function_names::select_all(selection) {
@@ -45,7 +47,7 @@ impl Lanes {
         all
     }
 
-    /// Functions with a form over lanes, and a note for each function without one.
+    /// The requested functions that can be written over lanes, and a note for each function that cannot.
     pub(crate) fn possible(&self, functions: &[Function], math: Math) -> (Vec<String>, Vec<Diagnostic>) {
         let (mut possible, mut notes) = (Vec::new(), Vec::new());
         for name in self.resolved(functions) {
@@ -64,7 +66,7 @@ impl Lanes {
         (possible, notes)
     }
 
-    /// The names, groups spelled out.
+    /// The names, with groups replaced by the names of their functions.
     fn resolved(&self, functions: &[Function]) -> Vec<String> {
         let frames = || {
             let of_frames = functions.iter().filter(|function| function.frame.is_some());
@@ -79,10 +81,11 @@ impl Lanes {
     }
 }
 
-/// Straight-line functions with a form over lanes; tools over arrays of states call them. Functions with
-/// loops over joints keep their loops and bits.
+/// Names of the straight-line functions that can be written over lanes. Tools that work on arrays of states
+/// call them. Functions with loops over joints are left out, so that their text and their results do not
+/// change.
 ///
-/// - `others`: excluded functions
+/// - `others`: names of further excluded functions
 pub(crate) fn of_straight_line_code(functions: &[Function], others: &[String]) -> Vec<String> {
     let functions = functions.iter().filter(|function| !others.contains(&function.name));
     let functions = functions.filter(|function| function.arrays.is_none());
@@ -90,8 +93,8 @@ pub(crate) fn of_straight_line_code(functions: &[Function], others: &[String]) -
     possible.map(|function| function.name.clone()).collect()
 }
 
-/// A note where the function of one state would be loops over joints, were it not asked for over lanes: both have the same
-/// text, so that their bits agree.
+/// A note if the function would have loops over joints without the request over lanes. With the request, the
+/// function for one state is straight-line code too, so that the bits of both agree.
 fn without_loops(name: &str, functions: &[Function]) -> Option<Diagnostic> {
     let cost = count(&functions.iter().find(|function| function.name == name)?.program);
     let operations = cost.multiplications + cost.additions;
@@ -107,7 +110,7 @@ fn without_loops(name: &str, functions: &[Function]) -> Option<Diagnostic> {
     })
 }
 
-/// Reason why a function has no form over lanes, and remedy.
+/// Reason why a function cannot be generated over lanes, and the remedy.
 fn obstacle(name: &str, functions: &[Function], math: Math) -> Option<(&'static str, Option<String>)> {
     if let Some(function) = functions.iter().find(|function| function.name == name) {
         let reason = match math {

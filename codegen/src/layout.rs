@@ -1,31 +1,34 @@
-//! Named array lengths: the meanings of array entries.
+//! Meaning and number of array entries. Lengths of arrays have names in generated code.
 
-/// Meaning of the entries of an array; names the array's length in every language.
+/// Meaning of the entries of an array. The name of the array's length follows from it in every language.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dimension {
     /// Coordinates y.
     Coordinates,
-    /// Position entries of a robot with quaternions; they outnumber its velocities.
+    /// Position entries y of a robot with quaternions. A quaternion has four position entries, but three
+    /// velocities.
     Positions,
-    /// Joints of a robot with quaternions.
+    /// One entry for each joint of a robot with quaternions.
     Joints,
-    /// Velocities ẏ, and quantities with one entry per velocity: accelerations, forces, derivatives by small motions.
+    /// Velocities ẏ, and quantities with one entry for each velocity: accelerations, forces, and derivatives
+    /// with respect to small motions.
     Velocities,
     /// Inputs u.
     Inputs,
-    /// Parameters of a regressor.
+    /// Parameters of a regressor, one for each column.
     Parameters,
-    /// Wrenches, six entries each: force, then moment.
+    /// Wrenches. Each has six entries: force, then moment.
     Wrenches,
-    /// Driven coordinates, three entries each: position, velocity, acceleration.
+    /// Driven coordinates (joints with a prescribed motion). Each has three entries: position, velocity and
+    /// acceleration.
     Driven,
-    /// A number that is the same for every robot, e.g. the axes of space.
+    /// A number that is the same for every robot, for example 3 for the axes of space.
     Fixed,
 }
 
 impl Dimension {
-    /// Name of the module constant with this length; `None` if the length does not depend on the robot.
-    /// Without quaternions coordinates and velocities share a constant.
+    /// Name of the module constant with this length; `None` if the length does not depend on the robot, or is
+    /// that of a regressor. Without quaternions, coordinates and velocities share a constant.
     #[must_use]
     pub const fn length(self) -> Option<&'static str> {
         match self {
@@ -40,7 +43,7 @@ impl Dimension {
     }
 }
 
-/// Length of an array with the meaning of its entries.
+/// Length of an array, and the meaning of its entries.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Extent {
     /// Meaning of the entries.
@@ -56,7 +59,7 @@ impl Extent {
         Self { dimension, len }
     }
 
-    /// Length of one row if the entries form rows.
+    /// Length of a row; `None` if the entries do not form rows.
     #[must_use]
     pub const fn row(&self) -> Option<usize> {
         match self.dimension {
@@ -66,7 +69,7 @@ impl Extent {
         }
     }
 
-    /// A length that is the same for every robot.
+    /// An extent with a fixed length for all robots.
     #[must_use]
     pub const fn fixed(len: usize) -> Self {
         Self::new(Dimension::Fixed, len)

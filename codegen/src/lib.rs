@@ -1,4 +1,4 @@
-//! Code generation for symbolic robot dynamics.
+//! Generates code of a robot's equations of motion from a description of the robot.
 //!
 //! A build script usually needs one line:
 //!
@@ -7,8 +7,8 @@
 //! gelenk_codegen::build("robot.toml");
 //! ```
 //!
-//! [`Builder`] has all options. [`guide`] documents conventions and signs, generated code and its glossary,
-//! and the extension by joint types, functions, printers and friction terms.
+//! [`Builder`] has all options. [`guide`] documents the conventions and signs, the generated code and its
+//! glossary, and how to add joint types, functions, printers and friction terms.
 
 // Constants reach the generated text, so they may not depend on the platform's library. Tests compare with it.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]

@@ -1,4 +1,4 @@
-//! The program `gelenk`: kinematic descriptions to plain Rust.
+//! The program `gelenk`: it writes plain Rust or C from kinematic descriptions.
 
 fn main() -> std::process::ExitCode {
     gelenk_codegen::cli::run()

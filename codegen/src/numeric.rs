@@ -7,8 +7,8 @@ use gelenk_kernels::math;
 
 pub(crate) use math::sin_cos;
 
-/// Angle of the point (x, y), from −π to π; 0 for the origin. Uses the crate libm, which has the same
-/// arithmetic on every platform.
+/// Angle of the point (x, y) to the x axis [rad], from −π to π. The angle of the origin is 0. Uses the crate
+/// libm, which has the same arithmetic on every platform.
 pub(crate) fn atan2(y: f64, x: f64) -> f64 {
     match x == 0.0 && y == 0.0 {
         true => 0.0,
@@ -26,7 +26,7 @@ pub(crate) fn cross(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// `base` to an integer power, by repeated multiplication.
+/// The power `base^exponent`, by repeated multiplication.
 pub(crate) fn power(base: f64, exponent: i32) -> f64 {
     let power = (0..exponent.unsigned_abs()).fold(1.0, |power, _| power * base);
     match exponent < 0 {

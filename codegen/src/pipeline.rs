@@ -1,4 +1,4 @@
-//! All stages in order.
+//! The generator: all stages from a description to the text of a module.
 
 use std::path::{Path, PathBuf};
 
@@ -22,41 +22,46 @@ use crate::snapping;
 use crate::tools;
 use crate::verify;
 
-/// Options of the caller, in addition to the description.
+/// Options of [`generate`] that are not in the description, or replace options there.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct GenerateOptions {
-    /// Functions to generate. If empty, the description chooses them; its default is all functions.
+    /// Names of the functions to generate. If empty, the description chooses the functions, by default all
+    /// functions.
     pub functions: Vec<String>,
-    /// Angles within this distance (rad) of a multiple of 90° are rounded to it.
+    /// Largest distance [rad] of an angle from a multiple of 90° for which the angle is rounded to this
+    /// multiple. `None` rounds no angle.
     pub snap_angles: Option<f64>,
-    /// Leaves out friction.
+    /// Whether friction is left out.
     pub no_friction: bool,
-    /// Makes mimic joints independent coordinates.
+    /// Whether mimic joints become independent joints.
     pub ignore_mimic: bool,
-    /// Slope s of `tanh(s v)`, which replaces `sign(v)` in friction and springs; by default as described.
+    /// Slope s of `tanh(s v)`, which replaces `sign(v)` in friction and springs. If `None`, the slope of the
+    /// description is used, if it has one.
     pub smooth_sign: Option<f64>,
-    /// Accepts robots whose mass matrix is not positive definite.
+    /// Whether a robot is accepted although its mass matrix is not positive definite.
     pub accept_unphysical: bool,
-    /// Keeps `sign` even if the description replaces it.
+    /// Whether `sign` is kept even if the description has a slope that replaces `sign`.
     pub exact_sign: bool,
-    /// Makes the base floating: a floating joint connects it to the world.
+    /// Whether the base is floating: a floating joint connects the base to the world.
     pub floating_base: bool,
-    /// Held joints.
+    /// Joints that are held at a fixed position.
     pub hold: Vec<Hold>,
-    /// Body of an MJCF; its subtree is the robot.
+    /// Name of the body of an MJCF whose subtree is the robot.
     pub body: Option<String>,
-    /// Contracts products and sums to fused multiply-adds with one rounding. The code is faster, but compiles
-    /// only for processors with these instructions.
+    /// Whether a product and a sum are contracted to a fused multiply-add, which rounds once. The code is
+    /// faster, but compiles only for processors with these instructions.
     pub fused_multiply_add: bool,
-    /// Form of functions that are too large as straight-line code.
+    /// Choice between straight-line code and loops over joints for large functions.
     pub form: Form,
-    /// Adds tests of the functions to the module; they compare with the values of the interpreter.
+    /// Whether the module has tests of its functions. The tests compare results with the values of the
+    /// generator's interpreter.
     pub self_test: bool,
-    /// Limit for the operations of a function; by default [`MOST_OPERATIONS`].
+    /// Largest number of operations of a function. If `None`, [`MOST_OPERATIONS`] is the limit.
     pub max_operations: Option<usize>,
-    /// Functions also generated for eight states at once. If empty, the description chooses them.
+    /// Names of functions that are also written for eight states at once. If empty, the description chooses
+    /// them.
     pub lanes: Vec<String>,
-    /// Lines added to the module's documentation of the robot.
+    /// Lines that are added to the module's documentation of the robot.
     pub remarks: Vec<String>,
     /// Options of the printer.
     pub emit: EmitOptions,
@@ -67,22 +72,22 @@ pub struct GenerateOptions {
 pub struct Generated {
     /// The robot.
     pub model: Model,
-    /// The module: functions and other printed items.
+    /// The module: functions and other printed items, before printing.
     pub module: Module,
-    /// Text of the module.
+    /// Text of the module, with its name and language.
     pub source: SourceFile,
-    /// Whether this is the smooth module of a pair.
+    /// Whether this is the smooth module of [`generate_pair`].
     pub is_control_model: bool,
-    /// Notes about the description.
+    /// Warnings and notes about the description and the functions.
     pub notes: Diagnostics,
-    /// All files that were read; the description is the first.
+    /// All files that were read. The first is the description.
     pub files: Vec<PathBuf>,
 }
 
-/// Generates the text of a module from a description. Reads files, writes none.
+/// Generates the text of a module from a description. It reads files, but writes no files.
 ///
 /// # Errors
-/// All [`Diagnostics`] of the first stage with errors.
+/// All [`Diagnostics`] of the first stage that has errors.
 pub fn generate(description: &Path, options: &GenerateOptions) -> Result<Generated, Diagnostics> {
     generate_from(&mut DescriptionFiles::of(description), options)
 }
@@ -150,15 +155,15 @@ fn generate_from(
     })
 }
 
-/// Suffix of the name of a pair's smooth module.
+/// Suffix of the name of the smooth module of [`generate_pair`].
 pub const CONTROL: &str = "_control";
 
 /// Generates two modules from one description. The exact module, for plants, keeps `sign` in friction and
-/// springs. The smooth module `<name>_control`, for controllers, has `tanh(slope · v)` instead, whose
-/// derivative is not zero.
+/// springs. The smooth module `<name>_control`, for controllers, has `tanh(slope · v)` instead. The
+/// derivative of `tanh` is not zero. The exact module is the first.
 ///
 /// # Errors
-/// See [`generate`].
+/// `not-positive` if the slope is not positive and finite; the errors of [`generate`] in addition.
 pub fn generate_pair(
     description: &Path,
     options: &GenerateOptions,
@@ -180,8 +185,8 @@ pub fn generate_pair(
     Ok([exact, smooth])
 }
 
-/// M and its derivatives of longer chains have more than 640 000 operations, twice the default limit: such modules would lack
-/// the dynamics.
+/// Largest number of velocities. For longer chains, M and its derivatives have more than 640 000 operations,
+/// twice the default limit, so their modules would lack the dynamics.
 const MOST_VELOCITIES: usize = 400;
 
 fn check_size(model: &Model) -> Result<(), Diagnostics> {
@@ -239,7 +244,6 @@ fn check_language(options: &GenerateOptions) -> Result<(), Diagnostics> {
     }
 }
 
-/// Stages 2 to 4.
 fn derive(
     model: &Model,
     options: &GenerateOptions,
@@ -267,7 +271,7 @@ fn derive(
     Ok(selected)
 }
 
-/// Why a function cannot be derived may be what the model's stage warned of.
+/// Adds the warnings about the model, because they may explain why a function cannot be derived.
 fn with_warnings(problems: Diagnostics, notes: &Diagnostics) -> Diagnostics {
     let warnings = notes.entries().iter();
     let warnings = warnings.filter(|entry| entry.severity == Severity::Warning);
@@ -275,7 +279,7 @@ fn with_warnings(problems: Diagnostics, notes: &Diagnostics) -> Diagnostics {
     Diagnostics::new([problems.into_entries(), warnings].concat())
 }
 
-/// The functions that are asked for; none means all.
+/// Names of the requested functions. An empty list means all functions.
 fn selection<'a>(model: &'a Model, options: &'a GenerateOptions) -> &'a [String] {
     match options.functions.is_empty() {
         true => &model.options.functions,
@@ -283,7 +287,7 @@ fn selection<'a>(model: &'a Model, options: &'a GenerateOptions) -> &'a [String]
     }
 }
 
-/// Functions that a test makes wrong, as an error of the derivation would.
+/// For tests: functions that are wrong, as an error of the derivation would make them.
 #[cfg(test)]
 pub(crate) mod wrong_functions {
     use std::cell::Cell;
@@ -293,7 +297,7 @@ pub(crate) mod wrong_functions {
 
     thread_local!(static ARE_WANTED: Cell<bool> = const { Cell::new(false) });
 
-    /// Runs something with wrong functions in each [`generate`](super::generate) of this thread.
+    /// Calls `run`. Each [`generate`](super::generate) that it calls on this thread makes wrong functions.
     pub(crate) fn during<T>(run: impl FnOnce() -> T) -> T {
         ARE_WANTED.set(true);
         let result = run();
@@ -301,7 +305,7 @@ pub(crate) mod wrong_functions {
         result
     }
 
-    /// Replaces every sum by a difference.
+    /// Replaces every sum by a difference, if wrong functions are wanted.
     pub(super) fn spoil(functions: &mut [Function]) {
         let instructions = functions.iter_mut().flat_map(|function| &mut function.program.instructions);
         for instruction in instructions.filter(|_| ARE_WANTED.get()) {

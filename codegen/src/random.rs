@@ -1,4 +1,4 @@
-//! Seeded random numbers, the same on every platform.
+//! Random numbers from a seed, with the same bits on every platform.
 
 /// Generator SplitMix64 (Steele, Lea and Flood 2014).
 #[derive(Debug, Clone)]
@@ -9,7 +9,7 @@ impl Random {
         Self(seed)
     }
 
-    /// Uniform in `low..high`.
+    /// A number with uniform distribution in `low..high`.
     pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut bits = self.0;
@@ -22,7 +22,7 @@ impl Random {
         low + (high - low) * fraction
     }
 
-    /// Uniform in `±(low..high)`.
+    /// A number with uniform distribution in `low..high`, with a random sign.
     pub(crate) fn either_side(&mut self, low: f64, high: f64) -> f64 {
         let size = self.between(low, high);
         if self.between(0.0, 1.0) < 0.5 { -size } else { size }

@@ -10,21 +10,22 @@ use crate::random::Random;
 const STATES: usize = 4;
 const SEED: u64 = 0x7374_6966;
 
-/// Steep laws have a width of 1e-3 and more.
+/// Step of the finite differences. Steep friction laws have a width of 1e-3 or more.
 const STEP: f64 = 1e-7;
 
-/// Squarings after which the norm of a power tells the spectral radius to three digits.
+/// Squarings after which the norm of a power gives the spectral radius to three digits.
 const SQUARINGS: usize = 12;
 
-/// Fastest mode of the linearization.
+/// A mode of the linearization.
 pub(crate) struct Mode {
-    /// Magnitude of its eigenvalue (1/s).
+    /// Magnitude of the mode's eigenvalue (1/s).
     pub rate: f64,
-    /// Coordinate with the largest entry in the mode.
+    /// Coordinate with the largest entry in the mode's eigenvector.
     pub coordinate: usize,
 }
 
-/// The fastest mode at seeded positions with inputs at the effort limits; `None` if no result is finite.
+/// The fastest mode at four seeded positions, with inputs at the effort limits. `None` if no result is
+/// finite.
 pub(crate) fn fastest(model: &Model, forward: &Function) -> Option<Mode> {
     let mut random = Random::new(SEED);
     let modes =
@@ -32,7 +33,7 @@ pub(crate) fn fastest(model: &Model, forward: &Function) -> Option<Mode> {
     modes.max_by(|a, b| a.rate.total_cmp(&b.rate))
 }
 
-/// A value for each velocity; parts of joints with quaternions are 0, where differences are small motions.
+/// A position for each velocity. For parts of joints with quaternions the entries are small motions, here 0.
 fn positions(model: &Model, random: &mut Random) -> Vec<f64> {
     let value = |(coordinate, [low, high]): (usize, [f64; 2])| match model.quaternion_joint_of(coordinate) {
         Some(_) => 0.0,
@@ -41,7 +42,7 @@ fn positions(model: &Model, random: &mut Random) -> Vec<f64> {
     model.joints().map(|joint| joint.seeded_range()).enumerate().map(value).collect()
 }
 
-/// ((0, 1), (∂ÿ/∂y, ∂ÿ/∂ẏ)), rows first.
+/// The matrix ((0, 1), (∂ÿ/∂y, ∂ÿ/∂ẏ)) as a list of rows; `None` if the function has no result.
 fn linearization(model: &Model, forward: &Function, y: &[f64]) -> Option<Vec<Vec<f64>>> {
     let n = y.len();
     let (u, rest) = (inputs(model), vec![0.0; n]);
@@ -78,7 +79,7 @@ fn acceleration(model: &Model, forward: &Function, values: &[f64], v: &[f64], u:
     results.into_iter().next()
 }
 
-/// The inputs that exert the effort limits of their joints; 0 if there is none.
+/// The inputs that exert the effort limits of their joints. An input is 0 if its joint has no limit.
 fn inputs(model: &Model) -> Vec<f64> {
     let parameters = model.described_parameters();
     let joints: Vec<_> = model.joints().collect();
@@ -94,7 +95,7 @@ fn inputs(model: &Model) -> Vec<f64> {
     model.inputs().map(|each| input(each).unwrap_or(0.0)).collect()
 }
 
-/// The dominant eigenvalue by the norms of powers, `‖A^k‖^(1/k)`.
+/// The dominant eigenvalue from norms of powers, `‖A^k‖^(1/k)`; `None` if a norm is 0 or not finite.
 fn mode(a: &[Vec<f64>]) -> Option<Mode> {
     let n = a.len() / 2;
     let (mut rate, mut power) = (1.0, a.to_vec());

@@ -6,22 +6,22 @@ use crate::model::Model;
 use crate::program::interpret::{Functions, interpret};
 use crate::random::Random;
 
-/// Number of states per function.
+/// Number of states at which each function is called.
 pub(crate) const STATES: u64 = 2;
 
-/// One call of a function with the interpreter's results.
+/// One call of a function, with the results of the generator's interpreter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SelfTest {
-    /// The function.
+    /// Name of the function.
     pub function: String,
-    /// Arguments in order.
+    /// Arguments in the order of the function, each flat.
     pub arguments: Vec<Vec<f64>>,
-    /// Results, flat and row-major.
+    /// Results in the order of the function, flat and row-major.
     pub results: Vec<Vec<f64>>,
 }
 
-/// Calls of each function at seeded states with the described parameters. Calls with a non-finite result are
-/// omitted, for example of a singular mass matrix.
+/// Two calls of each function at seeded states. Free parameters have the values of the description. A call
+/// with a result that is not finite is left out, for example if the mass matrix is singular.
 #[must_use]
 pub fn self_tests(model: &Model, functions: &[Function]) -> Vec<SelfTest> {
     let described = model.parameters.iter().map(|parameter| parameter.default);
@@ -38,15 +38,15 @@ fn self_test(model: &Model, function: &Function, seed: u64, parameters: &[f64]) 
     is_finite.then(|| SelfTest { function: function.name.clone(), arguments, results })
 }
 
-/// Arguments of a function at a seeded state.
+/// Values of the arguments of a function at the state of a seed.
 pub(crate) fn arguments(model: &Model, function: &Function, seed: u64) -> Vec<Vec<f64>> {
     let mut random = Random::new(seed);
     let inputs = function.program.inputs.iter();
     inputs.map(|input| entries(model, input.extent.dimension, &mut random)).collect()
 }
 
-/// Entries of an argument. Positions lie within the limits, and no velocity is close to 0, where friction may
-/// jump.
+/// Entries of an argument. Positions are within the limits. No velocity is close to 0, because friction may
+/// jump there.
 fn entries(model: &Model, dimension: Dimension, random: &mut Random) -> Vec<f64> {
     match dimension {
         Dimension::Coordinates | Dimension::Positions => {

@@ -1,4 +1,4 @@
-//! Operations that snapping nearly right angles would save.
+//! The number of operations that snapping saves, which rounds nearly right angles to multiples of 90°.
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::functions::function::Function;
@@ -6,11 +6,11 @@ use crate::functions::selection;
 use crate::program::cost::count;
 use crate::read::{DescriptionFiles, NEARLY_RIGHT, NEARLY_RIGHT_ANGLE, ReadOptions};
 
-/// The functions that are counted for the note, if they are generated at all.
+/// Functions whose operations the note about nearly right angles counts.
 const COUNTED: [&str; 2] = ["inverse_dynamics", "mass_matrix"];
 
-/// The notes; the note about nearly right angles gets the number of saved operations, and is removed if it is
-/// 0.
+/// Adds the number of saved operations to the notes about nearly right angles. If snapping saves no
+/// operations, these notes are removed. Other notes stay as they are.
 pub fn priced(
     notes: Diagnostics,
     description: &mut DescriptionFiles,
@@ -35,8 +35,8 @@ pub fn priced(
     Diagnostics::new(entries)
 }
 
-/// Counts of the functions with the angles snapped and as they are, empty if they are the same; `None`
-/// where none of them is generated.
+/// Operation counts with snapped angles and with the angles of the description, as text. The text is empty if
+/// the counts are equal. `None` if no counted function is generated.
 fn savings(
     description: &mut DescriptionFiles,
     options: &ReadOptions,

@@ -1,4 +1,4 @@
-//! Requirements of CasADi and acados, tools that call C modules.
+//! Requirements of CasADi and acados, which call C modules.
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::emit::{Companion, EmitOptions, Scalar};
@@ -9,14 +9,15 @@ use crate::model::Model;
 use crate::program;
 use crate::wording::listed;
 
-/// Rejects robots that a tool does not support.
+/// Returns an error if a tool does not support the robot.
 pub(crate) fn check(model: &Model, tools: &[Companion]) -> Result<(), Diagnostics> {
     let products = [(Companion::Acados, ACADOS), (Companion::Casadi, CASADI)].into_iter();
     let mut wanted = products.filter(|(tool, _)| tools.contains(tool));
     wanted.try_for_each(|(_, product)| product.check(model))
 }
 
-/// Rejects modules without the functions that acados calls.
+/// Returns the error `missing-function` if acados is a tool and the module lacks a function that acados
+/// calls.
 pub(crate) fn check_functions(
     functions: &[Function],
     compositions: &[Composition],
@@ -35,7 +36,8 @@ pub(crate) fn check_functions(
     }
 }
 
-/// Functions for CasADi, with the module's functions that compute the value and its derivatives.
+/// Functions for CasADi, except poses of frames, with the module's functions for the value and its
+/// derivatives.
 const OF_CASADI: [Given; 3] = [
     Given { name: "dynamics", value: "forward_dynamics", derivatives: "linearize" },
     Given {
@@ -46,16 +48,17 @@ const OF_CASADI: [Given; 3] = [
     Given { name: "step", value: "step", derivatives: "step_derivatives" },
 ];
 
-/// A function for CasADi. Poses of frames are added.
+/// A function for CasADi.
 struct Given {
     name: &'static str,
-    /// The function of the module that computes it.
+    /// The function of the module that computes the value.
     value: &'static str,
-    /// The function that has its derivatives.
+    /// Name of the module's function for the derivatives.
     derivatives: &'static str,
 }
 
-/// Notes functions for CasADi that are omitted because the module lacks functions that they call.
+/// A note about the functions for CasADi that are left out, because the module lacks functions that they
+/// call.
 pub(crate) fn notes(
     functions: &[Function],
     compositions: &[Composition],
@@ -81,7 +84,8 @@ pub(crate) fn notes(
     (!lacking.is_empty()).then(|| Diagnostic::note("not-for-casadi", message).help(help))
 }
 
-/// Files that do not exist in single precision, and the tool that computes in double precision.
+/// For single precision: the files that do not exist in it, and the tool that computes in double precision.
+/// `None` if the module is in double precision or these tools are not requested.
 pub(crate) fn in_single_precision(emit: &EmitOptions) -> Option<[String; 2]> {
     let tools = [(Companion::Acados, "acados"), (Companion::Casadi, "CasADi")];
     let mut wanted = tools.iter().filter(|(tool, _)| emit.companions.contains(tool));
@@ -89,7 +93,7 @@ pub(crate) fn in_single_precision(emit: &EmitOptions) -> Option<[String; 2]> {
     Some([format!("functions for {name} in single precision"), format!("{name} computes")])
 }
 
-/// Functions that CasADi differentiates by the free parameters.
+/// Derivatives of the functions that CasADi calls, with respect to the free parameters.
 pub(crate) fn by_parameters(model: &Model, functions: &[Function]) -> Vec<Function> {
     let count = model.parameters.len();
     let is_differentiated = |function: &&Function| {

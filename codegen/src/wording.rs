@@ -3,12 +3,12 @@
 /// Largest number of listed names.
 const LISTED: usize = 4;
 
-/// `` `a`, `b`, `c`, `d` and 20 more``
+/// Names as a list, for example `` `a`, `b`, `c`, `d` and 20 more``.
 pub(crate) fn list<'a>(names: impl ExactSizeIterator<Item = &'a str>) -> String {
     listed(names.map(|name| format!("`{name}`")))
 }
 
-/// The first entries, and the number of the others.
+/// The first entries as a list, with the number of the omitted entries.
 pub(crate) fn listed(entries: impl ExactSizeIterator<Item = String>) -> String {
     let count = entries.len();
     let shown: Vec<String> = entries.take(LISTED).collect();
@@ -18,7 +18,7 @@ pub(crate) fn listed(entries: impl ExactSizeIterator<Item = String>) -> String {
     }
 }
 
-/// A shell word, quoted if necessary.
+/// A word for the command line of a shell, quoted if necessary.
 pub(crate) fn quoted(word: &str) -> String {
     let is_plain = |letter: char| letter.is_alphanumeric() || "_-./,".contains(letter);
     if !word.is_empty() && word.chars().all(is_plain) {
@@ -27,7 +27,7 @@ pub(crate) fn quoted(word: &str) -> String {
     format!("'{}'", word.replace('\'', r"'\''"))
 }
 
-/// A TOML string.
+/// The text as a basic string of TOML, with quotes and escapes.
 #[cfg(feature = "cli")]
 pub(crate) fn toml_text(text: &str) -> String {
     let mut out = String::from("\"");
@@ -44,25 +44,25 @@ pub(crate) fn toml_text(text: &str) -> String {
     out
 }
 
-/// Number with three significant digits: `0.0123`, `63.8`, `2.41e-35`.
+/// The number with three significant digits: `0.0123`, `63.8`, `2.41e-35`.
 pub(crate) fn three_digits(x: f64) -> String {
     digits(x, 3)
 }
 
-/// Number as written, without strings of zeros: `1e-300`, `1.5707963`.
+/// Number with up to 17 digits, without long runs of zeros: `1e-300`, `1.5707963`.
 pub(crate) fn as_written(x: f64) -> String {
     digits(x, MOST_DIGITS)
 }
 
-/// Numbers with the fewest digits, at least three, for which the statement about them stays true: `2 >
-/// 1.9999` does not become `2 > 2`.
+/// Numbers with as few digits as possible, but at least three, so that the statement `is_true` about the
+/// rounded numbers is true: `2 > 1.9999` does not become `2 > 2`.
 pub(crate) fn telling<const N: usize>(numbers: [f64; N], is_true: impl Fn([f64; N]) -> bool) -> [String; N] {
     let enough = |count: &usize| is_true(numbers.map(|x| rounded(x, *count)));
     let count = (3..MOST_DIGITS).find(enough).unwrap_or(MOST_DIGITS);
     numbers.map(|x| digits(x, count))
 }
 
-/// Digits that distinguish any two numbers.
+/// Number of digits that distinguish any two numbers of the type `f64`.
 const MOST_DIGITS: usize = 17;
 
 fn digits(x: f64, count: usize) -> String {

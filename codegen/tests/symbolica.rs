@@ -143,7 +143,7 @@ inertia = 0.05
 fn helical_joints_are_refused_unless_they_are_held() {
     let problems = closed_form::check_size(&described(&SCREW.replace("HELD", ""))).unwrap_err().to_string();
     assert!(problems.starts_with("error[helical-joint]: closed forms are not available"), "{problems}");
-    assert!(problems.contains("as `screw` is"), "{problems}");
+    assert!(problems.contains("because joint `screw` is helical"), "{problems}");
     let worst = disagreement(&described(&SCREW.replace("HELD", "held = \"pi/2\"")), 5, 1.0);
     assert!(worst < 1e-10, "{worst:e}");
 }

@@ -9,12 +9,13 @@ pub trait Clock {
     /// Current time.
     fn now(&self) -> Duration;
 
-    /// Sleeps until the time `wake`; returns immediately if it is past. The time is absolute, so delays do
-    /// not accumulate.
+    /// Sleeps until the time `wake`. Returns immediately if this time is past. The time is absolute, so
+    /// delays do not accumulate.
     fn sleep_until(&self, wake: Duration);
 }
 
-/// `CLOCK_MONOTONIC`, with `clock_nanosleep` to absolute times.
+/// The clock `CLOCK_MONOTONIC`, with `clock_nanosleep` to absolute times. On other systems than Linux it is
+/// the clock of the standard library.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct MonotonicClock;
 
@@ -35,7 +36,7 @@ impl Clock for MonotonicClock {
     }
 }
 
-/// A time that the system cannot count to is its last one, not one before its first.
+/// Converts a time. A time beyond the range of the system becomes the last time of the range.
 #[cfg(target_os = "linux")]
 fn timespec(time: Duration) -> rustix::time::Timespec {
     rustix::time::Timespec {
@@ -44,7 +45,7 @@ fn timespec(time: Duration) -> rustix::time::Timespec {
     }
 }
 
-/// Elsewhere the standard library's clock, and relative sleep to the absolute time.
+/// On other systems: the clock of the standard library, and a relative sleep until the absolute time.
 #[cfg(not(target_os = "linux"))]
 impl Clock for MonotonicClock {
     fn now(&self) -> Duration {
@@ -69,7 +70,7 @@ impl VirtualClock {
         Self::default()
     }
 
-    /// Advances the time, like a computation or a stall.
+    /// Advances the time, as a computation or a stall would.
     pub fn advance(&self, span: Duration) {
         let later = |now: u64| Some(now.saturating_add(nanoseconds(span)));
         // Never refused, as `later` always has an answer.
@@ -87,7 +88,7 @@ impl Clock for VirtualClock {
     }
 }
 
-/// 584 years are enough for a loop.
+/// Converts a time to nanoseconds, at most 584 years.
 fn nanoseconds(span: Duration) -> u64 {
     u64::try_from(span.as_nanos()).unwrap_or(u64::MAX)
 }

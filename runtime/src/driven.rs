@@ -1,17 +1,17 @@
 //! Robots with driven joints over time: the equations of motion with a prescribed motion.
 //!
-//! A joint with `motion = "driven"` is not a coordinate: its position, velocity and acceleration d(t) are
-//! given, for example for a linear axis with its own controller, a ship's deck or a turntable:
+//! A joint with `motion = "driven"` is not a coordinate. Its position, velocity and acceleration d(t), ḋ(t),
+//! d̈(t) are given, for example for a linear axis with its own controller, a ship's deck or a turntable:
 //!
 //! ```text
 //!     M(y, d) ÿ + k(y, ẏ, d) = q(y, ẏ, d) + B u        k contains M_d d̈
 //! ```
 //!
-//! [`dynamics!`](crate::dynamics!) wraps a generated module as a robot at one instant (`struct Arm { driven }
-//! = module`). [`DrivenRobot`] adds the motion d(t). Plants, feed-forward, control laws, predictive
-//! controllers and observers request d at the time of their computation ([`Dynamics::at_time`]), for example
-//! at the stages of an integration. Without a time d is unknown, and every result that depends on it is NaN,
-//! never that of d = 0.
+//! [`dynamics!`](crate::dynamics!) wraps a generated module as a robot at one time
+//! (`struct Arm { driven } = module`). [`DrivenRobot`] adds the motion d(t). Plants, feed-forward, control
+//! laws, predictive controllers and observers request d for the time of their computation
+//! ([`Dynamics::at_time`]), for example for the stages of an integration. Without a time d is unknown. Every
+//! result that depends on d is then NaN, and never the result for d = 0.
 //!
 //! ```
 //! use gelenk_runtime::driven::DrivenRobot;
@@ -36,8 +36,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Controllers ask with the time of their trajectory, plants with their own. Where the two clocks differ, as in a loop that
-//! begins later than the plant, [`DrivenRobot::beginning_at`] says when on either clock the motion begins.
+//! Controllers use the time of their trajectory, plants use their own time. If these times differ, for
+//! example in a loop that starts later than the plant, [`DrivenRobot::beginning_at`] sets the time at which
+//! the motion begins.
 
 use crate::dynamics::{
     self, Differentiable, Discretizable, DrivenJoints, Dynamics, ForceDerivatives, ForceDerivativesAndMass,
@@ -45,46 +46,47 @@ use crate::dynamics::{
 };
 use crate::trajectory::Trajectory;
 
-/// A robot with the motion of its `K` driven joints; see the [module](self).
+/// A robot with the motion of its `K` driven joints, see the [module](self).
 ///
-/// - `R`: robot at one instant, made by [`dynamics!`](crate::dynamics!)
-/// - `T`: motion of the K joints, a [`Trajectory`] that is [`Copy`]; pass a large one by reference, so that
-///   no call allocates
+/// - `R`: robot at one time, made by [`dynamics!`](crate::dynamics!)
+/// - `T`: motion of the K joints, a [`Trajectory`] that is [`Copy`]. Pass a large motion by reference, so
+///   that a copy is cheap.
 ///
-/// `T`'s [`begin_period`](Trajectory::begin_period) is not called: the owner of a motion that changes at run
-/// time calls it.
+/// This type does not call [`begin_period`](Trajectory::begin_period) of `T`. The owner of a motion that
+/// changes at run time must call it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DrivenRobot<R, T, const K: usize> {
-    /// At `time`.
+    /// The robot at `time`.
     robot: R,
     motion: T,
-    /// When the motion begins (s).
+    /// Time at which the motion begins (s).
     begins: f64,
-    /// NaN: at no time.
+    /// Time of the robot (s); NaN if there is no time.
     time: f64,
 }
 
 impl<R: DrivenJoints<K>, T: Trajectory<K> + Copy, const K: usize> DrivenRobot<R, T, K> {
-    /// The robot with this motion of its driven joints, in the order of the module's `DRIVEN_NAMES` [rad or
-    /// m, s]. The field `driven` of the robot is ignored.
+    /// A robot with this motion of its driven joints [rad or m], in the order of `DRIVEN_NAMES` of the
+    /// module. The field `driven` of `robot` is ignored.
     pub fn new(robot: R, motion: T) -> Self {
         Self { robot, motion, begins: 0.0, time: f64::NAN }.at(f64::NAN)
     }
 
-    /// Starts the motion at `time` (s) of the caller's clock instead of 0.
+    /// Sets the time on the caller's clock (s) at which the motion begins, instead of 0.
     #[must_use]
     pub fn beginning_at(self, time: f64) -> Self {
         Self { begins: time, ..self }.at(self.time)
     }
 
-    /// The robot at `time` (s); for a non-finite time the motion is unknown.
+    /// The robot at `time` (s). For a time that is not finite, the motion is unknown.
     #[inline]
     #[must_use]
     pub fn at(&self, time: f64) -> Self {
         Self { robot: self.robot.with_driven(&self.driven_at(time)), time, ..*self }
     }
 
-    /// Position, velocity and acceleration of each driven joint at `time` (s); NaN for a non-finite time.
+    /// Position, velocity and acceleration of each driven joint at `time` (s); NaN for a time that is not
+    /// finite.
     #[inline]
     #[must_use]
     pub fn driven_at(&self, time: f64) -> [[f64; 3]; K] {
@@ -96,14 +98,14 @@ impl<R: DrivenJoints<K>, T: Trajectory<K> + Copy, const K: usize> DrivenRobot<R,
         core::array::from_fn(|i| [sample.positions[i], sample.velocities[i], sample.accelerations[i]])
     }
 
-    /// The robot at one instant, for functions that the traits lack.
+    /// The robot at one time, for functions that are not in the traits.
     #[must_use]
     pub fn robot(&self) -> &R {
         &self.robot
     }
 }
 
-/// Methods that call those of the robot at its time.
+/// Implements methods by those of the robot at its time.
 macro_rules! of_the_robot {
     ($(fn $name:ident($($argument:ident: $type:ty),*) -> $result:ty;)*) => {
         $(
@@ -173,8 +175,9 @@ where
     }
 }
 
-/// `discretize` holds the linearization at the robot's time, which is best taken in the middle of the period. `step` and
-/// `step_derivatives` begin at the robot's time, and each stage of the Runge–Kutta method has its own.
+/// `discretize` uses the linearization at the robot's time, which should be the middle of the period. `step`
+/// and `step_derivatives` begin at the robot's time, and each stage of the Runge–Kutta method has its own
+/// time.
 impl<R, T, const K: usize, const N: usize, const M: usize> Discretizable<N, M> for DrivenRobot<R, T, K>
 where
     R: Differentiable<N, M> + DrivenJoints<K>,

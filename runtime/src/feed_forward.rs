@@ -4,10 +4,11 @@
 //!     u_ff = B⁻¹ (M ÿ + k − q)        along y(t), ẏ(t), ÿ(t)
 //! ```
 //!
-//! Inverse dynamics, also called computed torque (Craig, *Introduction to Robotics*, 2005, section 10.4). If
-//! B is not square or not regular, u_ff = B⁺ (M ÿ + k − q) is the least-squares solution with the smallest
-//! inputs. The residual r = (M ÿ + k − q) − B u_ff is the force that no input can produce; a trajectory with
-//! r ≠ 0 is not feasible. For robots with quaternions v and v̇ replace ẏ and ÿ.
+//! This is the inverse dynamics of the model `M ÿ + k = q + B u`, also called computed torque (Craig,
+//! *Introduction to Robotics*, 2005, section 10.4). If B is not square or not regular, u_ff = B⁺ (M ÿ + k −
+//! q) is the least-squares solution with the smallest inputs. The residual r = (M ÿ + k − q) − B u_ff is the
+//! force that no input can produce. A trajectory with r ≠ 0 is not feasible. For robots with quaternions v
+//! and v̇ replace ẏ and ÿ.
 
 use crate::dynamics::{Dynamics, Named, plain_entries};
 #[cfg(not(feature = "std"))]
@@ -19,19 +20,19 @@ use thiserror::Error;
 /// Inputs for a state, and the residual force that no input can produce.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FeedForwardInput<const N: usize, const M: usize> {
-    /// u_ff, in the units of the model's inputs.
+    /// Inputs u_ff [N m, N or A].
     pub inputs: [f64; M],
-    /// r = M ÿ + k − q − B u_ff [N m or N]: zero if B is regular.
+    /// Residual r = M ÿ + k − q − B u_ff [N m or N], which is zero if B is regular.
     pub residual: [f64; N],
 }
 
-/// Errors of the feed-forward.
+/// Error of the feed-forward.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum FeedForwardError {
-    /// A component of B is NaN or infinite, or B is zero.
+    /// An entry of B is NaN or infinite, or B is zero.
     #[error("the input matrix is zero or not finite, so no input acts on the robot")]
     InputMatrix,
-    /// The trajectory asks for forces that no input makes.
+    /// The trajectory requires forces that no input produces.
     #[error(
         "the trajectory is not feasible: at {time} s joint {} requires {residual} N m (or N) that no input \
          produces, above the tolerance of {tolerance}; plan a motion that satisfies the joint's equation of \
@@ -39,32 +40,32 @@ pub enum FeedForwardError {
         Named(.name)
     )]
     Infeasible {
-        /// Where the residual is largest (s).
+        /// Time of the largest residual (s).
         time: f64,
-        /// The coordinate with the largest residual.
+        /// Index of the coordinate with the largest residual.
         coordinate: usize,
         /// Name of the joint.
         name: &'static str,
         /// Largest residual [N m or N].
         residual: f64,
-        /// The residual that is allowed [N m or N].
+        /// Allowed residual [N m or N].
         tolerance: f64,
     },
     /// Positions, velocities or the equations of motion are not finite.
     #[error("the trajectory or the equations of motion are not finite at {time} s")]
     NotFinite {
-        /// When (s).
+        /// Time (s).
         time: f64,
     },
     /// The sampling period is not positive and finite.
     #[error("period is {0} s; it must be positive and finite")]
     Period(f64),
-    /// The trajectory is infinitely long, or too long for its inputs to be stored.
+    /// The trajectory is infinitely long, or has too many periods.
     #[error("a trajectory of {duration} s has more than {MAX_SAMPLES} periods of {period} s")]
     Duration {
         /// Duration of the trajectory (s).
         duration: f64,
-        /// The sampling period (s).
+        /// Sampling period (s).
         period: f64,
     },
     /// The tolerance is not a number.
@@ -89,7 +90,7 @@ pub enum FeedForwardError {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FeedForward<D, const N: usize, const M: usize, const NY: usize = N> {
     model: D,
-    /// B and B⁺, where B is constant: all inputs are drives.
+    /// B and B⁺ if B is constant because all inputs are drives; `None` otherwise.
     constant: Option<Inverted<N, M>>,
 }
 
@@ -101,12 +102,12 @@ struct Inverted<const N: usize, const M: usize> {
 }
 
 impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> FeedForward<D, N, M, NY> {
-    /// Inverts the input matrix of `model`, once if it is constant, otherwise at each call without
-    /// allocation.
+    /// A feed-forward for `model`. A constant input matrix B is inverted once, otherwise B(y) is inverted at
+    /// each call without allocation.
     ///
     /// # Errors
-    /// [`FeedForwardError::InputMatrix`]. If B depends on y, it is checked at time 0, at the positions within
-    /// the limits that are closest to 0.
+    /// [`FeedForwardError::InputMatrix`] if B is zero or not finite. If B depends on y, it is checked at time
+    /// 0, at the positions within the limits that are closest to 0.
     pub fn new(model: D) -> Result<Self, FeedForwardError> {
         let input_matrix = model.at_time(0.0, |model| model.input_matrix(&closest_to_neutral(model)));
         let inverse = pseudo_inverse(&input_matrix).ok_or(FeedForwardError::InputMatrix)?;
@@ -119,11 +120,11 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Fee
         &self.model
     }
 
-    /// Replaces the model, for example by one with newly identified parameters. Does not allocate if the
+    /// Replaces the model, for example by a model with newly identified parameters. Allocates nothing if the
     /// input matrix is the same.
     ///
     /// # Errors
-    /// [`FeedForwardError::InputMatrix`]; the model is then unchanged.
+    /// [`FeedForwardError::InputMatrix`] if B is zero or not finite. The old model is then kept.
     pub fn set_model(&mut self, model: D) -> Result<(), FeedForwardError> {
         let is_same =
             |known: Inverted<N, M>| model.drives() == M && model.drive_matrix() == known.input_matrix;
@@ -135,13 +136,13 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Fee
         Ok(())
     }
 
-    /// Inputs for one sample. Does not allocate.
+    /// Inputs for one sample. Allocates nothing.
     #[must_use]
     pub fn at(&self, sample: &Sample<N, NY>) -> FeedForwardInput<N, M> {
         self.by(&self.model, sample)
     }
 
-    /// Inputs for the sample of a trajectory at `time` (s), which robots with driven joints need
+    /// Inputs for the sample of a trajectory at `time` (s). Robots with driven joints need the time
     /// ([`Dynamics::at_time`]).
     #[must_use]
     pub fn at_time(&self, time: f64, sample: &Sample<N, NY>) -> FeedForwardInput<N, M> {
@@ -155,26 +156,27 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Fee
         FeedForwardInput { inputs, residual: inverted.missed(&forces, &inputs) }
     }
 
-    /// B(y)⁺ f: inputs that produce generalized forces f [N m or N] at positions y, or the closest possible
-    /// ones; NaN if B is zero or not finite.
+    /// The inputs B(y)⁺ f that produce the generalized forces f [N m or N] at the positions y, or the forces
+    /// closest to f. NaN if B is zero or not finite.
     #[must_use]
     pub fn inputs_for(&self, positions: &[f64; NY], forces: &[f64; N]) -> [f64; M] {
         self.inverted(&self.model, positions).inputs(forces)
     }
 
-    /// [`inputs_for`](Self::inputs_for) at `time` (s).
+    /// The result of [`inputs_for`](Self::inputs_for) at `time` (s).
     #[must_use]
     pub fn inputs_for_at_time(&self, time: f64, positions: &[f64; NY], forces: &[f64; N]) -> [f64; M] {
         self.model.at_time(time, |model| self.inverted(model, positions).inputs(forces))
     }
 
-    /// Part of generalized forces f that no inputs can produce at positions y: `f − B B⁺ f` [N m or N].
+    /// The part `f − B B⁺ f` [N m or N] of generalized forces f that no inputs can produce at the positions
+    /// y.
     #[must_use]
     pub fn missed(&self, positions: &[f64; NY], forces: &[f64; N]) -> [f64; N] {
         self.missed_by(&self.model, positions, forces)
     }
 
-    /// [`missed`](Self::missed) at `time` (s).
+    /// The result of [`missed`](Self::missed) at `time` (s).
     #[must_use]
     pub fn missed_at_time(&self, time: f64, positions: &[f64; NY], forces: &[f64; N]) -> [f64; N] {
         self.model.at_time(time, |model| self.missed_by(model, positions, forces))
@@ -192,12 +194,15 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Fee
         })
     }
 
-    /// Inputs at times 0, `period`, 2 `period`, … up to the end of `trajectory`; each is held for one period.
+    /// Inputs at the times 0, `period`, 2 `period`, … (s) up to the end of `trajectory`. Each input is held
+    /// for one period.
     ///
     /// # Errors
-    /// [`FeedForwardError::Infeasible`] with the largest residual if one exceeds `tolerance` [N m or N];
-    /// [`FeedForwardError::NotFinite`]; a period that is not positive, a tolerance that is not a number, or a
-    /// trajectory of more than [`MAX_SAMPLES`] periods.
+    /// - [`FeedForwardError::Infeasible`] with the largest residual if it exceeds `tolerance` [N m or N].
+    /// - [`FeedForwardError::NotFinite`] for a sample or input that is not finite.
+    /// - [`FeedForwardError::Period`] for a period that is not positive and finite,
+    ///   [`FeedForwardError::Tolerance`] for a NaN tolerance.
+    /// - [`FeedForwardError::Duration`] for a trajectory of more than [`MAX_SAMPLES`] periods.
     pub fn along(
         &self,
         trajectory: &impl Trajectory<N, NY>,
@@ -241,7 +246,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Fee
     }
 }
 
-/// The positions closest to 0 within the limits, attitudes at the identity.
+/// The positions within the limits that are closest to 0, with attitudes at the identity.
 pub(crate) fn closest_to_neutral<const N: usize, const M: usize, const NY: usize>(
     model: &impl Dynamics<N, M, NY>,
 ) -> [f64; NY] {
@@ -252,7 +257,8 @@ pub(crate) fn closest_to_neutral<const N: usize, const M: usize, const NY: usize
     positions
 }
 
-/// The positions closest to 0 within the limits: beyond them, inputs at frames may have no direction.
+/// The positions within the limits that are closest to 0. Outside of the limits, inputs at frames may have no
+/// direction.
 fn closest_to_zero<const N: usize>(limits: &[[f64; 2]; N]) -> [f64; N] {
     limits.map(|[low, high]| 0.0_f64.max(low).min(high))
 }

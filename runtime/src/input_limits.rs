@@ -2,10 +2,11 @@
 
 use crate::dynamics::TorqueSpeedLine;
 
-/// A requirement on the limits: name, value for each input, allowed range as text, and test of a value.
+/// A requirement on the limits: its name, a value for each input, the allowed range as text, and the test of
+/// a value.
 pub(crate) type Requirement<const M: usize> = (&'static str, [f64; M], &'static str, fn(f64) -> bool);
 
-/// Lowest and highest inputs enclose 0, and there is something between them.
+/// Requirements that the lowest and highest inputs enclose 0 and differ.
 pub(crate) fn requirements<const M: usize>(limits: &[[f64; 2]; M]) -> [Requirement<M>; 3] {
     [
         ("input_limits (lowest)", limits.map(|[low, _]| low), "not positive", |x| x <= 0.0),
@@ -16,12 +17,13 @@ pub(crate) fn requirements<const M: usize>(limits: &[[f64; 2]; M]) -> [Requireme
     ]
 }
 
-/// Part of a limit that is rounding: a controller that keeps a line computes it otherwise.
+/// Tolerance relative to the limit for rounding, because a controller that keeps a line computes it
+/// differently.
 const ROUNDING: f64 = 1e-9;
 
-/// Cuts inputs off at the torque–speed lines of their motors, within the limits of the inputs; returns the
-/// number of changed inputs. Above its no-load speed a motor brakes with at most its input limit. Inputs must
-/// be finite; NaN speeds have no effect.
+/// Limits inputs to the torque–speed lines of their motors and to the limits of the inputs. Returns the
+/// number of changed inputs. Above its no-load speed a motor can brake at most with its input limit. Inputs
+/// must be finite. NaN speeds have no effect.
 pub(crate) fn limit_torques<const N: usize, const M: usize>(
     inputs: &mut [f64; M],
     (lines, limits): (&[TorqueSpeedLine<N>], &[[f64; 2]; M]),

@@ -1,7 +1,8 @@
 //! Control of robots whose equations of motion `gelenk` has generated.
 //!
-//! A generated module consists of functions on arrays: M, k, q, B and their derivatives. The macro
-//! [`dynamics!`] makes it a type, and the functions here are generic over the traits of this type.
+//! A generated module consists of functions on arrays: M, k, q, B of the equations of motion
+//! `M ÿ + k = q + B u`, and their derivatives. The macro [`dynamics!`] wraps the module as a type. The
+//! functions here are generic over the traits of this type.
 //!
 //! # A first example
 //!
@@ -55,53 +56,57 @@
 //!         qp
 //! ```
 //!
-//! In the order in which a newcomer reads it:
+//! A reader who is new to the crate should read the modules in this order:
 //!
 //! 1. [`mod@dynamics`]: the traits [`Dynamics`](dynamics::Dynamics),
 //!    [`Differentiable`](dynamics::Differentiable) and [`Discretizable`](dynamics::Discretizable), the macros
-//!    [`dynamics!`] and [`include_model!`], limits and names of joints.
-//! 2. [`trajectory`]: motions from rest to rest, through points with and without a stop, of recordings, for
+//!    [`dynamics!`] and [`include_model!`], and limits and names of joints.
+//! 2. [`trajectory`]: motions from rest to rest, through points with and without a stop, from recordings, for
 //!    identification, and between poses of robots that fly or have spherical joints
-//!    ([`GeodesicMotion`](trajectory::GeodesicMotion)). Targets that change while the robot moves are the feature `online-targets`.
-//!    [`kinematics`]: joint angles for poses of six-axis arms with a spherical wrist. [`limits`]: whether a
-//!    motion keeps a model's limits.
-//!    [`driven`]: robots with driven joints and the motion of these.
-//! 3. [`feed_forward`]: the inputs that make the model follow a trajectory.
-//! 4. [`plant`]: a simulated robot with dry friction, brakes, encoders, delays and losses, to try everything
-//!    on.
-//! 5. [`control_loop`]: the loop at a fixed rate, its limits, guards, log and report, joint PD and computed
-//!    torque. Its guide is [how to write a controller](control_loop::write_a_controller).
-//! 6. [`transport`]: how positions come from a robot and inputs get there: in process, UDP, CAN. Its guide is
-//!    [how to attach hardware](transport::attaching_hardware).
-//! 7. [`mpc`]: linear time-varying and nonlinear predictive control, with a disturbance observer, and a guide
-//!    to [its tuning](mpc::tune). Under it [`qp`], an interior-point solver without allocation, [`lqr`], and
-//!    [`lanes`], many states at once.
-//! 8. The crate `gelenk-identification`: from a log to friction and inertial parameters, and to a description
-//!    that `gelenk generate` reads.
-//! 9. The crate `gelenk-report`: pages of results, without a network.
+//!    ([`GeodesicMotion`](trajectory::GeodesicMotion)). The feature `online-targets` adds targets that change
+//!    while the robot moves. [`kinematics`]: joint angles for poses of six-axis arms with a spherical wrist.
+//!    [`limits`]: check whether a motion keeps a model's limits. [`driven`]: robots with driven joints, whose
+//!    motion is prescribed.
+//! 3. [`feed_forward`]: the inputs with which the model follows a trajectory.
+//! 4. [`plant`]: a simulated robot with dry friction, brakes, encoders, delays and losses, for tests of
+//!    controllers.
+//! 5. [`control_loop`]: the loop at a fixed rate with its limits, guards, log and report, and joint PD and
+//!    computed torque. Its guide is [how to write a controller](control_loop::write_a_controller).
+//! 6. [`transport`]: connections that read positions from a robot and write its inputs, in process, over UDP
+//!    or over CAN. Its guide is [how to attach hardware](transport::attaching_hardware).
+//! 7. [`mpc`]: linear time-varying and nonlinear predictive control with a disturbance observer, and a guide
+//!    to [its tuning](mpc::tune). It uses [`qp`], an interior-point solver without allocation, [`lqr`], and
+//!    [`lanes`], computations for many states at once.
+//! 8. The crate `gelenk-identification`: identification of friction and inertial parameters from a log, and a
+//!    description with the results that `gelenk generate` reads.
+//! 9. The crate `gelenk-report`: pages of results, which load nothing from a network.
 //!
-//! The guide [from a URDF to a moving robot](from_urdf) goes through most of these in order. The examples in
-//! `runtime/examples` are whole programs, and a page there lists them.
+//! The guide [from a URDF to a moving robot](from_urdf) uses most of these modules in order. The examples in
+//! `runtime/examples` are complete programs. A page in this folder lists them.
 //!
 //! # Conventions
 //!
-//! SI units; `y`, `v`, `a`, `u` are coordinates, velocities, accelerations and inputs in the order of the
-//! module's `JOINT_NAMES` and `INPUT_NAMES`; matrices rows first. Of robots with spherical or floating joints `y` has NY
-//! position entries, in the order of `POSITION_NAMES`, and `v` and `a` have N, in the order of `VELOCITY_NAMES`: the entries of
-//! joint j begin at `FIRST_POSITIONS[j]` and `FIRST_VELOCITIES[j]`. What can fail returns an error that says
-//! where, what, and what is allowed, and names joints as the description does; fields called `joint` or
-//! `input` are indices from 0. What runs in a loop neither allocates nor panics.
+//! All quantities are in SI units. `y`, `v`, `a`, `u` are coordinates, velocities, accelerations and inputs
+//! in the order of `JOINT_NAMES` and `INPUT_NAMES` of the module. Matrices have their rows first. For robots
+//! with spherical or floating joints, `y` has NY position entries in the order of `POSITION_NAMES`, and `v`
+//! and `a` have N entries in the order of `VELOCITY_NAMES`. The entries of joint j begin at
+//! `FIRST_POSITIONS[j]` and `FIRST_VELOCITIES[j]`.
+//!
+//! A function that can fail returns an error with the place, the fault and the allowed range. Errors name
+//! joints as the description does. Fields called `joint` or `input` are indices from 0. Functions that run in
+//! a loop neither allocate nor panic.
 //!
 //! # Features
 //!
-//! `socketcan` adds the transport over a CAN bus (Linux), `online-targets` targets that change while the
-//! robot moves.
+//! The feature `socketcan` adds the transport over a CAN bus (Linux). The feature `online-targets` adds
+//! targets that change while the robot moves.
 //!
-//! Without the feature `std`, which is on by default, the crate needs an allocator alone and compiles for microcontrollers:
-//! [`feed_forward`] (with a model's friction it compensates it), [`lqr`] and [`qp`], the laws of [`control_loop`]
-//! ([`JointPd`](control_loop::JointPd), [`ComputedTorque`](control_loop::ComputedTorque),
-//! [`LawController`](control_loop::LawController)), and [`trajectory`] but for recordings, poses and online targets. Numbers are
-//! f64 there too; modules in f32 stand alone.
+//! Without the feature `std`, which is on by default, the crate only needs an allocator and compiles for
+//! microcontrollers. It then has [`feed_forward`] (with friction compensation if the model has friction),
+//! [`lqr`], [`qp`], the laws of [`control_loop`] ([`JointPd`](control_loop::JointPd),
+//! [`ComputedTorque`](control_loop::ComputedTorque), [`LawController`](control_loop::LawController)), and
+//! [`trajectory`] except for recordings, poses and online targets. Numbers are f64 there too. Generated
+//! modules in f32 are used without this crate.
 
 #![cfg_attr(not(feature = "std"), no_std)]
 #![cfg_attr(

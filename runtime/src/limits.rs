@@ -8,7 +8,7 @@ use crate::trajectory::{MAX_SAMPLES, Trajectory, TrajectoryError, require_positi
 use core::fmt;
 use thiserror::Error;
 
-/// Torque limits to check.
+/// Torque limits that are checked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Rating {
     /// Continuous torques of the drives.
@@ -17,7 +17,7 @@ pub enum Rating {
     Peak,
 }
 
-/// Limited quantity.
+/// Limited quantity. A follower is a joint that follows coordinates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
     /// Position of a coordinate or follower [rad or m].
@@ -26,31 +26,31 @@ pub enum Quantity {
     Velocity,
     /// Force of the drive at its joint, (B u)_i [N m or N].
     Effort,
-    /// Input, in its unit.
+    /// Input [N m, N or A].
     Input,
-    /// Sum `u + C ẏ` of a motor's torque–speed line, in the unit of the input.
+    /// Sum `u + c ẏ` of a motor's torque–speed line, in the unit of the input.
     TorqueSpeed,
-    /// Force on a coordinate that no input can produce [N m or N]; the trajectory is not feasible.
+    /// Force on a coordinate that no input can produce [N m or N]. The trajectory is then not feasible.
     Unreachable,
 }
 
 /// A time interval in which a limit is violated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Violation {
-    /// Quantity beyond its limit.
+    /// Quantity that exceeds its limit.
     pub quantity: Quantity,
-    /// Index of the coordinate or input; from N on index of a follower, in the order of
+    /// Index of the coordinate or input. For a follower, N plus its index in
     /// [`Limits::dependent`](crate::dynamics::Limits).
     pub index: usize,
     /// Name of the coordinate, follower or input.
     pub name: &'static str,
-    /// First sample beyond the limit (s).
+    /// Time of the first sample beyond the limit (s).
     pub from: f64,
-    /// Last sample beyond the limit (s).
+    /// Time of the last sample beyond the limit (s).
     pub to: f64,
     /// Time of the largest violation (s).
     pub worst_time: f64,
-    /// Value at this time.
+    /// Value of the quantity at this time.
     pub value: f64,
     /// Violated limit.
     pub limit: f64,
@@ -79,34 +79,36 @@ impl fmt::Display for Violation {
     }
 }
 
-/// Errors of checking a trajectory.
+/// Error of the check of a trajectory.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum CheckError {
-    /// The period is not positive.
+    /// The period is not positive and finite.
     #[error(transparent)]
     Trajectory(#[from] TrajectoryError),
-    /// The model has no feed-forward.
+    /// The feed-forward of the model cannot be computed.
     #[error(transparent)]
     FeedForward(#[from] FeedForwardError),
-    /// The trajectory is infinitely long, or too long to check.
+    /// The trajectory is infinitely long, or has too many periods.
     #[error("a trajectory of {duration} s has more than {MAX_SAMPLES} periods of {period} s")]
     Duration {
         /// Duration of the trajectory (s).
         duration: f64,
-        /// The period (s).
+        /// Period of the samples (s).
         period: f64,
     },
 }
 
-/// Force on a passive coordinate that counts as none [N m or N].
+/// Largest force on a coordinate without input that counts as zero [N m or N].
 const FEASIBLE: f64 = 1e-6;
 
 /// Intervals in which `trajectory`, sampled every `period` (s), violates position, speed or torque limits of
-/// `model`; empty if it keeps them. Limits of followers and torque–speed lines are included. Torques are
-/// those of the feed-forward. Joints with quaternions have no position limits.
+/// `model`. The result is empty if the trajectory keeps all limits. Limits of joints that follow coordinates
+/// and torque–speed lines are included. Torques are those of the feed-forward. Joints with quaternions have
+/// no position limits.
 ///
 /// # Errors
-/// [`CheckError`]; non-finite numbers count as violations instead.
+/// [`CheckError`] for an invalid period, a model without feed-forward, or a trajectory that is too long.
+/// Numbers that are not finite count as violations.
 pub fn violations<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize>(
     trajectory: &impl Trajectory<N, NY>,
     model: D,
@@ -158,7 +160,7 @@ pub fn violations<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const N
     Ok(watch.finish())
 }
 
-/// Collects violations; those that go on from the sample before stand in `open`.
+/// Collects violations. `open` has the violations that include the last sample.
 #[derive(Default)]
 struct Watch {
     time: f64,
@@ -171,7 +173,8 @@ const fn bound(most: f64) -> [f64; 2] {
 }
 
 impl Watch {
-    /// Joints that follow, given positions and velocities of the coordinates and the motion of driven joints.
+    /// Checks joints that follow, from positions and velocities of the coordinates and the motion of driven
+    /// joints.
     fn see_dependent<const N: usize>(
         &mut self,
         joints: &[DependentJoint<N>],

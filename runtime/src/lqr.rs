@@ -1,13 +1,15 @@
-//! Linear-quadratic regulators: infinite-horizon (discrete algebraic Riccati equation) and time-varying.
+//! Linear-quadratic regulators: infinite-horizon (discrete algebraic Riccati equation) and time-varying over
+//! a finite horizon.
 //!
 //! ```text
 //!     P = Q + AᵀPA − AᵀPB (R + BᵀPB)⁻¹ BᵀPA        K = −(R + BᵀPB)⁻¹ BᵀPA        u = K x
 //! ```
 //!
-//! A regulator has no limits; for bounds and constraint rows use [`crate::mpc`].
+//! A regulator has no limits. For bounds and rows use [`crate::mpc`].
 //!
-//! [`JointLqr`](crate::control_loop::JointLqr) is the regulator of a robot as a law of the control loop. With
-//! quaternions, x is the deviation `(y ⊖ y_ref, v − v_ref)`. Example of a hovering quadrotor:
+//! [`JointLqr`](crate::control_loop::JointLqr) is the regulator of a robot as a law of the control loop. For
+//! robots with quaternions, x is the deviation `(y ⊖ y_ref, v − v_ref)`. This example is a hovering
+//! quadrotor:
 //!
 //! ```
 //! use gelenk_runtime::control_loop::{JointLaw, JointLqr, LqrWeights};
@@ -29,18 +31,19 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! The structure-preserving doubling algorithm, which converges quadratically, gives the first gain. If it
-//! loses too many digits, because weights differ by many orders of magnitude, the Riccati recursion of the QP
-//! ([`crate::qp`]) gives it. Policy iteration refines the gain, also quadratically: it computes the cost of
-//! the gain as a sum of semidefinite terms without cancellation, then the gain of this cost. The residual of
-//! the equation is the change in the last step.
+//! The structure-preserving doubling algorithm, which converges quadratically, computes the first gain. It
+//! loses too many digits if weights differ by many orders of magnitude. The Riccati recursion of the QP
+//! ([`crate::qp`]) then computes the first gain. Policy iteration refines the gain, also quadratically. It
+//! computes the cost of the gain as a sum of semidefinite terms without cancellation, and then the gain of
+//! this cost. The residual of the equation is the change in the last step.
 //!
-//! Sources: Anderson, Moore, *Optimal Control: Linear Quadratic Methods*, 1990, chapters 2 and 4; Chu, Fan,
-//! Lin, Wang, *Structure-preserving algorithms for periodic discrete-time algebraic Riccati equations*, Int.
-//! J. Control 77 (2004), section 2; Hewer, *An iterative technique for the computation of the steady state
-//! gains for the discrete optimal regulator*, IEEE Trans. Automatic Control 16 (1971); Shaked, *Guaranteed stability
-//! margins for the discrete-time linear quadratic optimal regulator*, IEEE Trans. Automatic Control 31 (1986); Higham, *Accuracy and
-//! Stability of Numerical Algorithms*, 2002, section 3.5 (rounding of products).
+//! Sources: Anderson, Moore, *Optimal Control: Linear Quadratic Methods*, 1990, chapters 2 and 4. Doubling:
+//! Chu, Fan, Lin, Wang, *Structure-preserving algorithms for periodic discrete-time algebraic Riccati
+//! equations*, Int. J. Control 77 (2004), section 2. Policy iteration: Hewer, *An iterative technique for the
+//! computation of the steady state gains for the discrete optimal regulator*, IEEE Trans. Automatic Control
+//! 16 (1971). Margins: Shaked, *Guaranteed stability margins for the discrete-time linear quadratic optimal
+//! regulator*, IEEE Trans. Automatic Control 31 (1986). Rounding of products: Higham, *Accuracy and Stability
+//! of Numerical Algorithms*, 2002, section 3.5.
 
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
@@ -51,24 +54,24 @@ use core::fmt;
 use nalgebra::SMatrix;
 use thiserror::Error;
 
-/// Doublings after which a Riccati equation without a stabilizing solution is given up; each squares the
-/// closed loop.
+/// Largest number of doublings. A Riccati equation without a solution after them has no stabilizing solution,
+/// because each doubling squares the closed loop.
 const MAX_DOUBLINGS: usize = 60;
-/// Steps of the recursion that look for a stabilizing gain, at most.
+/// Largest number of steps of the recursion that searches for a stabilizing gain.
 const MAX_RECURSIONS: usize = 4096;
-/// Steps of policy iteration, at most; each doubles the digits.
+/// Largest number of steps of policy iteration. Each step doubles the number of correct digits.
 const MAX_REFINEMENTS: usize = 20;
-/// Doublings of a power after which the trace has the largest eigenvalue to 1e-15 · ln(32).
+/// Number of squarings after which the trace of the power gives the largest eigenvalue to 1e-15 · ln(32).
 const EIGENVALUE_DOUBLINGS: usize = 50;
-/// Largest residual of the Riccati equation, relative to P, where rounding does not explain more.
+/// Largest residual of the Riccati equation relative to P, if its rounding error is smaller.
 const RESIDUAL: f64 = 1e-9;
-/// Residual that no rounding excuses.
+/// Largest residual relative to P, independently of the rounding error.
 const WORST_RESIDUAL: f64 = 1e-6;
 
-/// Errors of a regulator.
+/// Error of a regulator.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum LqrError {
-    /// Sizes not 1..=32, or a horizon not 1..=100.
+    /// A size is not in 1..=32, or a horizon is not in 1..=100.
     #[error("sizes must be 1 to {MAX_SIZE}, and horizons 1 to {MAX_HORIZON}")]
     Size,
     /// A number is NaN or infinite.
@@ -77,38 +80,38 @@ pub enum LqrError {
     /// `R + BᵀPB` is not positive definite.
     #[error("R + BᵀPB is not positive definite; choose a positive definite input weight")]
     NotPositive,
-    /// No stabilizing solution: (A, B) is not stabilizable, or a mode of A on or outside the unit circle does
-    /// not appear in the cost. The number is the relative residual where the method ended.
+    /// There is no stabilizing solution: (A, B) is not stabilizable, or a mode of A on or outside the unit
+    /// circle does not appear in the cost. The number is the relative residual at the end of the method.
     #[error(
         "the Riccati equation has no stabilizing solution (residual {0:.1e}): check that every unstable \
          mode is controllable and appears in the state weight"
     )]
     NotStabilizable(f64),
-    /// There is a stabilizing gain, but the residual of the equation, this number, is larger than rounding
-    /// explains, or above 1e-6: weights or units are too far apart.
+    /// There is a stabilizing gain, but the residual of the equation exceeds its rounding error and 1e-9, or
+    /// exceeds 1e-6. The weights or units differ too much in size. The number is the relative residual.
     #[error(
         "the Riccati equation was solved only to a residual of {0:.1e}: the weights or units differ too much in size"
     )]
     Inaccurate(f64),
 }
 
-/// Infinite-horizon regulator `u = K x` of `x⁺ = A x + B u` with the cost `Σ xᵀQx + uᵀRu`.
+/// Infinite-horizon regulator `u = K x` of the system `x⁺ = A x + B u` with the cost `Σ xᵀQx + uᵀRu`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lqr<const NX: usize, const NU: usize> {
-    /// Gain K, row-major, including its sign.
+    /// Gain K, rows first, with its sign: `u = K x`.
     pub gain: [[f64; NX]; NU],
-    /// P, the stabilizing solution of the Riccati equation; `xᵀPx` is the cost from x.
+    /// Stabilizing solution P of the Riccati equation. `xᵀPx` is the cost from the state x.
     pub cost_to_go: [[f64; NX]; NX],
     /// Largest residual of the equation, relative to the largest entry of P.
     pub residual: f64,
-    /// Bound of the rounding error of this residual, also relative: `2 NX ε (|Q| + |K|ᵀ|R||K| + Wᵀ|P|W)` with
-    /// `W = |A| + |B||K|`.
+    /// Upper bound of the rounding error of this residual, also relative:
+    /// `2 NX ε (|Q| + |K|ᵀ|R||K| + Wᵀ|P|W)` with `W = |A| + |B||K|`.
     pub rounding: f64,
-    /// α = 1/√λ_max(I + R⁻¹BᵀPB), see [`margins`](Self::margins).
+    /// Lower bound α = 1/√λ_max(I + R⁻¹BᵀPB) of the return difference, see [`margins`](Self::margins).
     pub return_difference: f64,
 }
 
-/// Changes of all inputs for which a closed loop stays stable.
+/// Stability margins: common changes of all inputs for which the closed loop remains stable.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Margins {
     /// Smallest and largest factor of the inputs.
@@ -129,12 +132,13 @@ impl fmt::Display for Margins {
 }
 
 impl<const NX: usize, const NU: usize> Lqr<NX, NU> {
-    /// Solves the discrete algebraic Riccati equation. Matrices are row-major; Q is positive semidefinite, R
-    /// positive definite. The solution is accepted if its residual is below 1e-9, or below 1e-6 if rounding
-    /// explains it.
+    /// Solves the discrete algebraic Riccati equation. Matrices have their rows first. Q must be positive
+    /// semidefinite, and R positive definite. The solution is accepted if its relative residual is below
+    /// 1e-9, or below 1e-6 and below its rounding error.
     ///
     /// # Errors
-    /// [`LqrError`].
+    /// [`LqrError`] for wrong sizes, numbers that are not finite, an R that is not positive definite, or an
+    /// equation without an accurate stabilizing solution.
     pub fn new(
         state_matrix: &[[f64; NX]; NX],
         input_matrix: &[[f64; NU]; NX],
@@ -145,8 +149,8 @@ impl<const NX: usize, const NU: usize> Lqr<NX, NU> {
         if lqr.is_accurate() { Ok(lqr) } else { Err(LqrError::Inaccurate(lqr.residual)) }
     }
 
-    /// [`new`](Self::new) without a limit for the residual: P is the cost of a stabilizing gain, and K the
-    /// gain of this P.
+    /// The same as [`new`](Self::new) without a limit of the residual. P is the cost of a stabilizing gain,
+    /// and K is the gain of this P.
     pub(crate) fn stabilizing(
         state_matrix: &[[f64; NX]; NX],
         input_matrix: &[[f64; NU]; NX],
@@ -179,37 +183,38 @@ impl<const NX: usize, const NU: usize> Lqr<NX, NU> {
         best.ok_or(LqrError::NotStabilizable(f64::NAN))
     }
 
-    /// Written so that NaN counts as failure.
+    /// Whether the residual is within its limits; false for NaN.
     pub(crate) fn is_accurate(&self) -> bool {
         self.residual <= RESIDUAL.max(self.rounding).min(WORST_RESIDUAL)
     }
 
-    /// Guaranteed stability margins at the inputs:
+    /// Stability margins that are guaranteed at the inputs:
     ///
     /// ```text
     ///     gains from 1/(1 + α) to 1/(1 − α)        phases to ±2 arcsin(α/2)
     /// ```
     ///
-    /// Here α bounds the return difference I + L from below, with the loop gain `L(z) = −K (z I − A)⁻¹ B`:
-    /// the equation `(I + L)* (R + BᵀPB) (I + L) = R + G* Q G` with `G = (z I − A)⁻¹ B` gives `σ_min(R^½ (I +
-    /// L) R^−½) ≥ 1/√λ_max(I + R⁻¹BᵀPB) = α` on the unit circle (Shaked 1986). The margins follow from α
-    /// (Lehtomaki, Sandell, Athans, *Robustness results in linear-quadratic Gaussian based multivariable
-    /// control designs*, IEEE Trans. Automatic Control 26, 1981, theorem 1). They hold for gain or phase
-    /// separately, for a common change of all inputs, and if R is diagonal also for a different change of
-    /// each input. The actual margins are at least as large.
+    /// The number α is a lower bound of the return difference I + L, with the loop gain
+    /// `L(z) = −K (z I − A)⁻¹ B`: the equation `(I + L)* (R + BᵀPB) (I + L) = R + G* Q G` with
+    /// `G = (z I − A)⁻¹ B` gives `σ_min(R^½ (I + L) R^−½) ≥ 1/√λ_max(I + R⁻¹BᵀPB) = α` on the unit circle
+    /// (Shaked 1986). The margins follow from α (Lehtomaki, Sandell, Athans, *Robustness results in
+    /// linear-quadratic Gaussian based multivariable control designs*, IEEE Trans. Automatic Control 26,
+    /// 1981, theorem 1). They are valid for a change of either gain or phase that is the same for all inputs.
+    /// If R is diagonal, they are also valid for a different change of each input. The actual margins are at
+    /// least as large.
     pub fn margins(&self) -> Margins {
         let alpha = self.return_difference;
         Margins { gain: [1.0 / (1.0 + alpha), 1.0 / (1.0 - alpha)], phase: 2.0 * (0.5 * alpha).asin() }
     }
 
-    /// `K x`.
+    /// The input `K x` for the state x.
     pub fn input(&self, state: &[f64; NX]) -> [f64; NU] {
         self.gain.map(|row| row.iter().zip(state).map(|(k, x)| k * x).sum())
     }
 }
 
-/// Regulator of time-varying dynamics over a finite horizon, `u_k = K_k x_k`, from the recursion of the QP.
-/// Allocates only at construction.
+/// Regulator of time-varying dynamics over a finite horizon, `u_k = K_k x_k`. It uses the Riccati recursion
+/// of the QP. Allocates only at construction.
 #[derive(Debug, Clone)]
 pub struct TimeVaryingLqr<const NX: usize, const NU: usize> {
     horizon: usize,
@@ -220,7 +225,7 @@ impl<const NX: usize, const NU: usize> TimeVaryingLqr<NX, NU> {
     /// Memory for `horizon` stages.
     ///
     /// # Errors
-    /// [`LqrError::Size`].
+    /// [`LqrError::Size`] if a size is not in 1..=32, or the horizon is not in 1..=100.
     pub fn new(horizon: usize) -> Result<Self, LqrError> {
         let sizes = (1..=MAX_SIZE).contains(&NX) && (1..=MAX_SIZE).contains(&NU);
         if !sizes || !(1..=MAX_HORIZON).contains(&horizon) {
@@ -229,17 +234,17 @@ impl<const NX: usize, const NU: usize> TimeVaryingLqr<NX, NU> {
         Ok(Self { horizon, riccati: Riccati::new(horizon) })
     }
 
-    /// Sets `A_k` and `B_k`, row-major; stages beyond the horizon are ignored.
+    /// Sets `A_k` and `B_k`, rows first. Stages beyond the horizon are ignored.
     pub fn set_stage(&mut self, k: usize, state_matrix: &[[f64; NX]; NX], input_matrix: &[[f64; NU]; NX]) {
         if k < self.horizon {
             self.riccati.set_stage(k, state_matrix, input_matrix);
         }
     }
 
-    /// Runs the recursion from `P_N = terminal_weight` to P_0.
+    /// Computes the gains by the recursion from `P_N = terminal_weight` to P_0.
     ///
     /// # Errors
-    /// [`LqrError::NotPositive`]; the gains are then undefined.
+    /// [`LqrError::NotPositive`] if `R + BᵀPB` is not positive definite. The gains are then undefined.
     pub fn solve(
         &mut self,
         state_weight: &[[f64; NX]; NX],
@@ -250,12 +255,12 @@ impl<const NX: usize, const NU: usize> TimeVaryingLqr<NX, NU> {
         self.riccati.regulate().map_err(|_| LqrError::NotPositive)
     }
 
-    /// `K_k`; zeros beyond the horizon.
+    /// Gain `K_k`; zeros beyond the horizon.
     pub fn gain(&self, k: usize) -> [[f64; NX]; NU] {
         if k < self.horizon { self.riccati.gain(k) } else { [[0.0; NX]; NU] }
     }
 
-    /// `P_0`: `x_0ᵀ P_0 x_0` is the cost of the horizon.
+    /// Matrix `P_0`. The cost of the horizon is `x_0ᵀ P_0 x_0`.
     pub fn cost_to_go(&self) -> [[f64; NX]; NX] {
         self.riccati.cost_to_go()
     }
@@ -287,8 +292,8 @@ impl<const NX: usize, const NU: usize> Equation<NX, NU> {
         Ok(Self { a: matrix(a), b: matrix(b), q: matrix(q), r: matrix(r), recursion })
     }
 
-    /// A gain that stabilizes: of the doubling's solution, or else of the recursion from Q, which converges
-    /// with the closed loop.
+    /// A stabilizing gain, from the doubling algorithm or else from the recursion that starts at Q and
+    /// converges with the closed loop.
     fn stabilizing_gain(&mut self) -> Result<SMatrix<f64, NU, NX>, LqrError> {
         if let Some(cost) = self.doubling()?
             && let Ok(gain) = self.gain_of(&cost)
@@ -309,14 +314,14 @@ impl<const NX: usize, const NU: usize> Equation<NX, NU> {
         Err(LqrError::NotStabilizable(residual))
     }
 
-    /// The gain of a cost-to-go: `−(R + BᵀPB)⁻¹ BᵀPA`.
+    /// The gain `−(R + BᵀPB)⁻¹ BᵀPA` of a cost-to-go P.
     fn gain_of(&mut self, cost: &SMatrix<f64, NX, NX>) -> Result<SMatrix<f64, NU, NX>, LqrError> {
         self.recursion.solve(&rows(&self.q), &rows(&self.r), &rows(cost))?;
         Ok(matrix(&self.recursion.gain(0)))
     }
 
-    /// The cost of a gain for ever, `Σ (A_cᵀ)ᵏ (Q + KᵀRK) A_cᵏ`, with twice the terms in each step; None
-    /// if it has no limit.
+    /// The infinite-horizon cost of a gain, `Σ (A_cᵀ)ᵏ (Q + KᵀRK) A_cᵏ`. Each step doubles the number of
+    /// terms. `None` if the sum does not converge.
     fn cost_of(&self, gain: &SMatrix<f64, NU, NX>) -> Option<SMatrix<f64, NX, NX>> {
         let mut power = self.a + self.b * gain;
         let mut sum = self.q + gain.transpose() * self.r * gain;
@@ -335,9 +340,9 @@ impl<const NX: usize, const NU: usize> Equation<NX, NU> {
         None
     }
 
-    /// `Q + KᵀRK + (A + BK)ᵀ P (A + BK)`: the right-hand side of the equation at its optimal gain, without
-    /// the cancellation of the usual form, to which an error of K contributes in second order only (Anderson,
-    /// Moore 1990, section 3.3).
+    /// The right-hand side `Q + KᵀRK + (A + BK)ᵀ P (A + BK)` of the Riccati equation at its optimal gain. It
+    /// has no cancellation, in contrast to the usual form. An error of K contributes only in second order
+    /// (Anderson, Moore 1990, section 3.3).
     fn closed_loop_cost(
         &self,
         gain: &SMatrix<f64, NU, NX>,
@@ -352,8 +357,8 @@ impl<const NX: usize, const NU: usize> Equation<NX, NU> {
         largest(&change) / largest(cost).max(f64::MIN_POSITIVE)
     }
 
-    /// Bound of the rounding in [`residual`](Self::residual): each product of n terms is off by n ε of the
-    /// product of the magnitudes.
+    /// Upper bound of the rounding error in [`residual`](Self::residual): the error of a product of n terms
+    /// is n ε times the product of the magnitudes.
     fn rounding(&self, gain: &SMatrix<f64, NU, NX>, cost: &SMatrix<f64, NX, NX>) -> f64 {
         let (k, p) = (gain.abs(), cost.abs());
         let closed = self.a.abs() + self.b.abs() * k;
@@ -361,8 +366,8 @@ impl<const NX: usize, const NU: usize> Equation<NX, NU> {
         2.0 * NX as f64 * f64::EPSILON * largest(&size) / largest(cost).max(f64::MIN_POSITIVE)
     }
 
-    /// `1/√λ_max(N)`, N = I + R⁻¹BᵀPB. All eigenvalues of N are real and at least 1, so the trace of N^(2^k) to the power
-    /// 2^−k bounds the largest from above, and converges to it.
+    /// The bound 1/√λ_max(N) with N = I + R⁻¹BᵀPB. All eigenvalues of N are real and at least 1. The trace of
+    /// N^(2^k) to the power 2^−k is therefore an upper bound of the largest eigenvalue, and converges to it.
     fn return_difference(&self, cost: &SMatrix<f64, NX, NX>) -> Result<f64, LqrError> {
         let r = self.r.cholesky().ok_or(LqrError::NotPositive)?;
         let mut power = SMatrix::identity() + r.solve(&(self.b.transpose() * cost * self.b));
@@ -377,7 +382,7 @@ impl<const NX: usize, const NU: usize> Equation<NX, NU> {
         Ok((-0.5 * log).exp().clamp(0.0, 1.0))
     }
 
-    /// True if the powers of `A + B K` vanish.
+    /// Whether the powers of `A + B K` converge to 0.
     fn is_stable(&self, gain: &SMatrix<f64, NU, NX>) -> bool {
         let mut power = self.a + self.b * gain;
         for _ in 0..40 {
@@ -394,7 +399,7 @@ impl<const NX: usize, const NU: usize> Equation<NX, NU> {
     }
 
     /// The doubling iteration: with `W = I + G H`, `A⁺ = A W⁻¹ A`, `G⁺ = G + A W⁻¹ G Aᵀ`,
-    /// `H⁺ = H + Aᵀ H W⁻¹ A`, from `G = B R⁻¹ Bᵀ`, `H = Q`; H converges to P. None if W is singular.
+    /// `H⁺ = H + Aᵀ H W⁻¹ A`, from `G = B R⁻¹ Bᵀ`, `H = Q`. H converges to P. `None` if W is singular.
     fn doubling(&self) -> Result<Option<SMatrix<f64, NX, NX>>, LqrError> {
         let (mut a, mut h) = (self.a, self.q);
         let cholesky = self.r.cholesky().ok_or(LqrError::NotPositive)?;
@@ -419,7 +424,7 @@ impl<const NX: usize, const NU: usize> Equation<NX, NU> {
     }
 }
 
-/// Largest magnitude; NaN if there is one.
+/// Largest magnitude; NaN if an entry is NaN.
 fn largest<const R: usize, const C: usize>(m: &SMatrix<f64, R, C>) -> f64 {
     m.iter().fold(0.0, |max: f64, v| if v.is_nan() || max.is_nan() { f64::NAN } else { max.max(v.abs()) })
 }

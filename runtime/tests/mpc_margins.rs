@@ -103,7 +103,7 @@ fn controller(limit_probability: Option<f64>) -> LtvMpc<Slider, RestToRest<1>, 1
 fn exceeded(limit_probability: Option<f64>) -> f64 {
     const SLIDERS: usize = 4000;
     let mut mpc = controller(limit_probability);
-    let options = mpc.options().clone();
+    let options = MpcOptions::<1, 1>::new(&Slider, PERIOD, STAGES);
     let start = [0.9 * GOAL, 0.0];
     mpc.reset(&[start[0]], &[0.0]);
     mpc.step(&Cycle { time: 0.6, periods: 0, positions: Some([start[0]]), ..Cycle::default() }).unwrap();

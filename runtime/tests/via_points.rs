@@ -196,7 +196,7 @@ fn what_cannot_be_is_named() {
     let message = |points: &[[f64; 2]], limits: &MotionLimits<2>| {
         ViaPoints::within(points, limits).unwrap_err().to_string()
     };
-    assert_eq!(message(&[[0.0; 2]], &limits), "1 points given; at least 2 are needed");
+    assert_eq!(message(&[[0.0; 2]], &limits), "1 points given; 2 are needed");
     assert_eq!(
         message(&[[0.0; 2], [0.1, 0.2], [0.1, 0.2]], &limits),
         "points 2 and 3 are equal: remove one, or stop there with a sequence of points"

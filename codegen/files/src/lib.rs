@@ -31,8 +31,8 @@ pub struct Prepared {
 }
 
 impl Prepared {
-    /// Writes the content next to `path`; creates its folder if it is missing. If the path is a link, the
-    /// link stays and its target is replaced.
+    /// Writes the content to a temporary file in the folder of `path`. The folder is created if it is
+    /// missing. If the path is a link, [`Self::put`] keeps the link and replaces its target.
     ///
     /// # Errors
     /// Errors of the system, and paths that [`target`] rejects.
@@ -56,7 +56,7 @@ impl Prepared {
     /// Renames the file to its target.
     ///
     /// # Errors
-    /// Errors of the system; the old file then stays unchanged.
+    /// Errors of the system. The old file then stays unchanged.
     pub fn put(self) -> io::Result<()> {
         self.file.persist(self.target).map_err(|error| error.error)?;
         Ok(())
@@ -90,7 +90,7 @@ pub fn target(path: &Path) -> io::Result<PathBuf> {
     }
 }
 
-/// Whether both paths lead to the same file, links included.
+/// Whether both paths lead to the same file, also through symbolic or hard links.
 pub fn is_same_file(one: &Path, other: &Path) -> bool {
     match (identity(one), identity(other)) {
         (Ok(one), Ok(other)) => one == other,

@@ -9,7 +9,7 @@ impl Formula {
     /// The number 1.
     pub const ONE: Self = Self::Number(1.0);
 
-    /// The number if the formula is a number.
+    /// The number; `None` if the formula is not a number.
     pub fn as_number(&self) -> Option<f64> {
         match self {
             Self::Number(value) => Some(*value),
@@ -91,7 +91,7 @@ impl Formula {
         self.any(&|node| matches!(node, Self::Number(value) if value.abs() > LARGEST_NUMBER))
     }
 
-    /// `a + b` with numbers added and zeros dropped.
+    /// The sum `a + b`. Numbers are added, and zeros are dropped.
     pub fn sum(a: Self, b: Self) -> Self {
         match (&a, &b) {
             (Self::Number(x), Self::Number(y)) => Self::Number(x + y),
@@ -101,7 +101,7 @@ impl Formula {
         }
     }
 
-    /// `a - b` with numbers subtracted and zeros dropped.
+    /// The difference `a - b`. Numbers are subtracted, and zeros are dropped.
     pub fn difference(a: Self, b: Self) -> Self {
         match (&a, &b) {
             (Self::Number(x), Self::Number(y)) => Self::Number(x - y),
@@ -111,7 +111,7 @@ impl Formula {
         }
     }
 
-    /// `a * b`. Numbers are multiplied; factors 0 and 1 are simplified.
+    /// The product `a * b`. Numbers are multiplied, and factors 0, 1 and −1 are simplified.
     pub fn product(a: Self, b: Self) -> Self {
         match (&a, &b) {
             (Self::Number(x), Self::Number(y)) => Self::Number(x * y),
@@ -124,7 +124,7 @@ impl Formula {
         }
     }
 
-    /// `a / b` with numbers divided and a divisor of 1 dropped.
+    /// The quotient `a / b`. Numbers are divided, and a divisor of 1 is dropped.
     pub fn quotient(a: Self, b: Self) -> Self {
         match (&a, &b) {
             (Self::Number(x), Self::Number(y)) => Self::Number(x / y),
@@ -133,7 +133,7 @@ impl Formula {
         }
     }
 
-    /// `-a`
+    /// The negation `-a`.
     pub fn negation(a: Self) -> Self {
         match a {
             Self::Number(value) => Self::Number(0.0 - value),
@@ -142,7 +142,7 @@ impl Formula {
         }
     }
 
-    /// `aⁿ`
+    /// The power `aⁿ`.
     pub fn power(a: Self, exponent: u32) -> Self {
         match (a, exponent) {
             (_, 0) => Self::ONE,
@@ -152,7 +152,8 @@ impl Formula {
         }
     }
 
-    /// The formula with some parts replaced; constants in the rest are folded again.
+    /// The formula with each part replaced for which `other` returns a formula. Constants in the rest are
+    /// folded again.
     pub fn substituted(&self, other: &dyn Fn(&Self) -> Option<Self>) -> Self {
         if let Some(other) = other(self) {
             return other;
@@ -170,8 +171,8 @@ impl Formula {
         }
     }
 
-    /// The formula with `tanh(slope · x)` instead of `sign x`, and its square instead of `|sign x|`, so that
-    /// both are smooth.
+    /// The formula with `tanh(slope · x)` instead of `sign x`, and with `tanh²(slope · x)` instead of
+    /// `|sign x|`. Both replacements are smooth.
     pub fn with_smooth_sign(&self, slope: f64) -> Self {
         let smooth = |x: &Self| {
             let x = x.with_smooth_sign(slope);
@@ -195,7 +196,7 @@ impl Formula {
         })
     }
 
-    /// `f(a)`
+    /// The function value `f(a)`.
     pub fn call(function: Function, a: Self) -> Self {
         match a {
             Self::Number(value) => Self::Number(function.evaluate(value)),

@@ -12,12 +12,13 @@ enum Binding {
 }
 
 impl Formula {
-    /// The formula in the syntax of descriptions; `parameters` are the names of all its free parameters.
+    /// The formula in the syntax of descriptions. `parameters` has the names of all free parameters.
     pub fn text(&self, parameters: &[&str]) -> String {
         self.bound(parameters, ["y", "v"]).0
     }
 
-    /// Text of a force between two frames; its position is the distance `l`.
+    /// The formula of a force between two frames, as text. The position is the distance `l`, the velocity its
+    /// rate `dl`.
     pub fn distance_text(&self, parameters: &[&str]) -> String {
         self.bound(parameters, ["l", "dl"]).0
     }

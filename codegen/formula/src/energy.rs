@@ -6,12 +6,12 @@ use super::formula::Formula;
 const HIGHEST_DEGREE: usize = 32;
 
 impl Formula {
-    /// Antiderivative by the position of the law at standstill, `∫ f(y, v = 0) dy`. `None` if the law at
-    /// standstill is not a polynomial of the position.
+    /// Antiderivative of the force law at standstill with respect to the position, `∫ f(y, v = 0) dy`. `None`
+    /// if the law at standstill is not a polynomial of the position.
     ///
-    /// A summand `c (s y + d)ⁿ` has the energy `c (s y + d)ⁿ⁺¹ / (s (n + 1))`, so the energy is 0 if the
-    /// force is 0. Other summands, and summands with parameters in s, are expanded: their energy is 0 at y =
-    /// 0.
+    /// A summand `c (s y + d)ⁿ` with a number s has the energy `c (s y + d)ⁿ⁺¹ / (s (n + 1))`, so its energy
+    /// is 0 at the position where its force is 0. All other summands are expanded, also those in which s is a
+    /// parameter. Their energy is 0 at y = 0.
     pub fn energy(&self) -> Option<Self> {
         let terms = self.at_standstill().linear_terms();
         terms.into_iter().try_fold(Self::ZERO, |sum, (coefficient, basis)| {
@@ -24,7 +24,8 @@ impl Formula {
         self.substituted(&|part| (*part == Self::Velocity).then_some(Self::ZERO))
     }
 
-    /// The coefficients by powers of the position, the constant first; `None` if it is not a polynomial.
+    /// Coefficients of the polynomial in the position, the constant first. `None` if the formula is not a
+    /// polynomial.
     fn coefficients(&self) -> Option<Vec<Self>> {
         if !self.depends_on_motion() {
             return Some(vec![self.clone()]);

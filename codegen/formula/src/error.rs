@@ -3,16 +3,16 @@
 use std::fmt;
 use std::ops::Range;
 
-/// A text is not a formula.
+/// Error for a text that is not a formula.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FormulaError {
-    /// Code of the fault, for programs.
+    /// Code of the error, for programs.
     pub code: &'static str,
-    /// Message.
+    /// Message of the error.
     pub message: String,
-    /// Suggested text.
+    /// Suggested correction; `None` if there is no suggestion.
     pub help: Option<String>,
-    /// Position of the fault, in bytes of the text.
+    /// Position of the error in the text, in bytes.
     pub range: Range<usize>,
 }
 

@@ -3,7 +3,7 @@
 use super::function::Function;
 use std::ops::Range;
 
-/// A parsed text. Names are not resolved, constants not folded.
+/// A parsed text. Names are not resolved, and constants are not folded.
 ///
 /// Truth values and numbers are never mixed: each operand has the kind that its operation requires.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,13 +21,13 @@ pub enum Node {
     Number(f64),
     /// `true` or `false`.
     Truth(bool),
-    /// A name: a parameter, a channel, position or velocity, or `pi`.
+    /// A name: a parameter, a channel of a log, position or velocity, or `pi`.
     Name(String),
     /// An operation on one operand.
     Unary(Unary, Box<Expression>),
     /// An operation on two operands.
     Binary(Operator, Box<[Expression; 2]>),
-    /// `pow(a, n)`
+    /// The power `pow(a, n)`.
     Power(Box<Expression>, u32),
 }
 
@@ -82,7 +82,7 @@ pub enum Operator {
 pub enum Kind {
     /// Number.
     Number,
-    /// True (1) or false (0).
+    /// Truth value: true or false.
     Truth,
 }
 

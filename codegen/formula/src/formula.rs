@@ -12,10 +12,10 @@ pub fn too_large(what: &str) -> String {
 
 /// A scalar expression over parameters and, in force laws, the joint's position `y` and velocity `v`.
 ///
-/// A formula is plain data without sharing. A model has formulas instead of numbers that may be free
-/// parameters (`mass = "m1"`, `xyz = ["l1/2", 0, 0]`), and force laws are formulas (`a1*v + a2*tanh(a3*v)`).
-/// The dynamics convert formulas to nodes of the expression graph, which folds, shares and differentiates
-/// them.
+/// A formula is a tree of plain data, without shared parts. In a model, numbers that may depend on free
+/// parameters are formulas (`mass = "m1"`, `xyz = ["l1/2", 0, 0]`). Force laws are formulas, too
+/// (`a1*v + a2*tanh(a3*v)`). The derivation of the dynamics converts formulas to nodes of the expression
+/// graph. The graph folds, shares and differentiates them.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Formula {
     /// A finite number.
@@ -36,7 +36,7 @@ pub enum Formula {
     Multiply(Box<Formula>, Box<Formula>),
     /// `a / b`
     Divide(Box<Formula>, Box<Formula>),
-    /// `a.powi(n)`, n ≥ 0
+    /// `a.powi(n)` with n ≥ 0
     Power(Box<Formula>, u32),
     /// `f(a)`
     Call(Function, Box<Formula>),

@@ -1,4 +1,5 @@
-//! Friction laws: the key `friction` of a joint, read by the generator and written by identification.
+//! Friction laws: values of the key `friction` of a joint. The generator reads them, and identification
+//! writes them.
 
 use super::formula::Formula;
 use super::function::Function;
@@ -7,74 +8,74 @@ use std::fmt::Display;
 /// One term of a friction law, linear in its coefficient.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrictionTerm<C = Formula> {
-    /// Coefficient; a formula depends only on parameters.
+    /// Coefficient. If it is a formula, it depends only on parameters.
     pub coefficient: C,
-    /// Basis: function of the joint's velocity `v`, and of its position `y` if described.
+    /// Basis function of the joint's velocity `v`. It may also depend on the joint's position `y`.
     pub basis: Formula,
 }
 
-/// Constructor of a term from its coefficient: [`FrictionTerm::viscous`] or [`FrictionTerm::coulomb`].
+/// Function that makes a term from its coefficient: [`FrictionTerm::viscous`] or [`FrictionTerm::coulomb`].
 pub type TermOf = fn(Formula) -> FrictionTerm;
 
-/// Friction of a joint: a sum of laws, and friction proportional to the load.
+/// Friction of a joint: the sum of several laws, and friction proportional to the load.
 ///
 /// Coefficients are formulas after reading a description, and numbers or texts before writing one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrictionLaw<C = Formula> {
-    /// Laws; their torques are added.
+    /// Friction laws. The friction of the joint is their sum.
     pub parts: Vec<FrictionPart<C>>,
-    /// Friction per unit of load; empty if friction does not depend on the load.
+    /// Terms of the friction per unit of load; empty if friction does not depend on the load.
     pub load: Vec<FrictionTerm<C>>,
 }
 
-/// A friction law; each variant is one key.
+/// A friction law. Each variant is one key in descriptions.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FrictionPart<C = Formula> {
     /// `viscous`: viscous friction `F_v v`.
     Viscous(C),
     /// `coulomb`: Coulomb friction `F_c sign(v)`, or `F_c tanh(s v)` with a slope s.
     Coulomb {
-        /// Friction F_c.
+        /// Coulomb friction F_c [N m or N].
         level: C,
-        /// The slope, positive.
+        /// Positive slope s of `tanh(s v)`; `None` for `sign(v)`.
         slope: Option<f64>,
     },
     /// `coulomb`: Coulomb friction with different values for the two directions.
     Asymmetric {
-        /// Friction T₊ at positive velocity.
+        /// Friction T₊ at positive velocity [N m or N].
         positive: C,
-        /// Friction T₋ at negative velocity, which is negative or 0.
+        /// Friction T₋ at negative velocity [N m or N], which is negative or 0.
         negative: C,
-        /// The slope, positive.
+        /// Positive slope s of `tanh(s v)`; `None` for `sign(v)`.
         slope: Option<f64>,
     },
     /// `stribeck`: the law [`FrictionPart::STRIBECK`] with coefficients a1 … a5. Coulomb friction is a2,
-    /// static friction a2 + a4, the Stribeck speed 1/a5, viscous friction a1.
+    /// static friction is a2 + a4, the Stribeck speed is 1/a5, and the coefficient of viscous friction is a1.
     Stribeck([C; 5]),
     /// `terms`: a sum of terms.
     Terms(Vec<FrictionTerm<C>>),
 }
 
 impl FrictionTerm {
-    /// `coefficient · v`
+    /// The term `coefficient · v`.
     pub fn viscous(coefficient: Formula) -> Self {
         Self { coefficient, basis: Formula::Velocity }
     }
 
-    /// `coefficient · sign(v)`
+    /// The term `coefficient · sign(v)`.
     pub fn coulomb(coefficient: Formula) -> Self {
         Self { coefficient, basis: direction(None) }
     }
 }
 
 impl<C> FrictionTerm<C> {
-    /// Whether the basis has different limits at zero velocity from both sides.
+    /// Whether the basis jumps at zero velocity: its limits from the two sides differ.
     pub fn basis_jumps(&self) -> bool {
         beside_rest(&self.basis, -1.0) != beside_rest(&self.basis, 1.0)
     }
 }
 
-/// The limit of a law where the velocity goes to zero from one side.
+/// The limit of a law as the velocity goes to zero from one side.
 fn beside_rest(law: &Formula, direction: f64) -> Formula {
     law.substituted(&|part| match part {
         Formula::Velocity => Some(Formula::ZERO),
@@ -87,7 +88,7 @@ fn beside_rest(law: &Formula, direction: f64) -> Formula {
 }
 
 impl FrictionPart {
-    /// The parameters of the Stribeck law.
+    /// The keys of the coefficients of the Stribeck law.
     pub const STRIBECK_KEYS: [&str; 5] = ["a1", "a2", "a3", "a4", "a5"];
     /// The equation of the Stribeck law.
     pub const STRIBECK: &str = "τ = a1 v + a2 tanh(a3 v) + a4 exp(−a5 |v|) tanh(3 a3 v)";
@@ -107,7 +108,7 @@ impl FrictionPart {
 }
 
 impl<C: Display> FrictionLaw<C> {
-    /// Value of a joint's key `friction` in TOML; bases are functions of `v` and `y`.
+    /// The friction as TOML, for the key `friction` of a joint. Bases are functions of `v` and `y`.
     pub fn toml(&self) -> String {
         let mut keys: Vec<String> = self.parts.iter().map(FrictionPart::toml).collect();
         if !self.load.is_empty() {
@@ -138,13 +139,13 @@ impl<C: Display> FrictionPart<C> {
     }
 }
 
-/// `[["v", 76.556], ["tanh(5*v)", 3.924]]`
+/// The terms as a list of a description, for example `[["v", 76.556], ["tanh(5*v)", 3.924]]`.
 fn weighted<C: Display>(terms: &[FrictionTerm<C>]) -> String {
     let pair = |term: &FrictionTerm<C>| format!("[\"{}\", {}]", term.basis.text(&[]), term.coefficient);
     format!("[{}]", terms.iter().map(pair).collect::<Vec<_>>().join(", "))
 }
 
-/// The sign of the velocity, or tanh(s v) in its place, which is differentiable at rest.
+/// The sign of the velocity, or tanh(s v), which is differentiable at rest.
 fn direction(slope: Option<f64>) -> Formula {
     match slope {
         None => Formula::call(Function::Sign, Formula::Velocity),

@@ -13,11 +13,11 @@ pub enum Function {
     Tanh,
     /// Natural exponential.
     Exp,
-    /// Absolute value; its derivative is `sign`.
+    /// Absolute value. Its derivative is `sign`.
     Abs,
-    /// −1, 0 or 1; exact in the value, derivative zero.
+    /// Sign: −1, 0 or 1. Its derivative is taken as 0, also at the jump.
     Sign,
-    /// Square root; NaN of negative numbers.
+    /// Square root. It is NaN for negative numbers.
     Sqrt,
 }
 
@@ -39,7 +39,7 @@ impl Function {
         }
     }
 
-    /// Value of the function; `sign` is 0 at 0, unlike [`f64::signum`].
+    /// Value of the function. `sign` is 0 at 0, unlike [`f64::signum`].
     pub fn evaluate(self, x: f64) -> f64 {
         match self {
             Self::Sin => math::sin_cos(x).0,

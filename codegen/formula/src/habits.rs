@@ -6,7 +6,7 @@ const UNIT: &str = "formula-unit";
 const COMMA: &str = "formula-comma";
 
 impl FormulaError {
-    /// Whether the text is a number in another notation.
+    /// Whether the text is a number with a unit or with a decimal comma.
     pub fn is_habit(&self) -> bool {
         [UNIT, COMMA].contains(&self.code)
     }
@@ -44,7 +44,7 @@ const UNITS: [(&str, &str, &str); 28] = [
     ("A", "1", "A"),
 ];
 
-/// Signs between units that mean the same.
+/// The unit without spaces and with one spelling of signs that mean the same.
 fn spelled(unit: &str) -> String {
     let unit: String = unit.chars().filter(|c| !c.is_whitespace()).collect();
     let unit = unit.replace(['·', '⋅', '.'], "*").replace('²', "^2");
@@ -56,7 +56,8 @@ fn spelled(unit: &str) -> String {
     }
 }
 
-/// An error for a number that is followed by something without an operator, or that has a comma in it.
+/// Rejects a text that begins with a number and continues with a unit or a name without an operator, or with
+/// a decimal comma.
 pub(super) fn check(text: &str) -> Result<(), FormulaError> {
     let trimmed = text.trim_start();
     let start = text.len() - trimmed.len();
@@ -102,7 +103,7 @@ fn with_comma(text: &str, number: &str, decimals: &str) -> Result<(), FormulaErr
     Err(error(COMMA, message, help, 0..text.len()))
 }
 
-/// `1:80`, as gear ratios are printed.
+/// The error of a ratio that is not a number, for example `1:80`, as gear ratios are printed.
 fn ratio(text: &str, one: &str, other: &str) -> FormulaError {
     let message = format!("`{}` is not a number; a ratio is one number or a quotient of two", text.trim());
     let quotients = match one {

@@ -1,16 +1,16 @@
 //! Held joints, given by name patterns.
 
-/// A name pattern of held joints with their position.
+/// A name pattern of joints that are held, and the position at which they are held.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hold {
-    /// Name pattern; `*` matches any text.
+    /// Name pattern, in which `*` matches any text.
     pub pattern: String,
     /// Position (rad or m).
     pub position: f64,
 }
 
 impl Hold {
-    /// Reads `PATTERN[=VALUE]`; without a value the position is 0.
+    /// Reads `PATTERN[=VALUE]`. Without a value the position is 0.
     ///
     /// # Errors
     /// A message if the value is not a finite number.

@@ -4,8 +4,9 @@
 const PART: usize = 3;
 const MOST: usize = 4;
 
-/// `did you mean …?` with the nearest known name, or with known names that contain the given one (`left_knee`
-/// contains `knee`). Without either it lists known names.
+/// `did you mean …?` with the nearest known name, or with the known names that contain the given name
+/// (`left_knee` contains `knee`). If there is no near name and no containing name, the text lists known
+/// names. `None` if no name is known.
 pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
     let known: Vec<&str> = known.into_iter().collect();
     let lower = name.chars().take(64).collect::<String>().to_lowercase();

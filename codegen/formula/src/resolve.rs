@@ -8,7 +8,7 @@ use super::syntax::known_functions;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// Names that a formula may contain.
+/// Names that a formula may contain, in addition to names of functions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Allowed {
     /// Numbers and `pi`.
@@ -45,7 +45,7 @@ impl Allowed {
 
 type Parsed = Result<Formula, FormulaError>;
 
-/// Reads a formula; `parameters` gives the index of each described name.
+/// Reads a formula. `parameters` has the index of each parameter name.
 ///
 /// # Errors
 /// The text is not an [`Expression`], contains a forbidden name, is a truth value, calls a function that

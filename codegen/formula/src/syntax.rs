@@ -1,4 +1,4 @@
-//! Parser of expressions, based on syn; operator precedence is that of Rust.
+//! Parser of expressions, based on syn. Operators have the same precedence as in Rust.
 //!
 //! syn is a recursive-descent parser, so length, nesting and runs of operators are limited before it is
 //! called.
@@ -100,7 +100,7 @@ fn check_sign(text: &str, range: Range<usize>) -> Parsed<()> {
     Err(FormulaError::new(code, message, range).with_help(help.to_owned()))
 }
 
-/// The functions of a formula, for people.
+/// List of the functions of formulas, for messages.
 pub(crate) fn known_functions() -> String {
     format!("{} and pow(x, n)", Function::ALL.map(Function::name).join(", "))
 }

@@ -5,7 +5,8 @@ use super::formula::Formula;
 impl Formula {
     /// The summands of the formula, each as (coefficient, basis).
     ///
-    /// `f(v) = Σ cᵢ φᵢ(v)`: factors without position and velocity form the coefficient, the others the basis.
+    /// `f(v) = Σ cᵢ φᵢ(v)`: factors without position and velocity form the coefficient, all other factors
+    /// form the basis.
     /// Products are not distributed over sums: `a*(v + tanh(v))` is one term.
     pub fn linear_terms(self) -> Vec<(Self, Self)> {
         let mut summands = Vec::new();

@@ -15,7 +15,7 @@ use crate::model::{
 use gelenk_formula::Formula;
 use std::collections::BTreeMap;
 
-/// Gravity if none is described (m/s²).
+/// Gravity if the description has none [m/s²].
 const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
 pub(super) struct Builder<'d, 'r> {
@@ -24,7 +24,8 @@ pub(super) struct Builder<'d, 'r> {
     pub(super) identifiers: Identifiers,
     pub(super) defaults: Vec<f64>,
     pub(super) tree: Tree,
-    /// Described frame of each link in the frame of the model's link.
+    /// For each link the pose of the description's frame in the frame of the model. They differ for standard
+    /// Denavit–Hartenberg rows.
     pub(super) offsets: Vec<Pose>,
 }
 
@@ -72,7 +73,9 @@ impl Builder<'_, '_> {
         })
     }
 
-    /// Link indices of the moving joints: as listed, else as described, else in the order of the tree.
+    /// Links of the independent joints, in the order of the coordinates. This is the order of the key
+    /// `coordinates`. Without this key it is the order of the tree if `sort_joints` is set, otherwise the
+    /// order of the description.
     fn coordinates(&mut self) -> Option<Vec<usize>> {
         let mut moving: Vec<(usize, usize)> = Vec::new();
         for (link, joint) in self.tree.joints.iter().enumerate() {
@@ -199,7 +202,8 @@ impl Builder<'_, '_> {
         }
     }
 
-    /// Terms of friction that grow with the load. A joint without an input of its own is refused.
+    /// Terms of the friction that grows with the load. There is an error if the joint has no input of its
+    /// own.
     fn load_friction(&mut self, joint: &JointDescription, motion: Motion) -> Vec<FrictionTerm> {
         let Some(load) = joint.friction.as_ref().and_then(|friction| friction.value.load.as_ref()) else {
             return Vec::new();

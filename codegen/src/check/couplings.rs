@@ -1,4 +1,5 @@
-//! Joints that follow others, and drives that act on several joints: the rows of `y_joint = G y + g₀`.
+//! Couplings: joints that follow other joints, and drives that act on several joints. Each position is a row
+//! of `G y + g₀`, with the coordinates y, ratios G and offsets g₀.
 
 use super::tree::Tree;
 use crate::description::{FollowsDescription, Name, RobotDescription};
@@ -8,34 +9,38 @@ use crate::wording::{as_written, list};
 use gelenk_formula::{Formula, Function};
 use std::collections::BTreeMap;
 
-/// A row of G with its offset.
+/// A row of G with its offset in g₀.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Row {
     pub(super) terms: Vec<FollowedCoordinate>,
     pub(super) offset: f64,
 }
 
-/// Ways to one coordinate that leave less than this part of them cancel.
+/// Largest ratio to a coordinate that counts as 0, relative to the sum of the magnitudes of the added
+/// products.
 const CANCELLED: f64 = 1e-12;
 const ADDED_UP: &str = "ratios are multiplied along each path of followed joints, and the paths are added";
 
-/// The row of what follows several joints, and the coordinates to which their ways cancel.
+/// The row of a follower or drive, and the coordinates whose ratios add up to 0.
 struct Combined {
     row: Row,
     cancelled: Vec<usize>,
 }
 
-/// Rows of all joints and drives, in the order of the description.
+/// Rows of all joints and of the drives under `[[drives]]`, in the order of the description.
 pub(super) struct Couplings {
-    /// `None` for joints that are fixed, and if the description has an error.
+    /// Rows of the joints. A row is `None` if the joint is fixed or its entry has an error.
     joints: Vec<Option<Row>>,
-    /// Rows of the drives under `[[drives]]`; `None` if the description has an error.
+    /// Rows of the drives under `[[drives]]`. A row is `None` if the drive's entry has an error.
     pub(super) drives: Vec<Option<Row>>,
     followers: Vec<usize>,
 }
 
 impl Couplings {
-    /// Expresses the motions of joints and drives in coordinates, along chains of followers.
+    /// Expresses the motions of joints and drives in coordinates, along chains of followers. Reports cycles
+    /// and wrong ratios.
+    ///
+    /// - `coordinates`: links of the coordinates
     pub(super) fn resolve(
         robot: &RobotDescription,
         tree: &Tree,
@@ -83,7 +88,7 @@ impl Couplings {
         Self { joints, drives, followers }
     }
 
-    /// The described joints that follow coordinates.
+    /// The followers for the model, in the order of the description.
     pub(super) fn followers(&self, tree: &Tree) -> Vec<Follower> {
         let follower = |&joint: &usize| {
             let row = self.joints[joint].clone()?;
@@ -122,8 +127,8 @@ struct Resolver<'d, 'r> {
 }
 
 impl Resolver<'_, '_> {
-    /// Resolves the ratios of a joint. A chain of followers may be as long as the description, so it is processed by
-    /// a stack, not by recursion.
+    /// Resolves the row of a joint. A chain of followers may be as long as the description, so a stack
+    /// replaces recursion.
     fn joint(&mut self, start: usize) {
         let mut stack = vec![start];
         while let Some(&joint) = stack.last() {
@@ -149,7 +154,7 @@ impl Resolver<'_, '_> {
         }
     }
 
-    /// The first joint that this one follows and that is not resolved.
+    /// The first joint that `joint` follows and whose row is not resolved.
     fn open_targets(&self, joint: usize) -> Option<usize> {
         let follows = self.robot.joints[joint].follows.iter().flat_map(|follows| &follows.value);
         let mut targets = follows.filter_map(|term| self.find(&term.joint));
@@ -183,7 +188,7 @@ impl Resolver<'_, '_> {
         self.report.help("remove `follows` or `<mimic>` of one joint, so that it is a coordinate");
     }
 
-    /// A row that has a coordinate, or is that of a drive whose joints are held; says where ways to coordinates cancel.
+    /// Returns the row unless all its ratios cancelled. Reports the coordinates whose ratios add up to 0.
     fn moving(
         &mut self,
         name: &Name,
@@ -213,7 +218,7 @@ impl Resolver<'_, '_> {
         (!row.terms.is_empty()).then_some(row)
     }
 
-    /// `Σ ratio · row`
+    /// The sum `Σ ratio · row` over the followed joints, with the coordinates whose ratios cancel.
     fn combined(&mut self, follows: &[FollowsDescription]) -> Option<Combined> {
         let mut row = Row::default();
         let mut sizes = vec![0.0_f64; self.names.len()];
@@ -240,7 +245,7 @@ impl Resolver<'_, '_> {
         is_known.then_some(Combined { row, cancelled })
     }
 
-    /// `ratio · row`
+    /// The product `ratio · row` for one followed joint.
     fn scaled(&mut self, term: &FollowsDescription) -> Option<Row> {
         let row = self.target(&term.joint)?;
         let (ratio, value) = (&term.ratio.value, term.ratio.value.evaluate(self.defaults, 0.0, 0.0));
@@ -266,7 +271,7 @@ impl Resolver<'_, '_> {
         Some(Row { terms: terms.collect(), offset: value * row.offset })
     }
 
-    /// The row of a joint by its name.
+    /// The row of a joint, by the joint's name.
     fn target(&mut self, name: &Name) -> Option<Row> {
         let Some(index) = self.find(name) else {
             self.report.error(name.span, "unknown-joint", format!("unknown joint `{}`", name.value));
@@ -290,7 +295,7 @@ impl Resolver<'_, '_> {
     }
 }
 
-/// The joints by their names; two of one name are reported elsewhere.
+/// Indices of the joints by name. Duplicate names are reported elsewhere.
 fn by_name(robot: &RobotDescription) -> BTreeMap<&str, usize> {
     robot.joints.iter().enumerate().map(|(index, joint)| (joint.name.value.as_str(), index)).collect()
 }
@@ -305,7 +310,8 @@ fn add(sum: &mut Row, row: Row) {
     }
 }
 
-/// Dry friction between several coordinates holds their sum, and the runtime's plant lets single joints stick: it refuses such robots.
+/// Notes dry friction of a follower or drive with several coordinates. The runtime's plant lets only single
+/// joints stick, so it rejects the robot.
 fn note_dry_friction(
     (what, verb): (&str, &str),
     name: &Name,

@@ -1,4 +1,4 @@
-//! Limits of followers, and the ranges that the limits of the coordinates allow them.
+//! Checks the limits of followers against the limits of the joints that they follow.
 
 use super::tree::Tree;
 use crate::description::{JointDescription, LimitsDescription, RobotDescription};
@@ -6,10 +6,10 @@ use crate::diagnostic::Report;
 use crate::model::Follower;
 use crate::wording::{as_written, list, three_digits};
 
-/// Quotients of written numbers are rounded.
+/// Relative rounding of a quotient of two numbers in the description.
 const ROUNDING: f64 = 1e-12;
 
-/// A robot with limits of its coordinates.
+/// A robot whose followers are checked.
 pub(super) struct Limited<'d> {
     pub(super) robot: &'d RobotDescription,
     pub(super) tree: &'d Tree,
@@ -17,13 +17,13 @@ pub(super) struct Limited<'d> {
     pub(super) coordinates: &'d [usize],
     /// Number of driven joints.
     pub(super) driven: usize,
-    /// Described values of the free parameters.
+    /// Values of the free parameters in the description.
     pub(super) defaults: &'d [f64],
 }
 
 impl<'d> Limited<'d> {
-    /// Reports an error if followers cannot satisfy their limits, and notes limits that no part of the
-    /// runtime keeps.
+    /// Reports an error if no position satisfies the limits of a follower. Adds notes and warnings about
+    /// limits that a follower can exceed, and names the parts of the runtime that keep them.
     pub(super) fn check(&self, followers: &[Follower], report: &mut Report) {
         for follower in followers {
             let joint = self.joint(follower.link);
@@ -39,13 +39,13 @@ impl<'d> Limited<'d> {
         note_efforts(&joints, report);
     }
 
-    /// The joint that carries a link which moves.
+    /// The joint that carries a moving link.
     fn joint(&self, link: usize) -> &'d JointDescription {
         let joint = self.tree.joints[link];
         &self.robot.joints[joint.unwrap_or_else(|| unreachable!("what moves has a joint"))]
     }
 
-    /// Terms of a follower: each ratio with the limits of the joint that is followed.
+    /// Each ratio of a follower, with the limits of the joint that is followed.
     fn terms(&self, follower: &Follower) -> impl Iterator<Item = (f64, &'d LimitsDescription)> {
         follower.follows.iter().map(|term| {
             let followed = self.joint(self.coordinates[term.coordinate]);
@@ -53,7 +53,8 @@ impl<'d> Limited<'d> {
         })
     }
 
-    /// Reports an error if no position of the coordinates within their limits puts a joint within its own.
+    /// Reports an error if a follower is outside its position limits for all positions of the followed joints
+    /// within their limits.
     fn check_positions(&self, joint: &JointDescription, follower: &Follower, report: &mut Report) {
         let Some(limits) = &joint.limits.position else { return };
         let mut reach = [follower.offset; 2];
@@ -85,7 +86,7 @@ impl<'d> Limited<'d> {
         }
     }
 
-    /// Names the parts of the runtime that keep the limits of a joint that can leave them.
+    /// Names the parts of the runtime that keep the limits of the follower.
     fn say_who_keeps(&self, follower: &Follower, report: &mut Report) {
         let driven = self.coordinates.len() - self.driven;
         report.help(match &follower.follows[..] {
@@ -104,7 +105,8 @@ impl<'d> Limited<'d> {
         });
     }
 
-    /// Warns of limits that nothing keeps: without numbers for the ratios, the module says nothing of them.
+    /// Warns of limits that no controller keeps. If a ratio is a free parameter, the module does not contain
+    /// the follower's limits.
     fn warn_of_free_ratios(&self, followers: &[Follower], report: &mut Report) {
         let has_limits =
             |joint: &&JointDescription| joint.limits.position.is_some() || joint.limits.velocity.is_some();
@@ -126,7 +128,7 @@ impl<'d> Limited<'d> {
         report.help("give the ratios as numbers, or enforce these limits with `MpcRow::dependent_joint` and `violations`");
     }
 
-    /// Reports an error if joints that follow the same coordinate alone leave it no position.
+    /// Reports an error if the limits of joints that follow only this coordinate exclude all its positions.
     fn check_together(&self, coordinate: usize, followers: &[Follower], report: &mut Report) {
         let own = self.joint(self.coordinates[coordinate]).limits.position.as_ref();
         let mut lowest = own.map(|limits| (limits.value[0], None));
@@ -160,7 +162,8 @@ impl<'d> Limited<'d> {
         report.help("no position satisfies all limits: correct the limits, the ratios or the `offset`");
     }
 
-    /// Positions of a coordinate that put a joint within its limits which follows nothing else.
+    /// Positions of a coordinate for which a follower is within its limits; `None` if the follower also
+    /// follows other coordinates.
     fn allowed(&self, coordinate: usize, follower: &Follower) -> Option<[f64; 2]> {
         let [low, high] = self.joint(follower.link).limits.position.as_ref()?.value;
         let [only] = &follower.follows[..] else { return None };
@@ -172,7 +175,7 @@ impl<'d> Limited<'d> {
         Some([ends[0].min(ends[1]), ends[0].max(ends[1])])
     }
 
-    /// Says where a joint can be faster than it may, with the joints that it follows at their speeds.
+    /// Notes a follower that can exceed its speed limit while the followed joints are within their limits.
     fn note_speed(&self, joint: &JointDescription, follower: &Follower, report: &mut Report) {
         let Some(limit) = &joint.limits.velocity else { return };
         let fastest = self.terms(follower).map(|(ratio, followed)| {
@@ -190,12 +193,12 @@ impl<'d> Limited<'d> {
     }
 }
 
-/// Whether a ratio depends on free parameters. A warning of its own says that nothing keeps the limits of such joints.
+/// Whether a ratio of the follower depends on free parameters.
 fn is_free(follower: &Follower) -> bool {
     follower.follows.iter().any(|term| term.ratio.value(&[]).is_none())
 }
 
-/// Says that the efforts of joints that follow others limit nothing.
+/// Notes that effort limits of followers have no effect.
 fn note_efforts(followers: &[&JointDescription], report: &mut Report) {
     let limited: Vec<_> = followers.iter().filter(|joint| joint.limits.effort.is_some()).collect();
     let Some(first) = limited.first().and_then(|joint| joint.limits.effort.as_ref()) else { return };

@@ -1,4 +1,4 @@
-//! Checks of driven joints.
+//! Checks of driven joints, whose motion is prescribed.
 
 use super::couplings::Row;
 use super::tree::Tree;
@@ -8,10 +8,11 @@ use crate::model::{Joint, Link, Motion};
 
 const CODE: &str = "driven-joint";
 
-/// Reports keys without effect for driven joints, and for robots with driven joints.
+/// Reports keys that a driven joint must not have, and joints and friction that a robot with driven joints
+/// must not have.
 pub(super) fn check(robot: &RobotDescription, report: &mut Report) {
     for joint in &robot.joints {
-        // The velocities of one joint are told once.
+        // A joint with several velocities is reported once.
         let is_told = joint.part_of.as_ref().is_some_and(|part| part.index > 0);
         if let Some(driven) = joint.driven.as_ref().filter(|driven| driven.value && !is_told) {
             check_joint(joint, driven.span, report);
@@ -86,14 +87,14 @@ fn check_drive(joint: &JointDescription, report: &mut Report) {
     }
 }
 
-/// Link indices of the driven joints, in the order of the tree.
+/// Indices of the links that driven joints carry, in the order of the tree.
 pub(super) fn links(robot: &RobotDescription, tree: &Tree) -> Vec<usize> {
     let joints = tree.joints.iter().enumerate();
     let driven = joints.filter(|(_, joint)| joint.is_some_and(|joint| robot.joints[joint].is_driven()));
     driven.map(|(link, _)| link).collect()
 }
 
-/// Reports a drive that acts only on driven joints, which would be an input without effect.
+/// Reports a drive under `[[drives]]` that acts only on driven joints. Its input would have no effect.
 pub(super) fn check_shared_drive(
     robot: &RobotDescription,
     tree: &Tree,

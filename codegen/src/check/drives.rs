@@ -13,8 +13,8 @@ use crate::wording::as_written;
 use gelenk_formula::Formula;
 
 impl Builder<'_, '_> {
-    /// Adds the shaft friction of a drive on one coordinate to its joint: `i τ(i y, i ẏ)` with the gear ratio
-    /// i.
+    /// Adds the shaft friction of each drive with one coordinate to the friction of the coordinate's joint:
+    /// `i τ(i y, i ẏ)` with the gear ratio i and the shaft's friction law τ.
     pub(super) fn add_shaft_friction(&mut self, links: &mut [Link], couplings: &Couplings) {
         let robot = self.robot;
         for (index, drive) in robot.drives.iter().enumerate() {
@@ -37,9 +37,9 @@ impl Builder<'_, '_> {
         }
     }
 
-    /// Drives of joints in the order of their coordinates, then drives under `[[drives]]` in the described
-    /// order, then motors of held joints. Drives under `[[drives]]` that act only on held joints come first
-    /// among the last group.
+    /// All drives of the model. Drives of joints come first, in the order of their coordinates. Drives under
+    /// `[[drives]]` follow in the order of the description, those that act only on held joints last. The
+    /// motors of held joints are at the end.
     pub(super) fn drives(&mut self, links: &[Link], couplings: &Couplings) -> Vec<Drive> {
         let mut drives: Vec<Drive> =
             (0..links.len()).filter_map(|link| self.drive(link, &links[link])).collect();
@@ -53,7 +53,7 @@ impl Builder<'_, '_> {
         drives
     }
 
-    /// A drive that stands apart from joints.
+    /// The drive of an entry of `[[drives]]`.
     fn shared_drive(&mut self, index: usize, links: &[Link], couplings: &Couplings) -> Option<Drive> {
         let described = &self.robot.drives[index];
         let row = couplings.drives.get(index)?.as_ref()?;
@@ -98,8 +98,8 @@ impl Builder<'_, '_> {
         })
     }
 
-    /// The link that carries the rotor of a drive apart from joints, and its axis there: as described, else as
-    /// if it stood at the only joint that it acts on.
+    /// The link that carries the rotor of a drive under `[[drives]]`, and the rotor's axis in the frame of
+    /// this link. Both are taken from the description, or from the joint if the drive acts on only one.
     fn shared_mounting(
         &mut self,
         described: &SharedDriveDescription,
@@ -259,7 +259,7 @@ impl Builder<'_, '_> {
         }
     }
 
-    /// A torque or force at the joint itself.
+    /// A drive without motor: its input is the torque or force at the joint.
     fn ideal_drive(&self, joint: &Joint, index: usize, acts_on: Vec<FollowedCoordinate>) -> Drive {
         Drive {
             stands_apart: false,

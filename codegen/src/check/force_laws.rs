@@ -1,7 +1,7 @@
-//! Checks of force laws: values are finite, friction brakes, and load-dependent friction is smaller than the
-//! load.
+//! Checks of force laws. Values must be finite, friction must brake, and load-dependent friction must be
+//! smaller than the load.
 //!
-//! The laws are evaluated on a grid of positions and speeds within the limits, at the described values of
+//! The laws are evaluated on a grid of positions and speeds within the limits, at the description's values of
 //! free parameters.
 
 use super::range::Range;
@@ -12,20 +12,22 @@ use crate::numeric;
 use crate::wording::three_digits;
 use gelenk_formula::Formula;
 
-/// Largest speed [rad/s or m/s] looked at if a joint has no limit.
+/// Largest speed of the grid if the joint has no speed limit [rad/s or m/s].
 const SPEED: f64 = 10.0;
-/// Largest speed [rad/s] looked at of a motor whose joint has no limit.
+/// Largest motor speed of the grid if the joint has no speed limit [rad/s].
 const MOTOR_SPEED: f64 = 1000.0;
-/// Speeds in each direction. They are spaced by equal factors, since laws are steep near standstill.
+/// Number of speeds in each direction. Neighbours have the same ratio, because force laws are steep near
+/// standstill.
 const SPEEDS: i32 = 61;
-/// Ratio of neighbours: 10^(−1/15), so that the smallest is 1e-4 of the largest.
+/// Ratio of neighbouring speeds, 10^(−1/15). The smallest speed is 1e-4 of the largest.
 const FACTOR: f64 = 0.857_695_898_590_894_1;
-/// Positions looked at, both limits included.
+/// Number of positions, both limits included.
 const POSITIONS: i32 = 21;
-/// Friction below this part of the largest does not count: it is rounding.
+/// Friction below this part of the largest friction counts as rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// Reports laws without a finite value, and friction that accelerates.
+/// Reports springs and friction of a joint whose value is not finite, friction that accelerates the joint,
+/// and load-dependent friction that is not smaller than the load.
 pub(super) fn check(joint: &JointDescription, defaults: &[f64], report: &mut Report) {
     let grid = Grid::of_joint(joint);
     if let Some(springs) = &joint.springs {
@@ -49,9 +51,9 @@ pub(super) fn check(joint: &JointDescription, defaults: &[f64], report: &mut Rep
     }
 }
 
-/// Reports the same for the friction of a drive's shaft.
+/// Reports shaft friction of a drive if its value is not finite or it accelerates the shaft.
 ///
-/// - `speed`: motor speed at the speed limit of its joint, if any [rad/s]
+/// - `speed`: motor speed at the speed limit of the joint [rad/s]; `None` without this limit
 pub(super) fn check_shaft(
     drive: &str,
     friction: &At<Vec<FrictionTerm>>,
@@ -72,11 +74,11 @@ pub(super) fn check_shaft(
     }
 }
 
-/// Names the friction of a joint for each unit of its load.
+/// Name of the load-dependent friction in messages.
 const OF_THE_LOAD: &str = "friction under load";
 
-/// |s₁| < 1 everywhere: on the grid up to the velocity limit, beyond it or without one by bounds of the
-/// formula.
+/// Whether the magnitude of the load-dependent friction s₁ is below 1. If limits keep the joint within the
+/// grid, the values on the grid decide. Otherwise bounds of the formula decide in addition.
 fn is_below_one(law: &Law<'_>, grid: &Grid, span: Span, report: &mut Report) -> bool {
     let positions = grid.positions();
     let velocities = [0.0].into_iter().chain(grid.velocities());
@@ -109,7 +111,7 @@ fn is_below_one(law: &Law<'_>, grid: &Grid, span: Span, report: &mut Report) -> 
 
 fn is_finite(law: &Law<'_>, grid: &Grid, span: Span, report: &mut Report) -> bool {
     let positions = grid.positions();
-    // Standstill comes first: a message should name it where it is at fault.
+    // Standstill comes first, because the message names the first state with a fault.
     let velocities = [0.0].into_iter().chain(grid.velocities());
     let mut states = velocities.flat_map(|v| positions.iter().map(move |y| [*y, v]));
     let Some([y, v]) = states.find(|[y, v]| !law.value(*y, *v).is_finite()) else {
@@ -166,7 +168,7 @@ fn brakes(law: &Law<'_>, grid: &Grid, span: Span, report: &mut Report) {
         let message =
             format!("the {what} of {name} accelerates the joint at velocities {}", ranges.join(" and "));
         report.note(Some(span), "friction-drives", message);
-        report.help("friction with the sign of the velocity brakes; with the opposite sign it adds energy");
+        report.help("friction brakes the joint if it has the sign of the velocity, and adds energy if it has the opposite sign");
     }
 }
 
@@ -175,7 +177,7 @@ fn braked(law: &Law<'_>, grid: &Grid) -> Option<f64> {
     by_sign(law, grid, 1.0)
 }
 
-/// A position where friction drives at every speed.
+/// A position where friction accelerates the joint at every speed.
 fn driving(law: &Law<'_>, grid: &Grid) -> Option<f64> {
     by_sign(law, grid, -1.0)
 }
@@ -186,7 +188,7 @@ fn by_sign(law: &Law<'_>, grid: &Grid, sign: f64) -> Option<f64> {
     grid.positions().into_iter().filter(has_sign).min_by(|a, b| a.abs().total_cmp(&b.abs()))
 }
 
-/// The velocities of the grid but 0, each with whether friction drives the joint there at some position.
+/// The velocities of the grid. The flag of a velocity is set if friction accelerates the joint at a position.
 fn driven(law: &Law<'_>, grid: &Grid) -> Vec<(f64, bool)> {
     let positions = grid.positions();
     let velocities: Vec<f64> = grid.velocities().collect();
@@ -210,7 +212,7 @@ impl<'a> Law<'a> {
         Self { what, summands: summands.collect(), defaults }
     }
 
-    /// A bound of the law's magnitude over all positions and velocities; infinite if none is known.
+    /// A bound of the law's magnitude over all positions and velocities; infinite if no bound is known.
     fn largest(&self) -> f64 {
         let products = self.summands.iter();
         let magnitudes = products.map(|(coefficient, basis)| {
@@ -231,12 +233,12 @@ impl<'a> Law<'a> {
     }
 }
 
-/// Where the laws of a joint or shaft are looked at.
+/// Positions and velocities at which the laws of a joint or shaft are evaluated.
 struct Grid {
     /// Kind and name of the joint or shaft.
     owner: String,
     unit: &'static str,
-    /// Largest position looked at if there are no limits.
+    /// Largest position if there are no position limits.
     widest: f64,
     /// Limits of the position.
     position: Option<[f64; 2]>,
@@ -260,12 +262,12 @@ impl Grid {
         }
     }
 
-    /// Whether limits keep the joint where the grid is.
+    /// Whether limits keep the joint within the range of the grid.
     fn holds_all(&self, law: &Law<'_>) -> bool {
         self.velocity.is_some() && (self.position.is_some() || !law.depends_on_position())
     }
 
-    /// Ascending but for 0, which stands last where the limits contain it.
+    /// Positions in ascending order. If the limits contain 0, it is added at the end.
     fn positions(&self) -> Vec<f64> {
         let [low, high] = self.position.unwrap_or([-self.widest, self.widest]);
         let part = |k: i32| f64::from(k) / f64::from(POSITIONS - 1);
@@ -274,7 +276,7 @@ impl Grid {
         positions.chain(zero).collect()
     }
 
-    /// Ascending, without 0.
+    /// Velocities in ascending order, without 0.
     fn velocities(&self) -> impl Iterator<Item = f64> + use<> {
         let most = self.velocity.unwrap_or(SPEED);
         // A limit that is not positive has its own message.

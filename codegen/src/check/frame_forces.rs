@@ -1,4 +1,5 @@
-//! Forces between frames, wrenches, and inputs of both kinds.
+//! Checks forces between frames, wrenches in frames, and inputs of both kinds, and converts them to the
+//! model.
 
 use super::frame_names;
 use super::tree::Tree;
@@ -8,7 +9,7 @@ use crate::model::{Attachment, ForceEffect, ForceInput, PointForce, Pose, Wrench
 use crate::wording::as_written;
 use gelenk_formula::Formula;
 
-/// Forces at frames in the form of the model.
+/// Forces at frames for the model.
 #[derive(Debug, Default)]
 pub(super) struct FrameForces {
     pub(super) point_forces: Vec<PointForce>,
@@ -16,7 +17,7 @@ pub(super) struct FrameForces {
     pub(super) wrenches: Vec<Wrench>,
 }
 
-/// Finds frames and links by name.
+/// Finds frames and links by name, and reports errors.
 pub(super) struct Resolver<'a> {
     pub(super) robot: &'a RobotDescription,
     pub(super) tree: &'a Tree,
@@ -26,7 +27,7 @@ pub(super) struct Resolver<'a> {
 }
 
 impl Resolver<'_> {
-    /// All forces at frames without errors.
+    /// Converts all forces at frames. Forces with errors are reported and left out.
     pub(super) fn resolve(mut self) -> FrameForces {
         let robot = self.robot;
         let mut found = FrameForces::default();
@@ -65,7 +66,7 @@ impl Resolver<'_> {
         found
     }
 
-    /// The frame or link of a name.
+    /// The frame with this name, or the link if there is no such frame.
     fn attachment(&mut self, name: &Name) -> Option<Attachment> {
         let frame = self.robot.frames.iter().find(|frame| frame.name.value == name.value);
         let (link, pose) = match frame {
@@ -90,7 +91,7 @@ impl Resolver<'_> {
         found
     }
 
-    /// A frame or link that moves.
+    /// The frame or link with this name. Reports an error if it does not move.
     fn moving(&mut self, name: &Name) -> Option<Attachment> {
         let at = self.attachment(name)?;
         if self.tree.carriers(self.robot)[at.link] == 0 {
@@ -102,7 +103,8 @@ impl Resolver<'_> {
         Some(at)
     }
 
-    /// Reports an error if a name may be that of a site and that of a body. `frame = …` of inputs and wrenches means the site.
+    /// Reports an error if a site and a body at different places have this name. Inputs and wrenches do not
+    /// need this check, because their `frame` means the site.
     fn is_clear(&mut self, name: &Name) -> bool {
         let mut sites =
             self.robot.frames.iter().filter(|frame| frame.is_site && frame.name.value == name.value);
@@ -135,7 +137,7 @@ impl Resolver<'_> {
         Some([first, second])
     }
 
-    /// Limits of an input; 0 is among them.
+    /// Limits of an input. Reports an error if the range is empty or does not contain 0.
     fn limits(&mut self, name: &Name, limits: Option<&At<[f64; 2]>>) -> Option<[f64; 2]> {
         let At { value: [low, high], span } = limits?;
         if low >= high {

@@ -1,11 +1,12 @@
-//! Frames with the name of a link: forces, wrenches and inputs find both by the same name.
+//! Checks frames that have the name of a link. Forces, wrenches and inputs find frames and links by the same
+//! names.
 
 use super::tree::Tree;
 use crate::description::{FrameDescription, RobotDescription};
 use crate::diagnostic::Report;
 
-/// Reports frames that have the name of a link but are not at its origin. Sites of an MJCF have separate
-/// names and are reported only if a force names them ([`is_ambiguous`]).
+/// Reports frames that have the name of a link but are not at its origin. Sites of an MJCF may have the names
+/// of bodies. They are reported only if a force names them.
 pub(super) fn check(robot: &RobotDescription, tree: &Tree, report: &mut Report) {
     for frame in robot.frames.iter().filter(|frame| !frame.is_site && is_ambiguous(frame, tree)) {
         let (name, link) = (&frame.name.value, &frame.link.value);

@@ -1,7 +1,7 @@
-//! Probable mistakes in a description: degrees, millimetres, legs with a fixed base, meshes without mass,
-//! missing drives.
+//! Notes about probable mistakes in a description: degrees, millimetres, legs with a fixed base, shapes
+//! without mass, missing drives.
 //!
-//! Each kind of mistake gives one note. The note has no effect on the model.
+//! There is one note for each kind of mistake. A note has no effect on the model.
 
 use super::tree::Tree;
 use crate::description::angles::{is_beyond_turns, looks_like_degrees};
@@ -12,13 +12,13 @@ use crate::model::name::identifier;
 use crate::wording::{as_written, list, listed, three_digits};
 use gelenk_formula::Formula;
 
-/// No link of a robot is so long [m]; a robot in millimetres has longer ones.
+/// Length that no link of a robot has [m]. Links of a robot in millimetres are longer.
 const FAR: f64 = 50.0;
 
 /// Parts of the names of legs.
 const LEG_WORDS: [&str; 9] = ["leg", "foot", "feet", "knee", "ankle", "calf", "thigh", "shin", "shank"];
 
-/// Notes probable mistakes of a robot whose links form a tree.
+/// Adds notes about probable mistakes to the report. The links must form a tree.
 pub(super) fn note(robot: &RobotDescription, tree: &Tree, defaults: &[f64], report: &mut Report) {
     let moving = tree.moving(robot);
     note_degrees(robot, report);
@@ -49,7 +49,7 @@ fn note_degrees(robot: &RobotDescription, report: &mut Report) {
     note_found(found, "looks-like-degrees", message, help, report);
 }
 
-/// One note, at the first place, for all entries that were found.
+/// Adds one note for all entries that were found. Its place is the place of the first entry.
 fn note_found(
     found: Vec<(Span, String)>,
     code: &'static str,
@@ -108,7 +108,7 @@ fn note_lengths(
     note_found(found, "far-away", message, "lengths are in m, inertias in kg m²", report);
 }
 
-/// Inertias as if the whole mass were that far away.
+/// Notes inertias whose radius of gyration exceeds [`FAR`].
 fn note_inertias(
     robot: &RobotDescription,
     tree: &Tree,
@@ -142,7 +142,7 @@ fn note_inertias(
     note_found(found, "large-inertia", message, "inertias are in kg m²: 1 kg m² is 1e6 kg mm²", report);
 }
 
-/// Two legs at least: a leg alone is tested on a stand.
+/// Notes a robot with legs and a fixed base. A single leg is not noted, because it may be tested on a stand.
 fn note_legs(robot: &RobotDescription, tree: &Tree, report: &mut Report) {
     if robot.joints.iter().any(|joint| joint.part_of.is_some()) {
         // It is not fixed, or somebody knows what floats.
@@ -185,7 +185,7 @@ fn names_a_leg(name: &str) -> bool {
     })
 }
 
-/// Links that are drawn and weigh nothing, where nothing that moves with them has a mass.
+/// Notes links with a shape if neither the link nor a link that is fixed to it has a mass.
 fn note_shapes(robot: &RobotDescription, tree: &Tree, report: &mut Report) {
     let carriers = tree.carriers(robot);
     let mut weighs = vec![false; tree.links.len()];
@@ -209,7 +209,7 @@ fn note_shapes(robot: &RobotDescription, tree: &Tree, report: &mut Report) {
     report.note(Some(first.span), "shape-without-mass", message);
 }
 
-/// An effort bounds the input of a drive. `drive = "none"` says that there is none.
+/// Warns of effort limits of joints without a drive. `drive = "none"` suppresses the warning.
 fn warn_of_missing_drives(robot: &RobotDescription, report: &mut Report) {
     let is_still = |joint: &&JointDescription| {
         let is_idle = joint.drive.is_none() && matches!(robot.drive_of(joint), DriveChoice::Passive);

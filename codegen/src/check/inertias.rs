@@ -1,8 +1,8 @@
 //! Checks that the moving bodies are physically possible.
 //!
 //! Bodies fixed to the base do not enter the dynamics and are not checked. Inertias of a TOML file must be
-//! correct, because its author can change them. Inertias of a URDF are often published by others: they are
-//! accepted with one warning while the mass matrix is positive definite.
+//! correct, because its author can change them. Inertias of a URDF or an MJCF are often published by somebody
+//! else. They are accepted with one warning if the mass matrix is positive definite.
 
 use super::tree::Tree;
 use crate::description::{BodyDescription, RobotDescription};
@@ -18,15 +18,16 @@ struct Finding<'d> {
     flaw: Flaw,
 }
 
-/// Faults of the published bodies of a robot.
+/// Impossible bodies whose inertia is from a URDF or an MJCF.
 pub(super) struct Published<'d> {
     findings: Vec<Finding<'d>>,
     moving: usize,
 }
 
-/// Reports impossible bodies of TOML files; returns those of URDFs.
+/// Reports impossible bodies of TOML files. Returns the impossible bodies of URDFs and MJCFs, which
+/// [`Published::report`] reports later.
 ///
-/// - `tree`: the links, if they form a tree; otherwise all bodies are checked
+/// - `tree`: the tree of the links; `None` if they do not form a tree, then all bodies are checked
 pub(super) fn check<'d>(
     robot: &'d RobotDescription,
     tree: Option<&Tree>,
@@ -98,9 +99,9 @@ fn refuse(body: &BodyDescription, flaw: &Flaw, report: &mut Report) {
 }
 
 impl Published<'_> {
-    /// Gives one warning about all published bodies.
+    /// Adds one warning about all these bodies.
     ///
-    /// - `pivots`: pivots of the mass matrix, if there is a model
+    /// - `pivots`: pivots of the mass matrix; `None` if there is no model
     pub(super) fn report(&self, pivots: Option<&Pivots>, report: &mut Report) {
         let Some(first) = self.findings.first() else {
             return;

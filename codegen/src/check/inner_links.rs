@@ -1,11 +1,11 @@
-//! Links between the velocities of a joint with a quaternion. They only define the order of these velocities;
-//! nothing can be fixed to them.
+//! Checks the links between the velocities of a joint with a quaternion. These links only define the order of
+//! the velocities, so no body, frame or joint may be attached to them.
 
 use crate::description::{DriveChoice, JointDescription, Name, RobotDescription};
 use crate::diagnostic::Report;
 use std::collections::BTreeMap;
 
-/// Reports objects fixed to a link between two velocities of a joint.
+/// Reports bodies, frames, joints, motors and forces at a link between two velocities of a joint.
 pub(super) fn refuse(robot: &RobotDescription, report: &mut Report) {
     let inner: BTreeMap<&str, &str> = robot.joints.iter().filter_map(inner_link).collect();
     for name in named_links(robot) {
@@ -22,7 +22,8 @@ fn inner_link(joint: &JointDescription) -> Option<(&str, &str)> {
     Some((joint.child.as_ref()?.value.as_str(), part.joint.value.as_str()))
 }
 
-/// All names of links in the description, but for those between the velocities of one joint.
+/// All names of links to which entries of the description refer. The references between the velocities of one
+/// joint are left out.
 fn named_links(robot: &RobotDescription) -> impl Iterator<Item = &Name> {
     let bodies = robot.bodies.iter().map(|body| &body.link);
     let frames = robot.frames.iter().map(|frame| &frame.link);
@@ -43,7 +44,7 @@ fn carriers(robot: &RobotDescription) -> impl Iterator<Item = &Name> {
     of_joints.chain(robot.drives.iter().filter_map(|drive| drive.motor.carrier.as_ref()))
 }
 
-/// Links that forces, wrenches and inputs name in the place of a frame.
+/// Links to which forces, wrenches and inputs refer instead of a frame.
 fn links_of_forces(robot: &RobotDescription) -> impl Iterator<Item = &Name> {
     let is_frame = |name: &Name| robot.frames.iter().any(|frame| frame.name.value == name.value);
     robot.names_at_frames().filter(move |name| !is_frame(name))

@@ -1,4 +1,4 @@
-//! Converts a [`RobotDescription`] to a [`Model`], or reports all its errors.
+//! Converts a [`RobotDescription`] to a [`Model`], or reports all errors of the description.
 
 mod build;
 mod checks;
@@ -24,7 +24,7 @@ use crate::model::Model;
 use build::Builder;
 use names::Identifiers;
 
-/// Checks the description and builds the model; `None` if there are errors.
+/// Checks the description and builds the model. Returns `None` if there are errors.
 pub(super) fn model(robot: &RobotDescription, report: &mut Report) -> Option<Model> {
     let identifiers = Identifiers::new(robot, report);
     let defaults: Vec<f64> = robot.parameters.iter().map(|parameter| parameter.value.default).collect();

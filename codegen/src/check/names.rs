@@ -1,4 +1,4 @@
-//! Names and their identifiers in generated code.
+//! Names in the description, and their identifiers in generated code.
 
 use crate::description::{DriveChoice, JointDescription, Name, PointForceDescription, RobotDescription};
 use crate::diagnostic::Report;
@@ -8,22 +8,24 @@ use crate::model::name::identifier;
 use crate::wording::listed;
 use std::collections::BTreeMap;
 
-/// Identifiers of the module and its joints, frames and drives, in the order of the description.
+/// Identifiers of the module, joints, frames and drives in generated code. Lists have the order of the
+/// description.
 #[derive(Debug)]
 pub(super) struct Identifiers {
     pub(super) module: String,
-    /// Identifiers of joints: names of values within functions.
+    /// Identifiers of the joints, parts of the names of values in functions.
     pub(super) joints: Vec<String>,
-    /// Identifiers of frames: parts of function names.
+    /// Identifiers of the frames, parts of function names.
     pub(super) frames: Vec<String>,
-    /// Drives by joint; `None` if the joint has none.
+    /// For each joint the identifier of the joint's drive; `None` if the joint has no drive.
     pub(super) drives: Vec<Option<String>>,
-    /// Names of the drives under `[[drives]]`.
+    /// Identifiers of the drives under `[[drives]]`.
     pub(super) shared_drives: Vec<String>,
 }
 
 impl Identifiers {
-    /// Reports duplicate names. Identifiers of different names that would be equal get numbers.
+    /// Makes the identifiers and reports duplicate names. If two different names have the same identifier,
+    /// the second one gets a number.
     pub(super) fn new(robot: &RobotDescription, report: &mut Report) -> Self {
         let joints: Vec<&Name> = robot.joints.iter().map(|joint| &joint.name).collect();
         let frames: Vec<&Name> = robot.frames.iter().map(|frame| &frame.name).collect();
@@ -68,7 +70,8 @@ impl Identifiers {
         }
     }
 
-    /// Notes identifiers of the module and of frames that differ from the described names.
+    /// Adds a note about identifiers of the module and of frames that differ from the names in the
+    /// description.
     pub(super) fn note(&self, robot: &RobotDescription, report: &mut Report) {
         let module = (&robot.name, self.module.clone());
         let module = Some(module).filter(|(name, identifier)| name.value != *identifier);
@@ -98,7 +101,8 @@ fn drive_name<'d>(robot: &'d RobotDescription, joint: &'d JointDescription) -> O
     }
 }
 
-/// Identifiers of names of one kind, numbered where those of different names would be the same.
+/// Identifiers of names of one kind. If two different names have the same identifier, the second one gets a
+/// number.
 fn distinct(names: &[&Name]) -> Vec<String> {
     let mut taken = Distinct::default();
     let mut known: BTreeMap<&str, String> = BTreeMap::new();

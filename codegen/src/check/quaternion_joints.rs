@@ -1,5 +1,5 @@
-//! Checks of spherical and floating joints: keys of their velocities, and the order of these among the
-//! coordinates.
+//! Checks spherical and floating joints: the keys of their velocities, and the order of the velocities among
+//! the coordinates.
 
 use super::inner_links;
 use super::tree::Tree;
@@ -114,8 +114,10 @@ fn refuse_second_floating(robot: &RobotDescription, report: &mut Report) {
     }
 }
 
-/// Joints with quaternions in the order of the coordinates. Reports an error if the velocities of a joint are
-/// not adjacent.
+/// Returns the joints with quaternions in the order of the coordinates. Reports an error if the velocities of
+/// a joint are not adjacent.
+///
+/// - `coordinates`: links of the coordinates
 pub(super) fn find(
     robot: &RobotDescription,
     tree: &Tree,

@@ -2,7 +2,7 @@
 
 use gelenk_formula::{Formula, Function};
 
-/// Bounds of the values of a formula; may be infinite.
+/// Lower and upper bound of a formula's values. Bounds may be infinite.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Range {
     low: f64,
@@ -12,7 +12,7 @@ pub(super) struct Range {
 impl Range {
     const ALL: Self = Self { low: f64::NEG_INFINITY, high: f64::INFINITY };
 
-    /// Bounds of a formula over all positions and velocities, at these values of free parameters.
+    /// Bounds of a formula over all positions and velocities. `parameters` are the values of free parameters.
     pub(super) fn of(formula: &Formula, parameters: &[f64]) -> Self {
         let go = |part: &Formula| Self::of(part, parameters);
         match formula {
@@ -29,7 +29,7 @@ impl Range {
         }
     }
 
-    /// The largest magnitude.
+    /// The largest magnitude of a value within the bounds.
     pub(super) fn magnitude(self) -> f64 {
         self.high.max(-self.low)
     }
@@ -38,7 +38,7 @@ impl Range {
         Self::between(value, value)
     }
 
-    /// Where a bound is undefined, nothing is known.
+    /// The range from `low` to `high`. If a bound is not a number, the range has no bounds.
     fn between(low: f64, high: f64) -> Self {
         if low.is_nan() || high.is_nan() { Self::ALL } else { Self { low, high } }
     }

@@ -1,24 +1,24 @@
-//! The links of a description as one tree; parents precede children.
+//! The tree of a description's links, in which each parent precedes its children.
 
 use crate::description::{JointDescription, Name, RobotDescription};
 use crate::diagnostic::{Report, Span, nearest};
 use std::collections::BTreeMap;
 
-/// Links and joints in their final order.
+/// Links and joints in the order of the model.
 #[derive(Debug, Default)]
 pub(super) struct Tree {
-    /// Link names; the first is the base.
+    /// Names of the links. The base is the first link.
     pub links: Vec<Name>,
-    /// Index of each link's joint in the description; `None` only for the base.
+    /// For each link the index, in the description, of the joint that carries the link; `None` for the base.
     pub joints: Vec<Option<usize>>,
-    /// Index of each link's parent link; the base is its own parent.
+    /// For each link the index of the parent link. The base is its own parent.
     pub parents: Vec<usize>,
-    /// Index of a link by its name.
+    /// Indices of the links by name.
     pub index: BTreeMap<String, usize>,
 }
 
 impl Tree {
-    /// Links with a moving joint, parents first.
+    /// Indices of the links whose joint moves, parents first.
     pub fn moved_links(&self, robot: &RobotDescription) -> impl Iterator<Item = usize> {
         let joint = |link: usize| self.joints[link].and_then(|joint| robot.joints.get(joint));
         (0..self.links.len()).filter(move |&link| joint(link).is_some_and(JointDescription::moves))
@@ -30,8 +30,8 @@ impl Tree {
         carriers.map(|carrier| carrier > 0).collect()
     }
 
-    /// Carrier of each link: the nearest link on the path to the base, itself included, whose joint moves;
-    /// the base for links that never move.
+    /// For each link the index of its carrier: the first link whose joint moves, on the path from the link
+    /// itself to the base. If no joint on the path moves, the carrier is the base.
     pub fn carriers(&self, robot: &RobotDescription) -> Vec<usize> {
         let mut carriers = vec![0; self.links.len()];
         for link in self.moved_links(robot) {
@@ -45,24 +45,25 @@ impl Tree {
         carriers
     }
 
-    /// The links from a link's parent to the base.
+    /// Indices of the links on the path from the parent of a link to the base.
     pub fn ancestors(&self, link: usize) -> impl Iterator<Item = usize> {
         let parent = |&link: &usize| (link > 0).then(|| self.parents[link]);
         std::iter::successors(parent(&link), parent)
     }
 }
 
-/// The names in a description as numbers.
+/// The links of a description as numbers, and their joints.
 struct Graph<'d> {
     names: Vec<&'d Name>,
     numbers: BTreeMap<&'d str, usize>,
-    /// For each name the joint that carries it.
+    /// For each link the joint that carries the link.
     carried_by: Vec<Option<usize>>,
-    /// For each name its joints to children.
+    /// For each link the joints to its children.
     carries: Vec<Vec<usize>>,
 }
 
-/// Orders the links. Returns `None` and reports an error for two roots, cycles, or a link with two joints.
+/// Builds the tree. Returns `None` and reports an error if there are two roots, a cycle, or a link that two
+/// joints carry.
 pub(super) fn build(robot: &RobotDescription, report: &mut Report) -> Option<Tree> {
     let before = report.error_count();
     let graph = Graph::new(robot, report);
@@ -179,7 +180,7 @@ impl<'d> Graph<'d> {
         }
     }
 
-    /// Depth first; a stack of our own, because chains may be long.
+    /// Visits the links depth first. A stack replaces recursion, because chains may be long.
     fn walk(&self, root: usize, joints: &[JointDescription]) -> Tree {
         let mut tree = Tree::default();
         let mut stack = vec![(root, None, 0)];
@@ -242,7 +243,8 @@ impl<'d> Graph<'d> {
     }
 }
 
-/// A joint whose keys say so, or the first of a chain that is called as the fixed base is by default.
+/// Reports a joint whose parent and child are the same link. By default this is the case if the first joint
+/// has the name of the base.
 fn report_carried_by_itself(link: &str, is_default: bool, span: Span, report: &mut Report) {
     let message = format!("link `{link}` would carry itself: this joint names it as parent and child");
     report.error(span, "cycle", message);

@@ -1,4 +1,4 @@
-//! The command line.
+//! Arguments of the command line.
 
 use std::path::PathBuf;
 
@@ -22,7 +22,8 @@ pub(super) struct Arguments {
 }
 
 impl Arguments {
-    /// Parses the arguments of the process. Held joints become a part of `--columns`.
+    /// Parses the arguments of the process. For `identify`, the joints of `--hold` are appended to
+    /// `--columns`.
     pub(super) fn read() -> Self {
         let mut arguments = Self::parse();
         if let Command::Identify(what) = &mut arguments.command
@@ -427,7 +428,7 @@ pub(super) enum EffortName {
     Current,
 }
 
-/// The methods that choose terms.
+/// Values of the option `--method`.
 fn methods() -> PossibleValuesParser {
     METHODS.map(|(word, sentence, _)| PossibleValue::new(word).help(sentence)).into()
 }

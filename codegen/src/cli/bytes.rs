@@ -1,4 +1,4 @@
-//! Machine-code size of each generated function, from compiling the module with rustc.
+//! Size of the machine code of generated functions. The module is compiled with rustc for this.
 
 use std::collections::BTreeMap;
 use std::process::Command;
@@ -10,16 +10,16 @@ use crate::emit::SourceFile;
 use crate::functions::function::Function;
 use crate::program::arrays::{ArrayForm, Arrays, Step};
 
-/// Sizes of a module's functions for the default target of rustc.
+/// Sizes of the machine code of a module's functions, for the default target of rustc.
 #[derive(Debug)]
 pub(super) struct CodeSizes {
-    /// Bytes by the name of the symbol.
+    /// Number of bytes of each symbol of the object file.
     symbols: BTreeMap<String, u64>,
 }
 
 impl CodeSizes {
-    /// Compiles a module at opt-level 3 with the rustc named by the environment variable `RUSTC` or found on
-    /// the path.
+    /// Compiles a module at opt-level 3. The compiler is the value of the environment variable `RUSTC`, or
+    /// `rustc` if there is no such variable.
     pub(super) fn measure(source: &SourceFile) -> Result<Self, Failure> {
         let folder = tempfile::tempdir()?;
         let (text, object) = (folder.path().join("robot.rs"), folder.path().join("robot.o"));
@@ -48,8 +48,8 @@ impl CodeSizes {
         Ok(Self { symbols: symbols.collect() })
     }
 
-    /// Bytes of a function with its parts and shared loops; `None` if the compiler inlines it. Elementary
-    /// functions are not included.
+    /// Number of bytes of a function, including its parts and the loops that it calls, but not elementary
+    /// functions. `None` if the compiler inlines the function.
     pub(super) fn of(&self, name: &str, function: Option<&Function>) -> Option<u64> {
         let shared: Vec<&str> = match function.and_then(|function| function.arrays.as_ref()) {
             Some(ArrayForm::Steps(form)) => shared_loops(form),
@@ -69,7 +69,7 @@ impl CodeSizes {
     }
 }
 
-/// Names of the functions and of the module that steps call.
+/// Names of the functions, and of the module of loops, that the steps of an array form call.
 fn shared_loops(form: &Arrays) -> Vec<&str> {
     let maps = form.steps.iter().filter_map(|step| match step {
         Step::Map(map) => Some(map.name.as_str()),
@@ -78,7 +78,7 @@ fn shared_loops(form: &Arrays) -> Vec<&str> {
     maps.chain(["arrays", "sum_ancestors", "sum_subtrees", "collect", "project", "spread"]).collect()
 }
 
-/// The function's name within the module from a mangled symbol, `…5robot11mass_matrix…`.
+/// Name of a function in the module, from a mangled symbol such as `…5robot11mass_matrix…`.
 fn path(symbol: &str) -> Option<&str> {
     let rest = &symbol[symbol.find("5robot")? + 6..];
     let digits = rest.chars().take_while(char::is_ascii_digit).count();

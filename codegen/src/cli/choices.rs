@@ -1,4 +1,4 @@
-//! Arguments shared by several commands: reading of a description, and choice of modules.
+//! Arguments that several commands have: options for reading a description, and choices of modules.
 
 use clap::{Args, ValueEnum};
 
@@ -69,7 +69,8 @@ impl Reading {
         self.base == Some(BaseName::Floating)
     }
 
-    /// Keys of a description that make these choices, one TOML line each, without the choices about friction.
+    /// These choices as keys of a description, one line of TOML for each key. Choices about friction are left
+    /// out.
     pub(super) fn keys(&self) -> Vec<String> {
         let snap = self.snap_angles.map(|angle| format!("snap_angles = {angle:?}"));
         let mimic = self.ignore_mimic.then(|| "ignore_mimic = true".to_owned());
@@ -84,7 +85,7 @@ impl Reading {
             .collect()
     }
 
-    /// Command-line arguments that make these choices.
+    /// These choices as arguments of the command line.
     pub(super) fn words(&self) -> Vec<String> {
         let number = |option: &str, value: Option<f64>| {
             let words = value.map(|value| vec![option.to_owned(), format!("{value:?}")]);
@@ -104,7 +105,7 @@ impl Reading {
     }
 }
 
-/// TOML line that holds these joints.
+/// Line of TOML that holds these joints; `None` if the list is empty.
 pub(super) fn held_key(hold: &[Hold]) -> Option<String> {
     let is_last = |index: usize| hold[index + 1..].iter().all(|later| later.pattern != hold[index].pattern);
     let last = hold.iter().enumerate().filter(|(index, _)| is_last(*index));
@@ -113,7 +114,7 @@ pub(super) fn held_key(hold: &[Hold]) -> Option<String> {
     (!entries.is_empty()).then(|| format!("held = {{ {} }}", entries.join(", ")))
 }
 
-/// TOML line that chooses the tree of a body.
+/// Line of TOML that chooses the subtree of a body of an MJCF; `None` if no body is chosen.
 pub(super) fn body_key(body: Option<&str>) -> Option<String> {
     body.map(|body| format!("body = {}", toml_text(body)))
 }
@@ -138,7 +139,7 @@ pub(super) struct Modules {
 }
 
 impl Modules {
-    /// The tools without duplicates, in the order of their files.
+    /// The tools in sorted order, without duplicates.
     pub(super) fn tools(&self) -> Vec<ToolName> {
         let mut tools = self.tools.clone();
         tools.sort_unstable();
@@ -216,7 +217,7 @@ pub(super) enum ToolName {
 }
 
 impl ToolName {
-    /// Name on the command line.
+    /// Name of the tool on the command line.
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Acados => "acados",
@@ -236,7 +237,7 @@ impl From<ToolName> for Companion {
     }
 }
 
-/// The name of a function; whether the robot has such a frame is seen later.
+/// Parses the name of a function. The robot may lack the function's frame, which is checked later.
 fn function(text: &str) -> Result<String, String> {
     let name = text.trim();
     if function_names::is_known(name) {
@@ -263,7 +264,7 @@ fn small_angle(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Parses a share of a described quantity.
+/// Parses a number above 0 and at most 1.
 pub(super) fn share(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(number) if number > 0.0 && number <= 1.0 => Ok(number),

@@ -1,8 +1,9 @@
-//! `gelenk inspect --closed-form`.
+//! The command `gelenk inspect --closed-form`.
 //!
 //! Symbolica prints a banner to standard output, and a second instance ends its process. Therefore the work
-//! runs in a separate process whose standard output is redirected to standard error: results stay parseable,
-//! and a silent end becomes a message. With `--output` no redirection is needed.
+//! runs in a separate process. Its standard output is redirected to standard error, so the printed results
+//! can be parsed. If it ends without a result, there is a message. With `--output` no separate process is
+//! needed.
 
 use std::io;
 use std::path::Path;
@@ -21,7 +22,7 @@ use crate::output::{Planned, Replaces};
 use crate::read::{self, Loaded};
 use crate::report::{ClosedForm, Symbol};
 
-/// Prints M, k, q and B in closed form.
+/// Prints M, k, q and B in closed form, or writes them to a file.
 pub(super) fn inspect(arguments: &Inspect, format: Format) -> Result<ExitCode, Failure> {
     let loaded = read(arguments)?;
     closed_form::check_size(&loaded.model).map_err(problem)?;
@@ -40,8 +41,9 @@ fn problem(diagnostics: Diagnostics) -> Failure {
     Failure::Descriptions(vec![diagnostics])
 }
 
-/// Closed forms for the page of a robot, computed in a separate process, or the reason why there are none:
-/// too many joints, or no usable computer algebra. The latter is also printed.
+/// Closed forms for the page of a robot, computed in a separate process. The inner error is the text for the
+/// page if there are no closed forms, because the robot has too many joints or the computer algebra failed.
+/// The second reason is also printed.
 pub(super) fn for_page(
     arguments: &arguments::Report,
     loaded: &Loaded,
@@ -88,7 +90,7 @@ fn from_json(value: &Value) -> ClosedForm {
     }
 }
 
-/// Runs this command again with `--output` and prints its result.
+/// Runs this command again with `--output` in a separate process, and prints the result.
 fn delegate(description: &Path) -> Result<ExitCode, Failure> {
     let folder = tempfile::tempdir()?;
     let output = folder.path().join("closed_form");
@@ -102,7 +104,7 @@ fn delegate(description: &Path) -> Result<ExitCode, Failure> {
         .status()?;
     match status.code() {
         Some(0) => print::out(&std::fs::read_to_string(&output)?).map(|()| ExitCode::SUCCESS),
-        // It has said why.
+        // The process has printed the reason.
         Some(code @ 1..=3) => Ok(ExitCode::from(code as u8)),
         _ => Err(Failure::Problem(format!(
             "the computer algebra stopped ({status})\n  = help: without a key, Symbolica runs once per \

@@ -1,4 +1,4 @@
-//! `gelenk export`.
+//! The command `gelenk export`.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -18,7 +18,7 @@ use crate::read::{self, Loaded, ReadOptions};
 /// Writes a description in another format.
 pub(super) fn export(arguments: &Export, format: Format) -> Result<ExitCode, Failure> {
     let reading = arguments.reading.options();
-    // A sign is dry friction in both formats, a tanh is not.
+    // Both formats have dry friction for `sign`, but nothing for `tanh`.
     let options = ReadOptions { exact_sign: reading.smooth_sign.is_none(), ..reading };
     let loaded = read::read(&arguments.description, &options);
     let Loaded { model, notes, files } = loaded.map_err(|why| Failure::Descriptions(vec![why]))?;

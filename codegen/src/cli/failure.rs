@@ -1,4 +1,4 @@
-//! Unsuccessful ends of a command, and their exit codes.
+//! Reasons why a command ends without success, and the exit codes.
 
 use std::panic::{self, AssertUnwindSafe, PanicHookInfo};
 use std::process::ExitCode;
@@ -9,9 +9,9 @@ use super::print;
 use crate::diagnostic::Diagnostics;
 use crate::verify;
 
-/// Exit code if a description or file has an error, or the output is stale.
+/// Exit code if a description or file has an error, or the generated output is out of date.
 pub(super) const FAULT: u8 = 1;
-/// Exit code of a wrong command line.
+/// Exit code for a wrong command line.
 pub(super) const USAGE: u8 = 2;
 /// Exit code for an internal error.
 pub(super) const INTERNAL: u8 = 3;
@@ -23,7 +23,7 @@ pub(super) enum Failure {
     Descriptions(Vec<Diagnostics>),
     /// A wrong command line.
     Usage(String),
-    /// Internal error.
+    /// An internal error.
     Internal(String),
     /// Any other problem, for example a file that cannot be written.
     Problem(String),
@@ -36,7 +36,7 @@ impl<E: std::error::Error> From<E> for Failure {
 }
 
 impl Failure {
-    /// Prints the reason; returns the exit code.
+    /// Prints the reason and returns the exit code.
     pub(super) fn say(&self, format: Format) -> u8 {
         match self {
             Self::Descriptions(all) => {
@@ -63,10 +63,10 @@ impl Failure {
     }
 }
 
-/// Message and place of the first panic. A panic of another thread ends the command, too, with a second one.
+/// Message and place of the first panic. A panic of another thread causes a second panic of the main thread.
 static FIRST_PANIC: Mutex<Option<String>> = Mutex::new(None);
 
-/// Runs a command; a panic becomes [`Failure::Internal`]. Afterwards the process prints no panics.
+/// Runs a command. A panic becomes [`Failure::Internal`]. The process no longer prints panics.
 pub(super) fn guarded(command: impl FnOnce() -> Result<ExitCode, Failure>) -> Result<ExitCode, Failure> {
     panic::set_hook(Box::new(keep));
     panic::catch_unwind(AssertUnwindSafe(command)).unwrap_or_else(|_| {

@@ -1,4 +1,4 @@
-//! `gelenk generate` and `gelenk check`.
+//! The commands `gelenk generate` and `gelenk check`.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -18,7 +18,7 @@ use crate::output::{self, Outcome, Planned, Replaces};
 use crate::pipeline::{self, CONTROL, GenerateOptions, Generated};
 use crate::wording::quoted;
 
-/// Writes the module of one description, or of all in models/.
+/// Writes the module of one description, or the modules of all descriptions in models/.
 pub(super) fn generate(arguments: &Generate, format: Format) -> Result<ExitCode, Failure> {
     let workspace = Workspace::find();
     let Some(description) = &arguments.description else {
@@ -64,8 +64,8 @@ pub(super) fn generate(arguments: &Generate, format: Format) -> Result<ExitCode,
     }
 }
 
-/// Writes modules, and the root of their crate if they have one: all of them, or none if one may not be
-/// written.
+/// Writes modules, and the root file of their crate if there is one. If one file must not be overwritten, no
+/// file is written.
 fn write(
     robots: &[Generated],
     paths: &[PathBuf],
@@ -98,7 +98,7 @@ fn write_files(files: &[Planned<'_>]) -> Result<Outcome, Failure> {
     })
 }
 
-/// Everything in models/. Nothing is written unless all descriptions are right.
+/// Writes the modules of all descriptions in models/. Nothing is written if a description has an error.
 fn generate_all(workspace: &Workspace, modules: &Modules, format: Format) -> Result<ExitCode, Failure> {
     let robots = derive_all(workspace, modules)?;
     say_notes(&robots, format);
@@ -121,7 +121,7 @@ fn generate_all(workspace: &Workspace, modules: &Modules, format: Format) -> Res
     }
 }
 
-/// Compares one module, or all, with its expected text.
+/// Compares one module, or all modules, with the text that the generator would write.
 pub(super) fn check(arguments: &Check, format: Format) -> Result<ExitCode, Failure> {
     let workspace = Workspace::find();
     let modules = &arguments.modules;
@@ -174,7 +174,7 @@ fn report_stale(stale: &[(PathBuf, String)], format: Format) -> Result<ExitCode,
     Ok(code)
 }
 
-/// Derives all robots of the workspace; a failure holds the problems of all descriptions.
+/// Derives the modules of all descriptions of the workspace. A failure has the problems of all descriptions.
 fn derive_all(workspace: &Workspace, modules: &Modules) -> Result<Vec<Generated>, Failure> {
     if modules.language != LanguageName::Rust {
         return Err(Failure::Usage(
@@ -210,7 +210,7 @@ fn names(robots: &[Generated]) -> Vec<String> {
     names.collect()
 }
 
-/// Names and documentation, for the root of the crate.
+/// Names and documentation of the modules, for the root file of the crate.
 fn documented(robots: &[Generated]) -> Vec<(String, String)> {
     let modules = robots.iter().map(|robot| {
         let documentation = documentation(&robot.source.text);
@@ -219,7 +219,7 @@ fn documented(robots: &[Generated]) -> Vec<(String, String)> {
     modules.collect()
 }
 
-/// Rejects the name of the crate's root, `lib.rs`.
+/// Returns an error if a module has the name of the crate's root file, `lib`.
 fn refuse_root(name: &str) -> Result<(), Failure> {
     match name {
         "lib" => Err(Failure::Problem(
@@ -229,13 +229,13 @@ fn refuse_root(name: &str) -> Result<(), Failure> {
     }
 }
 
-/// Runs the pipeline on one description.
+/// Generates the module of one description, and prints progress.
 pub(super) fn derive(description: &Path, choices: &Choices, command: String) -> Result<Generated, Failure> {
     let _progress = Progress::start(description.display().to_string());
     pipeline::generate(description, &options(choices, command)).map_err(problem)
 }
 
-/// The module of a description, or an exact and a smooth one.
+/// Generates the module of a description, or the exact and the smooth module.
 fn derive_modules(
     description: &Path,
     modules: &Modules,
@@ -257,7 +257,8 @@ fn problem(diagnostics: Diagnostics) -> Failure {
     Failure::Descriptions(vec![diagnostics])
 }
 
-/// Prints notes to standard error without duplicates; in JSON they are part of the result.
+/// Prints the notes to standard error without duplicates. With JSON nothing is printed, because the notes are
+/// part of the result.
 pub(super) fn say_notes(robots: &[Generated], format: Format) {
     let notes = robots.iter().flat_map(|robot| robot.notes.entries());
     let notes = Diagnostics::new(notes.cloned().collect());
@@ -288,7 +289,7 @@ fn options(choices: &Choices, command: String) -> GenerateOptions {
     }
 }
 
-/// The command that regenerates the file, relative to the workspace's root or the current folder.
+/// The command that regenerates the file. Paths are relative to the workspace or the current folder.
 pub(super) fn command(
     description: &Path,
     choices: &Choices,
@@ -317,7 +318,7 @@ pub(super) fn command(
     words.join(" ")
 }
 
-/// As [`command`], for one module or two.
+/// The command that regenerates one module or the pair of modules, including language and tools.
 fn modules_command(
     description: &Path,
     modules: &Modules,
@@ -338,8 +339,8 @@ fn modules_command(
     command
 }
 
-/// Where a module goes: where the `target` says, else to the crate of its `home`, else into the current folder.
-/// The smooth one of a pair goes next to the exact one.
+/// Path of a module. `target` decides; by default the module goes to the crate of the workspace `home`, or to
+/// the current folder if `home` is `None`. The smooth module of a pair is next to the exact module.
 fn place(robot: &Generated, target: &Target, home: Option<&Workspace>) -> PathBuf {
     let name = &robot.source.name;
     match (&target.output, home) {
@@ -362,7 +363,7 @@ fn place(robot: &Generated, target: &Target, home: Option<&Workspace>) -> PathBu
     }
 }
 
-/// The files of a module and their texts, from the path of its source.
+/// Paths and texts of all files of a module. `path` is the path of its source.
 fn files<'r>(robot: &'r Generated, path: &Path) -> Vec<(PathBuf, &'r str)> {
     match robot.source.header {
         None => vec![(path.to_owned(), &robot.source.text)],
@@ -373,14 +374,14 @@ fn files<'r>(robot: &'r Generated, path: &Path) -> Vec<(PathBuf, &'r str)> {
     }
 }
 
-/// The path with another end behind the name of the module.
+/// The path with another ending after the name of the module.
 fn with_ending(path: &Path, ending: &str) -> PathBuf {
     let mut name = path.file_stem().unwrap_or_default().to_owned();
     name.push(ending);
     path.with_file_name(name)
 }
 
-/// The root of the crate `generated` with these modules and those that exist.
+/// Text of the root file of the crate `generated`, with these modules and the modules that exist.
 fn root_with(home: &Workspace, robots: &[Generated]) -> Result<String, Failure> {
     robots.iter().try_for_each(|robot| refuse_root(&robot.source.name))?;
     let mut modules = documented(robots);
@@ -429,7 +430,7 @@ fn result(robot: &Generated, path: &Path, outcome: Outcome) -> Value {
     result
 }
 
-/// The path from the current folder where it lies below.
+/// The path relative to the current folder if the file is below it, otherwise the path unchanged.
 fn relative(path: &Path) -> String {
     let current = std::env::current_dir().unwrap_or_default();
     path.strip_prefix(&current).unwrap_or(path).display().to_string()

@@ -1,4 +1,4 @@
-//! `gelenk inspect`.
+//! The command `gelenk inspect`.
 
 use std::process::ExitCode;
 
@@ -21,7 +21,7 @@ use crate::pipeline::Generated;
 use crate::program::display::{self, Notation};
 use crate::report::{EQUATIONS, sums, sums_document};
 
-/// Prints one stage of a description.
+/// Prints one stage of the generator for a description.
 pub(super) fn inspect(arguments: &Inspect, format: Format) -> Result<ExitCode, Failure> {
     if arguments.closed_form {
         return closed_form(arguments, format);
@@ -48,7 +48,8 @@ pub(super) fn inspect(arguments: &Inspect, format: Format) -> Result<ExitCode, F
     }
 }
 
-/// The model is shown where nothing else is named; what is named alone lacks a description.
+/// The stage if no stage is named: the model. Returns an error if the description has the name of a stage and
+/// does not exist.
 fn model_of(arguments: &Inspect) -> Result<Stage, Failure> {
     let named = arguments.description.to_str().filter(|name| Stage::from_str(name, false).is_ok());
     match named.filter(|_| !arguments.description.exists()) {
@@ -59,7 +60,7 @@ fn model_of(arguments: &Inspect) -> Result<Stage, Failure> {
     }
 }
 
-/// Operation counts, with the bytes of machine code.
+/// Prints the operation counts with the size of the machine code.
 fn counts_and_bytes(robot: &Generated, what: Stage, format: Format) -> Result<ExitCode, Failure> {
     if what != Stage::Counts {
         return Err(Failure::Usage("--bytes is an option of `inspect counts`".to_owned()));
@@ -82,7 +83,7 @@ fn counts_and_bytes(robot: &Generated, what: Stage, format: Format) -> Result<Ex
     }
 }
 
-/// Functions that compute M, k, q and B, whichever functions the description lists.
+/// The functions for M, k, q and B, also if the description does not list them.
 fn equations(robot: &Generated) -> Result<Vec<Function>, Failure> {
     let names = EQUATIONS.map(str::to_owned);
     let request = Request { names: &names, most: MOST_OPERATIONS, form: Form::Straight, straight: &[] };
@@ -101,7 +102,7 @@ fn closed_form(arguments: &Inspect, format: Format) -> Result<ExitCode, Failure>
     super::closed_form::inspect(arguments, format)
 }
 
-/// Closed forms are Symbolica's work, which this build leaves out.
+/// This build has no closed forms, because it lacks the feature `symbolica`.
 #[cfg(not(feature = "symbolica"))]
 fn closed_form(_: &Inspect, _: Format) -> Result<ExitCode, Failure> {
     Err(Failure::Usage(
@@ -136,7 +137,8 @@ fn as_text(robot: &Generated, what: Stage, latex: bool) -> Result<String, Failur
     })
 }
 
-/// The functions that call others and whose own operations are not counted: those of robots with quaternions.
+/// Text about functions over a sample time of robots with quaternions, whose own operations are not counted;
+/// otherwise empty.
 fn uncounted(module: &Module) -> String {
     let composed = module.compositions.iter().filter(|each| each.cost.is_none());
     let lines = composed.map(|each| {
@@ -178,7 +180,7 @@ fn as_json(robot: &Generated, what: Stage, latex: bool) -> Result<Value, Failure
     })
 }
 
-/// Positions where they are more than the coordinates, and driven joints.
+/// Text about the number of positions of robots with quaternions, and of driven joints.
 fn besides(model: &Model) -> String {
     let mut text = String::new();
     if !model.quaternion_joints.is_empty() {
@@ -223,7 +225,7 @@ fn model_text(model: &Model) -> String {
     text
 }
 
-/// Motors whose torque falls with their speed; empty if there are none.
+/// Table of the motors with a torque–speed line; empty if there are none.
 fn lines_text(model: &Model) -> String {
     let head = ["motor", "stall torque [N m]", "no-load speed [rad/s]"].map(str::to_owned).to_vec();
     let rows = model.drives.iter().filter_map(|drive| {
@@ -244,7 +246,7 @@ fn parameters_text(model: &Model) -> String {
     print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>())
 }
 
-/// m/rad, if the joint is helical.
+/// Pitch of a helical joint [m/rad]; `None` for other joints.
 fn pitch(kind: JointKind) -> Option<f64> {
     match kind {
         JointKind::Helical { pitch } => Some(pitch),

@@ -1,4 +1,4 @@
-//! Forces listed by `gelenk inspect model` after links and joints: drives of several coordinates and forces
+//! Forces that `gelenk inspect model` lists after links and joints: drives on several coordinates, and forces
 //! at frames.
 
 use serde_json::{Value, json};
@@ -9,7 +9,7 @@ use crate::model::{
 };
 use gelenk_formula::Formula;
 
-/// Tables of the forces of a model, each after an empty line.
+/// Tables of the forces of a model. Each table follows an empty line.
 pub(super) fn as_text(model: &Model) -> String {
     let drives = shared_drives(model).map(|drive| {
         vec![drive.name.clone(), followed(model, &drive.acts_on, 0.0), drive.gear_ratio.text(&names(model))]
@@ -42,7 +42,8 @@ pub(super) fn as_text(model: &Model) -> String {
     .concat()
 }
 
-/// Adds lists of forces between frames and of wrenches; a list may be empty.
+/// Adds the lists of shared drives, forces between frames, inputs at frames and wrenches. A list may be
+/// empty.
 pub(super) fn add_json(model: &Model, object: &mut Value) {
     let drive = |drive: &Drive| {
         json!({
@@ -72,7 +73,7 @@ pub(super) fn add_json(model: &Model, object: &mut Value) {
     object["wrenches"] = model.wrenches.iter().map(wrench).collect();
 }
 
-/// Symbol of a coordinate: `y2`, or `d1` for a driven one.
+/// Symbol of a coordinate, for example `y2`, or `d1` for a driven coordinate.
 pub(super) fn position(model: &Model, coordinate: usize) -> String {
     match coordinate.checked_sub(model.coordinates.len()) {
         None => format!("y{}", model.first_position(coordinate) + 1),
@@ -80,7 +81,7 @@ pub(super) fn position(model: &Model, coordinate: usize) -> String {
     }
 }
 
-/// `(0.5) y1 + y2 + 0.1`
+/// Position of a follower as text, for example `(0.5) y1 + y2 + 0.1`.
 pub(super) fn followed(model: &Model, follows: &[FollowedCoordinate], offset: f64) -> String {
     let names: Vec<&str> = model.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
     let terms = follows.iter().map(|term| match term.ratio.as_number() {
@@ -91,7 +92,7 @@ pub(super) fn followed(model: &Model, follows: &[FollowedCoordinate], offset: f6
     terms.chain(offset).collect::<Vec<_>>().join(" + ")
 }
 
-/// Drives that act on several coordinates, or on one coordinate with a weight.
+/// Drives that act on several coordinates.
 fn shared_drives(model: &Model) -> impl Iterator<Item = &Drive> {
     model.moving_drives().filter(|drive| drive.coordinate().is_none())
 }
@@ -112,7 +113,7 @@ fn entries(model: &Model, wrench: &[Formula; 6]) -> Vec<String> {
     wrench.iter().map(|entry| entry.text(&names(model))).collect()
 }
 
-/// Place of an input, and effect of its unit.
+/// Names of the frames of an input, and its force as text.
 fn effect(model: &Model, effect: &ForceEffect) -> (String, String) {
     match effect {
         ForceEffect::Pull(frames) => (between(frames), "pulls with u".to_owned()),

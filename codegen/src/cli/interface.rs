@@ -1,4 +1,4 @@
-//! Calling convention of a C module as JSON, for tools that write bindings.
+//! Signatures and documentation of a C module as JSON, for tools that make bindings.
 
 use serde_json::{Map, Value, json};
 
@@ -8,7 +8,8 @@ use crate::layout::Extent;
 use crate::model::Parameter;
 use crate::module::Module;
 
-/// Names in C, shapes, meanings and units of all functions; the free parameters; values of all constants.
+/// All functions with names in C, shapes, meanings and units; the free parameters; and the values of all
+/// constants.
 pub(super) fn json(interface: &Interface, module: &Module) -> Value {
     let fields = module.parameters.iter().zip(&interface.parameters);
     let of_functions = module.functions.iter().flat_map(|function| &function.constants);
@@ -74,7 +75,7 @@ fn shape(extents: &[Extent]) -> Vec<usize> {
     extents.iter().map(|extent| extent.len).collect()
 }
 
-/// The names of lengths that follow from the robot, null for others.
+/// For each length the name of its constant; `None` if the length does not depend on the robot.
 fn dimensions(extents: &[Extent]) -> Vec<Option<&'static str>> {
     extents.iter().map(|extent| extent.dimension.length()).collect()
 }
@@ -109,7 +110,7 @@ fn value(value: &ConstantValue) -> (&'static str, Value) {
     }
 }
 
-/// JSON has no infinity: it is the text `"inf"` or `"-inf"`.
+/// A number for JSON. Infinity is the text `"inf"` or `"-inf"`, because JSON has no infinity.
 fn number(x: f64) -> Value {
     match x.is_finite() {
         true => json!(x),

@@ -1,4 +1,5 @@
-//! `gelenk inspect mechanism`: frames and masses from which the equations are derived.
+//! The command `gelenk inspect mechanism`, which prints the frames and masses from which the equations are
+//! derived.
 
 use serde_json::{Value, json};
 
@@ -31,22 +32,23 @@ pub(super) fn as_json(model: &Model) -> Value {
     shown.bodies().map(|(body, whole)| shown.entry(body, whole)).collect()
 }
 
-/// A mechanism with its model. The bodies without mass that stand for the velocities of a joint with a quaternion are one with
-/// the last of them.
+/// A mechanism with its model. The bodies of a joint with a quaternion are shown as one body, because only
+/// the last one has a mass.
 struct Shown<'m> {
     model: &'m Model,
     mechanism: Mechanism<Number>,
 }
 
 impl<'m> Shown<'m> {
-    /// The plain formulation; the cheapest one differs from function to function.
+    /// The mechanism in the plain formulation, because the cheapest formulation differs from function to
+    /// function.
     fn new(model: &'m Model) -> Self {
         let mechanism = Mechanism::new(model);
         let plain = Formulation::plain(mechanism.bodies.len());
         Self { model, mechanism: plain.mechanism(&Graph::new(), &mechanism).by_itself() }
     }
 
-    /// The bodies, each with its joint where this has a quaternion.
+    /// The shown bodies. The second value is the joint if it has a quaternion.
     fn bodies(&self) -> impl Iterator<Item = (&Body<Number>, Option<&'m QuaternionJoint>)> {
         let bodies = self.mechanism.bodies.iter().enumerate();
         let whole = bodies.filter(|(index, body)| body.chain.is_none_or(|place| place.last == *index));
@@ -60,13 +62,14 @@ impl<'m> Shown<'m> {
         }
     }
 
-    /// Where the joint stands: for one with a quaternion, its first body says so.
+    /// The body that has the place of the joint. For a joint with a quaternion it is the first body of the
+    /// joint.
     fn stand<'a>(&'a self, body: &'a Body<Number>) -> &'a Body<Number> {
         body.chain.map_or(body, |place| &self.mechanism.bodies[place.first])
     }
 
-    /// The joint that carries this one. What stands still is called as its link where joints have quaternions: one of these is
-    /// called base, as a rule.
+    /// Name of the joint that carries the body's joint. For joints on the base it is `base`, or the name of
+    /// the base link if the robot has quaternions, because a floating joint is usually called `base`.
     fn parent<'a>(&'a self, body: &'a Body<Number>) -> &'a str {
         match (self.stand(body).parent, self.model.quaternion_joints.is_empty()) {
             (Some(parent), _) => self.name(&self.mechanism.bodies[parent]),
@@ -75,12 +78,12 @@ impl<'m> Shown<'m> {
         }
     }
 
-    /// The number of the position entry of a coordinate.
+    /// Number of the first position entry of a coordinate, from 1.
     fn position(&self, coordinate: usize) -> usize {
         self.model.first_position(coordinate) + 1
     }
 
-    /// The numbers of the first and the last position entry of a joint.
+    /// Numbers of the first and last position entry of a joint, from 1.
     fn positions(&self, joint: &QuaternionJoint) -> [usize; 2] {
         let first = self.position(joint.first);
         [first, first + joint.kind.positions() - 1]
@@ -111,8 +114,8 @@ impl<'m> Shown<'m> {
         entry
     }
 
-    /// The coordinates, or driven ones, that a joint follows with its axis, each with its ratio; `null` where that depends
-    /// on parameters.
+    /// The coordinates and driven coordinates that a joint follows, with ratios. A ratio is `null` if it
+    /// depends on free parameters.
     fn follows(&self, body: &Body<Number>) -> Vec<Value> {
         let terms = body.transmission.terms.iter();
         let entry = |term: &Followed<Number>| {
@@ -128,7 +131,8 @@ impl<'m> Shown<'m> {
         terms.map(entry).collect()
     }
 
-    /// `y1`, `-y2`, `2 y1 + y3`, `d1` of a driven joint
+    /// The followed coordinates as text, for example `y1`, `-y2`, `2 y1 + y3`, or `d1` for a driven
+    /// coordinate.
     fn followed(&self, body: &Body<Number>) -> String {
         let mut text = String::new();
         for term in &body.transmission.terms {
@@ -171,7 +175,7 @@ impl<'m> Shown<'m> {
         )
     }
 
-    /// Cells of the frame of a body, after the names.
+    /// Table cells of the frame of a body. They follow the cells of the names.
     fn frame(&self, body: &Body<Number>) -> [String; 9] {
         let [x, y, z] = body.translation.0.map(shown);
         [
@@ -187,7 +191,8 @@ impl<'m> Shown<'m> {
         ]
     }
 
-    /// Those of a joint with a quaternion, which has no such angles; the place of a floating one is among its positions.
+    /// Table cells of the frame of a joint with a quaternion. Such a joint has no angles, and the place of a
+    /// floating joint is part of its positions.
     fn quaternion_frame(&self, body: &Body<Number>, whole: &QuaternionJoint) -> [String; 9] {
         let [x, y, z] = match whole.kind {
             QuaternionKind::Floating => Default::default(),
@@ -221,7 +226,7 @@ fn shown(x: Number) -> String {
     x.value().map_or_else(|| "free".to_owned(), number)
 }
 
-/// Six digits: this is for reading, the generated code holds all of them.
+/// The number with six digits, for reading.
 fn number(x: f64) -> String {
     let rounded: f64 = format!("{x:.5e}").parse().unwrap_or(x);
     format!("{}", rounded + 0.0)

@@ -1,5 +1,5 @@
-//! `gelenk new`: creates a small project with a robot and a simulation in Rust, C or Python, or with ROS 2
-//! controllers.
+//! The command `gelenk new`, which creates a small project: a robot with a simulation in Rust, C or Python,
+//! or with ROS 2 controllers.
 
 use std::fs;
 use std::io;
@@ -16,7 +16,7 @@ use super::new_robot::{Feet, Robot, robot};
 use super::{print, schema};
 use crate::wording::{quoted, toml_text};
 
-/// Names that Cargo or the compiler keep for themselves, and those of the dependencies.
+/// Names that Cargo or the compiler reserves, and names of dependencies.
 const TAKEN: [&str; 13] = [
     "alloc",
     "build",
@@ -54,7 +54,7 @@ pub(super) fn new(arguments: &New, format: Format) -> Result<ExitCode, Failure> 
     require_places(&files)?;
     make(folder)?;
     if let Err(error) = write(folder, &files) {
-        // Half a project helps nobody; whether it could be removed changes nothing about the message.
+        // An incomplete project is removed. The message is the same if that fails.
         let _ = fs::remove_dir_all(folder);
         return Err(cannot_make(folder, &error));
     }
@@ -89,7 +89,7 @@ pub(super) fn new(arguments: &New, format: Format) -> Result<ExitCode, Failure> 
     }
 }
 
-/// Fails if a file that an MJCF includes would take the place of one of the project.
+/// Returns an error if a file that an MJCF includes has the same path as a file of the project.
 fn require_places(files: &[(&str, &[u8])]) -> Result<(), Failure> {
     let mut names: Vec<&str> = files.iter().map(|(name, _)| *name).collect();
     names.sort_unstable();
@@ -102,7 +102,7 @@ fn require_places(files: &[(&str, &[u8])]) -> Result<(), Failure> {
     }
 }
 
-/// The project in the language that is asked for, and the name of its package, if it is a crate.
+/// The project in the requested language, and the name of its package; `None` for C and Python.
 fn project(arguments: &New, robot: &Robot) -> Result<(Project, Option<String>), Failure> {
     if arguments.c {
         return Ok((Project::c(robot.floats), None));
@@ -125,7 +125,7 @@ fn project(arguments: &New, robot: &Robot) -> Result<(Project, Option<String>), 
     Ok((Project::rust(manifest, robot), Some(name)))
 }
 
-/// Makes the folder, which must not exist: only then may it be removed again.
+/// Creates the folder. It must not exist, so that it may be removed after a failure.
 fn make(folder: &Path) -> Result<(), Failure> {
     let parent = folder.parent().filter(|parent| !parent.as_os_str().is_empty());
     let made = parent.map_or(Ok(()), fs::create_dir_all);
@@ -148,12 +148,12 @@ fn cannot_make(folder: &Path, error: &io::Error) -> Failure {
     ))
 }
 
-/// As it was called.
+/// Name with which this program was called.
 fn this_program() -> String {
     std::env::args().next().unwrap_or_else(|| "gelenk".to_owned())
 }
 
-/// The package's name: the folder's, where Cargo takes it.
+/// Name of the package, which is the folder's name. Returns an error if Cargo would reject it.
 fn name(folder: &Path) -> Result<String, Failure> {
     let name = folder.file_name().and_then(|name| name.to_str());
     let Some(name) = name else {
@@ -171,7 +171,7 @@ fn name(folder: &Path) -> Result<String, Failure> {
     }
 }
 
-/// The name, where ROS takes it for a package (REP 144).
+/// The name if ROS accepts it for a package (REP 144), otherwise an error.
 fn ros_name(name: String) -> Result<String, Failure> {
     let is_letter = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
     if name.chars().all(is_letter) {
@@ -201,14 +201,14 @@ fn fault(name: &str) -> Option<&'static str> {
     }
 }
 
-/// Where the crates of this project come from.
+/// Source of gelenk's crates for the new project.
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Source {
-    /// A checkout.
+    /// The folder of a checkout.
     Path(PathBuf),
-    /// A repository.
+    /// The address of a Git repository.
     Git(String),
-    /// A registry.
+    /// A version in the registry.
     Version(String),
 }
 
@@ -243,15 +243,15 @@ fn source(arguments: &New) -> Result<Source, Failure> {
     Ok(Source::Path(folder))
 }
 
-/// The checkout of the package that this program was built from, which may have moved since; `None` where
-/// that package came from a registry: Cargo unpacks it to a folder called by its name and version.
+/// The checkout from which this program was built, which may have been moved. `None` if the package came from
+/// a registry. Cargo unpacks a package of a registry to a folder with its name and version.
 fn checkout_of(package: &Path) -> Option<&Path> {
     let unpacked = concat!(env!("CARGO_PKG_NAME"), "-", env!("CARGO_PKG_VERSION"));
     let folder = package.parent()?;
     (!package.ends_with(unpacked)).then_some(folder)
 }
 
-/// Cargo takes addresses with a scheme, none of the short form `git@host:path`.
+/// Checks the address of a repository. Cargo needs a scheme, so the short form `git@host:path` is an error.
 fn git(url: &str) -> Result<Source, Failure> {
     let is_whole = url.split_once("://").is_some_and(|(scheme, rest)| !scheme.is_empty() && !rest.is_empty());
     if is_whole && !url.contains(char::is_whitespace) {
@@ -266,7 +266,7 @@ fn git(url: &str) -> Result<Source, Failure> {
     )))
 }
 
-/// One to three numbers with an optional suffix, as Cargo reads versions.
+/// Checks a version: one to three numbers with an optional suffix, as Cargo reads it.
 fn registry(version: &str) -> Result<Source, Failure> {
     let numbers = version.trim_start_matches(['^', '=', '~']);
     let core = numbers.split(['-', '+']).next().unwrap_or_default();
@@ -281,7 +281,7 @@ fn registry(version: &str) -> Result<Source, Failure> {
 }
 
 impl Source {
-    /// The Python package as a line of requirements.
+    /// The Python package as a line of `requirements.txt`.
     fn requirement(&self) -> Result<String, Failure> {
         match self {
             Self::Path(folder) => {
@@ -299,7 +299,7 @@ impl Source {
         }
     }
 
-    /// The entry of a dependency, without the closing brace.
+    /// Entry of a dependency in `Cargo.toml`, without the closing brace.
     fn entry(&self, part: &str) -> String {
         match self {
             Self::Path(folder) => {

@@ -1,30 +1,32 @@
-//! Feet of a legged robot, found by a rule or named by the user.
+//! Finds the feet of a legged robot by a rule, or takes the links that the user names.
 
 use super::failure::Failure;
 use crate::diagnostic::nearest;
 use crate::model::{Model, Motion, Pose};
 use crate::wording::toml_text;
 
-/// A foot, given by link names.
+/// A foot and its leg, as names of links.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Foot {
-    /// The first link of its leg that a joint moves.
+    /// First link of the leg that a joint moves.
     hip: String,
-    /// The link whose origin stands on the ground.
+    /// Link whose origin is on the ground.
     foot: String,
 }
 
-/// Fewer feet carry nobody by forces alone.
+/// Smallest number of feet that can carry a robot by forces without moments.
 const FEWEST: usize = 3;
 
-/// Least number of joints of a leg: with fewer its foot cannot be placed.
+/// Smallest number of joints of a leg with which the foot can be placed.
 const JOINTS: usize = 3;
 
 /// Feet of a robot with a floating base; empty if the rule finds none.
 ///
-/// Legs are branches of the base without further branching, with the same number of joints (at least three).
-/// The largest group of such legs is used if it has at least three. The foot is the last link of a leg,
-/// farthest from its last joint.
+/// Legs are branches of the base that do not branch further. They have the same number of joints, at least
+/// three. The largest group of legs with equal numbers is used if it has at least three legs. The foot is the
+/// link that is fixed to the leg's last moving link and whose origin is farthest from it.
+///
+/// - `named`: names of the feet; if empty, the rule is used
 pub(super) fn feet(model: &Model, named: &[String]) -> Result<Vec<Foot>, Failure> {
     let legs = Legs { model, base: base(model) };
     if !named.is_empty() {
@@ -37,7 +39,8 @@ pub(super) fn feet(model: &Model, named: &[String]) -> Result<Vec<Foot>, Failure
     Ok(all.into_iter().filter(|(count, _)| *count == joints).map(|(_, foot)| foot).collect())
 }
 
-/// The floating link.
+/// The link that the first joint with a quaternion carries, usually the floating base; `None` if there is no
+/// such joint.
 pub(super) fn base(model: &Model) -> Option<usize> {
     let joint = model.quaternion_joints.first()?;
     model.coordinates.get(joint.coordinates().end - 1).copied()
@@ -58,7 +61,8 @@ impl Legs<'_> {
         joint.is_some_and(|joint| matches!(joint.motion, Motion::Coordinate(_) | Motion::Follower(_)))
     }
 
-    /// The links with moving joints from a link to the base, which is none of them; `None` for links before the base.
+    /// The links with moving joints on the path from a link to the base, without the base; `None` if the base
+    /// does not carry the link.
     fn way(&self, link: usize) -> Option<Vec<usize>> {
         let mut way = vec![];
         let mut at = link;
@@ -69,7 +73,7 @@ impl Legs<'_> {
         Some(way)
     }
 
-    /// All branches with enough joints that end in a foot, with their numbers of joints.
+    /// All legs that end in a foot, with the numbers of joints.
     fn all(&self) -> Vec<(usize, Foot)> {
         let links = 0..self.model.links.len();
         let ways = links.filter(|&link| self.moves(link)).filter_map(|link| self.way(link));
@@ -85,7 +89,8 @@ impl Legs<'_> {
         legs.filter_map(foot).collect()
     }
 
-    /// The link that is fixed to a link with its origin the farthest away.
+    /// The link that is fixed to the link `end` and has the farthest origin; `None` if no origin is apart
+    /// from that of `end`.
     fn farthest(&self, end: usize) -> Option<usize> {
         let links = 0..self.model.links.len();
         let distances = links.filter_map(|link| Some((self.distance(end, link)?, link)));
@@ -93,7 +98,7 @@ impl Legs<'_> {
         far.max_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, link)| link)
     }
 
-    /// Distance of the origin of a link that is fixed to another one, directly or by others.
+    /// Distance of the origins of `link` and `from` [m]; `None` if `link` is not fixed to `from`.
     fn distance(&self, from: usize, link: usize) -> Option<f64> {
         let mut pose = Pose::identity();
         let mut at = link;
@@ -132,7 +137,7 @@ impl Legs<'_> {
         Ok(feet.into_iter().map(|(_, foot)| foot).collect())
     }
 
-    /// The leg of a foot, and the foot.
+    /// The first link of a foot's leg, and the foot, from the name of the foot's link.
     fn of(&self, name: &str) -> Result<(usize, Foot), Failure> {
         let links = || self.model.links.iter().map(|link| link.name.as_str());
         let Some(link) = links().position(|link| link == name) else {
@@ -172,7 +177,7 @@ pub(super) fn description(feet: &[Foot]) -> String {
     text
 }
 
-/// Text of the program with its list of feet.
+/// Text of `main.rs` with a list of `count` feet.
 pub(super) fn program(count: usize) -> String {
     let foot = |k: usize| {
         format!(

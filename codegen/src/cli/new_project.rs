@@ -1,13 +1,13 @@
-//! Files of a new project in each language, without its robot.
+//! Files of a new project in each language, without the files of the robot.
 
 use super::new_feet;
 use super::new_robot::Robot;
 
 /// A new project.
 pub(super) struct Project {
-    /// Names and texts of the files.
+    /// Paths and texts of the files.
     pub(super) files: Vec<(&'static str, String)>,
-    /// Purpose of the generated files, as the end of a message.
+    /// Text about the purpose of the files, for the end of a message.
     pub(super) made: &'static str,
     /// Command that runs the project.
     pub(super) next: &'static str,
@@ -125,7 +125,7 @@ impl Project {
     }
 }
 
-/// A string of YAML, which is one of JSON.
+/// The text as a string of YAML, for which strings of JSON are valid.
 fn yaml_text(text: &str) -> String {
     serde_json::Value::from(text).to_string()
 }

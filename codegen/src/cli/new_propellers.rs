@@ -1,12 +1,13 @@
-//! Proposes propellers for links that turn on a floating body or are fixed to it, as commented lines of
-//! `robot.toml`.
+//! Proposes propellers as commented lines of `robot.toml`, for links that turn on a floating body or are
+//! fixed to it.
 
 use super::new_feet;
 use crate::model::{Joint, JointKind, Model, Motion, Pose};
 use crate::numeric::atan2;
 use crate::wording::{as_written, toml_text};
 
-/// Proposes an input for each joint that may carry a propeller; empty if there is none.
+/// Proposes an input for each joint that may carry a propeller. The text is empty if there are no propellers
+/// to propose.
 ///
 /// - `joints`: joints that may carry a propeller, with their links
 pub(super) fn description(model: &Model, joints: &[(&Joint, usize)]) -> String {
@@ -34,8 +35,8 @@ pub(super) fn description(model: &Model, joints: &[(&Joint, usize)]) -> String {
     text
 }
 
-/// Proposes an input for each link with mass that is fixed to a floating body and carries nothing, or for the
-/// body itself. Robots without moving joints have no other inputs.
+/// Proposes an input for each leaf with mass that is fixed to a floating body, or for the body itself if
+/// there are none. The robot has no moving joints, so it has no other inputs.
 pub(super) fn of_fixed_links(model: &Model) -> String {
     let carries =
         |link: usize| model.links.iter().filter_map(|of| of.joint.as_ref()).any(|joint| joint.parent == link);
@@ -60,27 +61,28 @@ pub(super) fn of_fixed_links(model: &Model) -> String {
     text
 }
 
-/// The axis z of the root in the axes of a link, with all joints at 0.
+/// Unit vector along the z axis of the root link in the axes of a link, with all joints at 0.
 fn up(model: &Model, link: usize) -> [f64; 3] {
-    // Rests of the rounding of an angle are none.
+    // Rounding of an angle becomes 0.
     pose(model, link).rotation[2].map(|entry| if entry.abs() < 1e-9 { 0.0 } else { entry })
 }
 
-/// The least cosine of a propeller's tilt: some are tilted a little.
+/// Smallest cosine of the angle between a propeller's axis and the vertical. Some propellers are slightly
+/// tilted.
 const UPRIGHT: f64 = 0.9;
 
-/// Newton metres of drag for each newton of thrust, as of a small propeller.
+/// Drag moment per thrust of a small propeller [m].
 const DRAG: f64 = 0.016;
 
-/// Thrust along the axis and drag about it, for a unit of the input.
+/// Thrust along the axis, then drag about the axis, for an input of 1, as text.
 fn wrench(axis: [f64; 3], sign: f64) -> String {
     // A sum with 0 has no negative zero.
     let entries = axis.into_iter().chain(axis.map(|a| sign * DRAG * a)).map(|entry| as_written(entry + 0.0));
     entries.collect::<Vec<_>>().join(", ")
 }
 
-/// Where up is for a joint that turns on the floating body about the axis z of this: its axis in its own frame, which may be
-/// turned, and against which it may be counted. Elbows, wheels and fingers have none.
+/// Unit vector of the upward direction along the axis of a joint, in the joint's frame. `None` unless the
+/// joint turns on the floating body about an axis nearly parallel to the body's z axis.
 fn upward(model: &Model, joint: &Joint) -> Option<[f64; 3]> {
     if !matches!(joint.kind, JointKind::Revolute | JointKind::Continuous) {
         return None;
@@ -100,13 +102,14 @@ fn upward(model: &Model, joint: &Joint) -> Option<[f64; 3]> {
     (along.abs() >= UPRIGHT).then(|| joint.axis.map(|entry| entry * along.signum()))
 }
 
-/// Distance of a link from the axis z of the root (x and y), with all joints at 0; a value that is not a number counts as 0.
+/// Coordinates x and y of a link in the frame of the root link [m], with all joints at 0. A coordinate that
+/// depends on free parameters counts as 0.
 fn place(model: &Model, link: usize) -> [f64; 2] {
     let pose = pose(model, link);
     [0, 1].map(|axis| pose.translation[axis].as_number().unwrap_or(0.0))
 }
 
-/// A link in the root, with all joints at 0.
+/// Pose of a link in the frame of the root link, with all joints at 0.
 fn pose(model: &Model, link: usize) -> Pose {
     let (mut pose, mut at) = (Pose::identity(), link);
     while let Some(joint) = &model.links[at].joint {
@@ -116,7 +119,7 @@ fn pose(model: &Model, link: usize) -> Pose {
     pose
 }
 
-/// Signs that alternate around the middle of all places.
+/// Signs that alternate from place to place around the mean of all places.
 fn signs(places: &[[f64; 2]]) -> Vec<f64> {
     let middle = [0, 1].map(|axis| places.iter().map(|place| place[axis]).sum::<f64>() / places.len() as f64);
     let angle = |place: &[f64; 2]| atan2(place[1] - middle[1], place[0] - middle[0]);

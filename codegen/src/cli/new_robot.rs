@@ -1,4 +1,4 @@
-//! Robot of a new project: the example, or the robot of a URDF or MJCF.
+//! The robot of a new project: an example, or the robot of a URDF or MJCF.
 
 use std::path::{Component, Path};
 
@@ -14,34 +14,34 @@ use gelenk_formula::Hold;
 
 const BUILD: &str = include_str!("template/build.rs");
 
-/// Build script of a crate with two models. A model with dry friction is for the plant; controllers get one
-/// without.
+/// Build script of a crate with two models: one with dry friction for the plant, and one with smooth friction
+/// for controllers.
 const BUILD_BOTH: &str = include_str!("template/build_both.rs");
 
-/// Description of a new project, and the files it uses.
+/// Description of the robot of a new project, and the files that it uses.
 pub(super) struct Robot {
     /// Text of `robot.toml`.
     pub(super) description: String,
-    /// Text of `build.rs`.
+    /// Text of the build script `build.rs`.
     pub(super) build: &'static str,
-    /// Files that the description extends: paths in the project, and contents.
+    /// Paths in the project and contents of the files that the description extends.
     pub(super) copies: Vec<(String, Vec<u8>)>,
     /// Whether the base is floating.
     pub(super) floats: bool,
-    /// Names of the joints, without followers.
+    /// Names of the independent joints.
     pub(super) joints: Vec<String>,
-    /// Joints without a motor.
+    /// Names of the joints without a motor.
     pub(super) passive: Vec<String>,
-    /// Feet, if any.
+    /// Feet of the robot; empty if there are none.
     pub(super) feet: Vec<Foot>,
-    /// Notes of the description, for example about legs with a fixed base.
+    /// Notes about the description, for example about legs with a fixed base.
     pub(super) notes: Diagnostics,
 }
 
 impl Robot {
-    /// Fails if an effort cannot be commanded for each coordinate.
+    /// Returns an error if the effort of each coordinate cannot be commanded.
     ///
-    /// - `who`: subject and verb of the message
+    /// - `who`: beginning of the message
     pub(super) fn require_efforts(&self, who: &str) -> Result<(), Failure> {
         let (fault, remedy) = match (self.floats, self.joints.is_empty(), self.passive.first()) {
             (true, ..) => (
@@ -63,16 +63,16 @@ impl Robot {
 pub(super) enum Feet<'a> {
     /// No feet.
     None,
-    /// These links, or the result of the rule if the list is empty.
+    /// The links with these names, or the feet that the rule finds if the list is empty.
     Of(&'a [String]),
 }
 
-/// Joints that are held, and the body whose tree is the robot.
+/// Held joints, and the body whose subtree is the robot.
 type Parts<'a> = (&'a [Hold], Option<&'a str>);
 
-/// Robot of the URDF or MJCF, or an example.
+/// The robot of the URDF or MJCF, or an example if there is no file.
 ///
-/// - `floats`: makes the base floating
+/// - `floats`: whether the base becomes floating
 pub(super) fn robot(
     xml: Option<&Path>,
     floats: bool,
@@ -86,7 +86,7 @@ pub(super) fn robot(
     match xml {
         None => {
             let (copies, feet, notes) = (vec![], vec![], Diagnostics::default());
-            // Those of the arm; the quadrotor has none.
+            // The example arm has these joints; the quadrotor has no joints.
             let joints = if floats { vec![] } else { ["shoulder", "elbow"].map(str::to_owned).to_vec() };
             let (description, passive) = (example.to_owned(), vec![]);
             Ok(Robot { description, build: BUILD, copies, floats, joints, passive, feet, notes })
@@ -95,7 +95,7 @@ pub(super) fn robot(
     }
 }
 
-/// The file must be one that can be generated: half a crate helps nobody.
+/// The robot of a URDF or MJCF. Returns an error if no module can be generated from the file.
 fn from_xml(path: &Path, floats: bool, parts: Parts<'_>, feet: Feet<'_>) -> Result<Robot, Failure> {
     let wrong = |why| Failure::Descriptions(vec![why]);
     let mut files = DescriptionFiles::of(path);
@@ -145,7 +145,7 @@ enum Kind {
 }
 
 impl Kind {
-    /// The name of the copy in the project.
+    /// Name of the copy in the project.
     const fn file(self) -> &'static str {
         match self {
             Self::Urdf => "robot.urdf",
@@ -153,7 +153,7 @@ impl Kind {
         }
     }
 
-    /// Comment on drives and friction, which the file may leave open.
+    /// Comment of the description about drives and friction.
     const fn of_drives(self) -> &'static str {
         match self {
             Self::Urdf => {
@@ -167,8 +167,8 @@ impl Kind {
         }
     }
 
-    /// Every joint of a URDF is an input. Those of an MJCF are none without an actuator: a robot that nothing moves, or one on
-    /// legs that cannot hold themselves, is none that the programs of new crates control.
+    /// Returns an error if the program of a new crate cannot move the robot. Each joint of a URDF has an
+    /// input. In an MJCF a joint has an input only if it has an actuator.
     fn require_motors(self, path: &Path, model: &Model) -> Result<(), Failure> {
         let without: Vec<&str> = without_motor(model).collect();
         let floats = !model.quaternion_joints.is_empty();
@@ -186,7 +186,7 @@ impl Kind {
         )))
     }
 
-    /// The file and those that it includes, in their places relative to it.
+    /// The file and the files that it includes, with their paths relative to the file.
     fn copies(self, path: &Path, files: &DescriptionFiles) -> Result<Vec<(String, Vec<u8>)>, Failure> {
         let folder = path.parent().unwrap_or(Path::new(""));
         let copy = |(file, bytes): (&Path, &[u8])| {
@@ -229,7 +229,8 @@ impl Feet<'_> {
     }
 }
 
-/// The program of a robot that moves freely takes its first position and velocity entries for those of the base.
+/// Returns an error unless the only joint with a quaternion is a floating base with the first positions and
+/// velocities, as the program of a new crate requires.
 fn require_base(path: &Path, model: &Model) -> Result<(), Failure> {
     let Some(joint) = model.quaternion_joints.first() else {
         return Ok(());
@@ -293,14 +294,14 @@ fn description(
     text
 }
 
-/// The joints that the description may say more of, with their links; not those that the base floats by.
+/// The independent joints with one coordinate, with their links.
 fn described_joints(model: &Model) -> impl Iterator<Item = (&Joint, usize)> {
     let moves = model.coordinates.iter().enumerate();
     let plain = moves.filter(|(coordinate, _)| model.position_of(*coordinate).is_some());
     plain.filter_map(|(_, &link)| Some((model.links.get(link)?.joint.as_ref()?, link)))
 }
 
-/// Joints that no drive moves.
+/// Names of the joints that no drive moves.
 fn without_motor(model: &Model) -> impl Iterator<Item = &str> {
     let driven = |coordinate: usize| {
         model.drives.iter().any(|drive| drive.acts_on.iter().any(|of| of.coordinate == coordinate))
@@ -310,7 +311,7 @@ fn without_motor(model: &Model) -> impl Iterator<Item = &str> {
     described_joints(model).filter(move |(_, link)| still(link)).map(|(joint, _)| joint.name.as_str())
 }
 
-/// A joint's entry, as a comment.
+/// Entry of a joint in `robot.toml`, as comment lines.
 fn entry(joint: &str, kind: Kind) -> String {
     let drive = match kind {
         Kind::Urdf => {

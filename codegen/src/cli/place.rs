@@ -1,4 +1,4 @@
-//! Locations of descriptions and modules.
+//! Paths of descriptions and modules.
 
 use std::env;
 use std::fs;
@@ -10,14 +10,14 @@ use gelenk_files::is_same_file;
 use super::choices::LanguageName;
 use super::failure::Failure;
 
-/// A folder with `models/` and `generated/src/`: the workspace of this project, or one with the same layout.
+/// A folder with `models/` and `generated/src/`, as the workspace of gelenk has them.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Workspace {
     pub(super) root: PathBuf,
 }
 
 impl Workspace {
-    /// The nearest workspace at or above the current folder.
+    /// Finds the workspace that contains the current folder; `None` if there is none.
     pub(super) fn find() -> Option<Self> {
         Self::above(&env::current_dir().ok()?)
     }
@@ -33,8 +33,8 @@ impl Workspace {
         self.root.join("generated/src")
     }
 
-    /// Descriptions in models/ sorted by name: each TOML file, and each URDF file without a TOML file of the
-    /// same name.
+    /// Paths of the descriptions in models/, sorted by name. These are all TOML files, and the URDF files
+    /// without a TOML file of the same name.
     pub(super) fn descriptions(&self) -> io::Result<Vec<PathBuf>> {
         let entries = fs::read_dir(self.root.join("models"))?;
         let paths = entries.map(|entry| entry.map(|entry| entry.path())).collect::<Result<Vec<_>, _>>()?;
@@ -47,30 +47,30 @@ impl Workspace {
         Ok(descriptions)
     }
 
-    /// Whether the file lies directly in models/.
+    /// Whether the file is directly in models/.
     pub(super) fn contains(&self, description: &Path) -> bool {
         let folder = fs::canonicalize(description).ok().and_then(|path| path.parent().map(Path::to_owned));
         folder.is_some() && folder == fs::canonicalize(self.root.join("models")).ok()
     }
 }
 
-/// Location and name of a module.
+/// Path and name of a module.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(super) struct Target {
     pub(super) output: Output,
-    /// Name of the module, if the file name differs.
+    /// Name of the module from the file name; `None` if the module has the robot's name.
     pub(super) name: Option<String>,
 }
 
-/// Location of a module.
+/// Path of a module.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(super) enum Output {
-    /// The default location of Rust modules.
+    /// The default path of Rust modules.
     #[default]
     Default,
-    /// This file; a C header is written next to it.
+    /// This file. A C header is written next to it.
     File(PathBuf),
-    /// This folder; the file has the name of the module.
+    /// This folder. The file has the name of the module.
     Folder(PathBuf),
 }
 
@@ -130,18 +130,18 @@ impl Target {
     }
 }
 
-/// Whether modules go into what is called so: a folder that is there, or a name without an ending. A hyphen is
-/// standard output.
+/// Whether the path is a folder for modules: it exists as a folder, or has no extension. A hyphen is standard
+/// output.
 fn is_folder(output: &Path) -> bool {
     output.is_dir() || (output.extension().is_none() && output != Path::new("-"))
 }
 
-/// Whether a file is called as sources and headers in C are.
+/// Whether the file has the extension of a C source or header.
 fn is_of_c(file: &Path) -> bool {
     file.extension().is_some_and(|extension| extension == "c" || extension == "h")
 }
 
-/// Fails if an output file was an input, or has no folder.
+/// Returns an error if an output file is an input of the command, or if its folder does not exist.
 pub(super) fn require_writable<'a>(
     file: &Path,
     mut read: impl Iterator<Item = &'a PathBuf>,
@@ -155,7 +155,7 @@ pub(super) fn require_writable<'a>(
     }
 }
 
-/// Absolute path of an output file's folder.
+/// Absolute path of an output file's folder. Returns an error if the folder does not exist.
 pub(super) fn folder(file: &Path) -> Result<PathBuf, Failure> {
     let folder = match file.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
@@ -167,8 +167,9 @@ pub(super) fn folder(file: &Path) -> Result<PathBuf, Failure> {
     })
 }
 
-/// Path for a header: relative to the workspace for files in models/, as given for other relative paths,
-/// otherwise the bare file name. The result is the same on every machine.
+/// Path for comments in generated files, which must not depend on the machine. It is relative to the
+/// workspace for files in models/. Other relative paths only lose components `.`. For other absolute paths it
+/// is the file name.
 pub(super) fn shown(path: &Path, workspace: Option<&Workspace>) -> String {
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     if workspace.is_some_and(|workspace| workspace.contains(path)) {

@@ -1,4 +1,4 @@
-//! Printing of tables and JSON to standard output.
+//! Prints tables and JSON to standard output, and messages to standard error.
 
 use std::io::{self, Write};
 use std::process::ExitCode;
@@ -12,10 +12,10 @@ use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::program::cost::Cost;
 use crate::wording::as_written;
 
-/// Lines of findings: with steps and a table of 20 joints they make 120.
+/// Largest number of printed lines of findings. With steps and a table of 20 joints the output has 120 lines.
 const ROOM: usize = 84;
 
-/// From here on zeros are counted by an exponent.
+/// Smallest magnitude of numbers that may be printed with an exponent.
 const MILLION: f64 = 1e6;
 
 /// Writes to standard output. A closed pipe (`gelenk … | head`) is not a failure.
@@ -35,7 +35,7 @@ pub(super) fn json(value: &Value) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Writes to standard error; failures are ignored.
+/// Writes to standard error. Failures are ignored.
 pub(super) fn err(text: &str) {
     let _ = io::stderr().lock().write_all(text.as_bytes());
 }
@@ -65,8 +65,8 @@ pub(super) fn findings(all: &[Diagnostic]) -> Value {
     all.iter().map(diagnostic).collect()
 }
 
-/// Findings as text, one or two lines each. If there are more than [`ROOM`] lines, only the most severe are
-/// printed.
+/// Findings as text, one or two lines for each finding. If there are more than [`ROOM`] lines, only the most
+/// severe findings are included.
 pub(super) fn lines(all: &[Diagnostic]) -> String {
     let texts: Vec<String> = all.iter().map(|finding| format!("{finding}\n")).collect();
     let count = |text: &String| text.lines().count();
@@ -89,7 +89,8 @@ pub(super) fn lines(all: &[Diagnostic]) -> String {
     format!("{shown}… and {more} more findings; --format json prints all\n")
 }
 
-/// The result; on failure the findings before it are printed to standard error, because they may explain it.
+/// Returns the result. If it is an error, the findings so far are printed to standard error, because they may
+/// explain it.
 pub(super) fn after<T, E: Into<Failure>>(
     result: Result<T, E>,
     findings: &[Diagnostic],
@@ -100,7 +101,8 @@ pub(super) fn after<T, E: Into<Failure>>(
     result.map_err(E::into)
 }
 
-/// The result of an identification; on failure the findings before it are printed.
+/// Returns the result of an identification. If it is an error, the findings so far are printed to standard
+/// error.
 pub(super) fn identified<T>(result: Result<T, IdentificationError>) -> Result<T, Failure> {
     result.map_err(|error| {
         err(&lines(error.noted()));
@@ -126,7 +128,7 @@ fn diagnostic(entry: &Diagnostic) -> Value {
         "help": entry.remedy,
         "text": entry.to_string(),
     });
-    // Findings of logs have these in place of a file.
+    // Findings about logs have these entries instead of a file.
     if entry.location().is_none() {
         shown["log"] = json!(entry.about.log);
         shown["rows"] = json!(entry.about.rows);
@@ -136,7 +138,7 @@ fn diagnostic(entry: &Diagnostic) -> Value {
     shown
 }
 
-/// Table of operation counts of functions, with the bytes of machine code if given.
+/// Table of the operation counts of functions. If `bytes` is not empty, it has the sizes of the machine code.
 pub(super) fn counts_table(functions: &[(String, Cost)], bytes: &[Option<u64>]) -> String {
     let mut head = vec!["function", "multiplications", "additions", "divisions", "calls"];
     head.extend((!bytes.is_empty()).then_some("bytes"));
@@ -152,8 +154,8 @@ pub(super) fn counts_table(functions: &[(String, Cost)], bytes: &[Option<u64>]) 
     table(&std::iter::once(head).chain(rows).collect::<Vec<_>>())
 }
 
-/// Operation counts of functions as JSON, with the bytes of machine code if given; `null` for inlined
-/// functions.
+/// Operation counts of functions as JSON. If `bytes` is not empty, it has the sizes of the machine code,
+/// which are `null` for inlined functions.
 pub(super) fn counts(functions: &[(String, Cost)], bytes: &[Option<u64>]) -> Value {
     let entry = |(index, (name, cost)): (usize, &(String, Cost))| {
         let Cost { multiplications, additions, divisions, sin_cos, other_calls, selections } = cost;
@@ -174,13 +176,13 @@ pub(super) fn counts(functions: &[(String, Cost)], bytes: &[Option<u64>]) -> Val
     functions.iter().enumerate().map(entry).collect()
 }
 
-/// A number in short notation: `600`, `0.25`, `-2e6`.
+/// A number in short notation, for example `600`, `0.25` or `-2e6`.
 pub(super) fn number(x: f64) -> String {
     let (plain, power) = (as_written(x), format!("{x:e}"));
     if x.abs() >= MILLION && power.len() < plain.len() { power } else { plain }
 }
 
-/// Table with a head; columns of numbers are right-aligned.
+/// Text of a table whose first row is the head. Columns of numbers are right-aligned.
 pub(super) fn table(rows: &[Vec<String>]) -> String {
     let column = |column: usize| rows.iter().filter_map(move |row| row.get(column));
     let width = |index: usize| column(index).map(|cell| cell.chars().count()).max().unwrap_or(0);

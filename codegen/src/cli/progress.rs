@@ -4,7 +4,8 @@ use std::sync::mpsc::{self, RecvTimeoutError, Sender};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-/// Prints the current work to standard error after one second and then every five seconds, until dropped.
+/// Prints a message about the current work to standard error until it is dropped: after one second, after
+/// five seconds, and then every five seconds.
 #[derive(Debug)]
 pub(super) struct Progress {
     end: Option<Sender<()>>,
@@ -32,7 +33,7 @@ impl Drop for Progress {
     fn drop(&mut self) {
         drop(self.end.take());
         if let Some(thread) = self.thread.take() {
-            // Nothing to do about a progress thread that panicked.
+            // A panic of the progress thread is ignored.
             let _ = thread.join();
         }
     }

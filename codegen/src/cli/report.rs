@@ -1,4 +1,4 @@
-//! `gelenk report`.
+//! The command `gelenk report`.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -19,7 +19,7 @@ use crate::read::{self, Loaded};
 use crate::report::{ClosedForm, Contents, report};
 use crate::wording::quoted;
 
-/// Writes the page of a robot. Exit code 1 if its self-check fails.
+/// Writes the page of a robot. The exit code is 1 if the page's self-check fails.
 pub(super) fn write(arguments: &arguments::Report, format: Format) -> Result<ExitCode, Failure> {
     let progress = Progress::start(arguments.description.display().to_string());
     let loaded = read(arguments)?;
@@ -40,7 +40,8 @@ pub(super) fn write(arguments: &arguments::Report, format: Format) -> Result<Exi
     Ok(if failed { ExitCode::from(FAULT) } else { ExitCode::SUCCESS })
 }
 
-/// Writes a page to the folder of an option; returns its files.
+/// Writes a page to a folder and returns the paths of its files. `option` names the folder's option in the
+/// message of an error.
 pub(super) fn written(page: &Report, folder: &Path, option: &str) -> Result<Vec<PathBuf>, Failure> {
     page.write(folder).map_err(|error| {
         Failure::Problem(format!(
@@ -74,7 +75,7 @@ fn page(arguments: &arguments::Report, loaded: &Loaded) -> Result<Report, Failur
     report(&contents).map_err(|error| Failure::Problem(error.to_string()))
 }
 
-/// Closed forms, or why the page goes without.
+/// Closed forms, or the text for the page if there are none.
 #[cfg(feature = "symbolica")]
 fn closed_form(
     arguments: &arguments::Report,
@@ -83,7 +84,7 @@ fn closed_form(
     super::closed_form::for_page(arguments, loaded)
 }
 
-/// Closed forms are Symbolica's work, which this build leaves out.
+/// This build has no closed forms, because it lacks the feature `symbolica`.
 #[cfg(not(feature = "symbolica"))]
 #[expect(clippy::unnecessary_wraps, reason = "as with the feature")]
 fn closed_form(_: &arguments::Report, _: &Loaded) -> Result<Result<ClosedForm, String>, Failure> {
@@ -94,7 +95,7 @@ fn closed_form(_: &arguments::Report, _: &Loaded) -> Result<Result<ClosedForm, S
     ))
 }
 
-/// The command for the foot of the page: the same on every machine.
+/// The command for the foot of the page. It does not depend on the machine.
 fn command(arguments: &arguments::Report) -> String {
     let description = shown(&arguments.description, Workspace::find().as_ref());
     let mut words = vec!["gelenk report".to_owned(), quoted(&description)];

@@ -1,4 +1,4 @@
-//! `gelenk schema`: JSON Schema of the description format, for editors.
+//! The command `gelenk schema`, which prints the JSON Schema of descriptions for editors.
 
 use std::collections::BTreeSet;
 use std::process::ExitCode;
@@ -10,7 +10,7 @@ use super::failure::Failure;
 use super::print;
 use crate::read::toml::keys::{FREE, Key, Keys, ROBOT, Value, parts};
 
-/// File name of the schema; descriptions refer to it.
+/// File name of the schema, to which descriptions refer.
 pub(super) const FILE: &str = "gelenk.schema.json";
 
 /// Prints the schema.
@@ -18,7 +18,7 @@ pub(super) fn schema() -> Result<ExitCode, Failure> {
     print::json(&of_descriptions())
 }
 
-/// The schema of descriptions.
+/// The JSON Schema of descriptions.
 pub(super) fn of_descriptions() -> Json {
     let mut definitions = Map::new();
     let top = table(&ROBOT, &mut definitions);
@@ -30,7 +30,8 @@ pub(super) fn of_descriptions() -> Json {
     Json::Object(schema)
 }
 
-/// Keywords of the keys of tables. The type is left to the value that refers to them, which may be something else too.
+/// Keywords for the keys of a table. The type is added by the value that refers to the table, because the
+/// value may have other types, too.
 fn table(keys: &'static Keys, definitions: &mut Map<String, Json>) -> Json {
     let needed: Vec<&str> = keys.rows().filter(|row| row.is_needed).map(|row| row.name).collect();
     let properties: Map<String, Json> =
@@ -38,7 +39,7 @@ fn table(keys: &'static Keys, definitions: &mut Map<String, Json>) -> Json {
     json!({ "properties": properties, "required": needed, "additionalProperties": false })
 }
 
-/// A reference to the definition of a table, which is added if it is absent.
+/// A reference to the definition of a table. The definition is added if it is missing.
 fn reference(keys: &'static Keys, definitions: &mut Map<String, Json>) -> Json {
     if !definitions.contains_key(keys.name) {
         let table = table(keys, definitions);
@@ -55,9 +56,10 @@ fn property(row: &'static Key, definitions: &mut Map<String, Json>) -> Json {
     Json::Object(property)
 }
 
-/// The schema of a value. Alternatives are of different types, and a keyword concerns values of its type only, so that all
-/// keywords apply at once; `anyOf` would hide from the user which key is wrong. Alternatives that are tables are one table
-/// with the keys of both: the program reports keys that exclude each other.
+/// The schema of a value. Alternatives have different types, and a keyword only concerns values of its type,
+/// so the keywords of all alternatives are combined. `anyOf` would hide which key is wrong. If two
+/// alternatives are tables, they become one table with the keys of both; the program itself reports keys that
+/// exclude each other.
 fn value(value: &'static Value, definitions: &mut Map<String, Json>) -> Map<String, Json> {
     let (mut types, mut tables) = (BTreeSet::<&str>::new(), Vec::new());
     let (mut schema, mut of_parts) = (Map::new(), Map::new());
@@ -129,7 +131,7 @@ fn keywords(value: &'static Value, definitions: &mut Map<String, Json>) -> Json 
     }
 }
 
-/// The example as a list of one value; a test excludes an example that cannot be parsed.
+/// The example of a key as a list of one value. A test ensures that each example can be parsed.
 fn example(row: &Key) -> Json {
     let text = format!("example = {}", row.example);
     let (table, _) = DeTable::parse_recoverable(&text);

@@ -1,8 +1,8 @@
-//! Vector and matrix operations on Symbolica's expressions.
+//! Vectors and matrices of Symbolica's expressions (atoms).
 //!
 //! Sines and cosines are written with phases `E = e^{iα}`: `cos α = (E + E⁻¹)/2`, `sin α = (E − E⁻¹)/2i`.
-//! Then trigonometric identities are plain arithmetic, and expansion alone simplifies: equal expressions
-//! become the same Fourier sum.
+//! Trigonometric identities are then plain arithmetic. Expansion is enough to simplify, because equal
+//! expressions become the same Fourier sum.
 
 use symbolica::atom::{Atom, AtomCore, Symbol};
 use symbolica::symbol;
@@ -10,16 +10,16 @@ use symbolica::symbol;
 use super::lock::Instance;
 use gelenk_formula::Formula;
 
-/// A vector.
+/// A vector of three expressions.
 pub(super) type Vector = [Atom; 3];
 
-/// A rotation matrix, rows first.
+/// A 3 × 3 matrix of expressions, as a list of rows.
 pub(super) type Matrix = [[Atom; 3]; 3];
 
 /// Largest number of variables of each kind.
 const VARIABLES: usize = 1000;
 
-/// Variables of a derivation, by kind and number. They exist while the instance is held.
+/// Symbolica's variables of a derivation, by kind and index. They borrow the right to use Symbolica.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Variables<'i> {
     _instance: &'i Instance,
@@ -30,11 +30,11 @@ pub(super) struct Variables<'i> {
 pub(super) enum Kind {
     /// Constant of the model.
     Constant,
-    /// Phase of an angle.
+    /// Phase `e^{iα}` of an angle α.
     Phase,
-    /// Sliding coordinate.
+    /// Coordinate of a prismatic joint.
     Coordinate,
-    /// Velocity.
+    /// Velocity of a coordinate.
     Velocity,
 }
 
@@ -64,7 +64,7 @@ impl<'i> Variables<'i> {
         Atom::var(self.symbol(kind, index))
     }
 
-    /// Kind and index of a variable.
+    /// Kind and index of a variable; `None` if the symbol is not a variable of a derivation.
     pub fn recognize(self, symbol: Symbol) -> Option<(Kind, usize)> {
         let name = symbol.get_stripped_name();
         let kind = Kind::ALL.into_iter().find(|kind| name.starts_with(kind.prefix()))?;
@@ -72,7 +72,7 @@ impl<'i> Variables<'i> {
         Some((kind, index))
     }
 
-    /// `e^{iα}` to a whole power.
+    /// Power of the phase `e^{iα}` with an integer exponent.
     fn phase(self, index: usize, exponent: i64) -> Atom {
         self.atom(Kind::Phase, index).pow(Atom::num(exponent))
     }
@@ -85,23 +85,24 @@ impl<'i> Variables<'i> {
         (self.phase(index, -1) - self.phase(index, 1)) * Atom::num((1, 2)) * Atom::i()
     }
 
-    /// `∂f/∂y` for an angle: `i E ∂f/∂E`.
+    /// Derivative `∂f/∂y = i E ∂f/∂E` by an angle y with the phase E.
     pub fn by_angle(self, f: &Atom, index: usize) -> Atom {
         let slope = f.derivative(self.symbol(Kind::Phase, index));
         (slope * self.phase(index, 1) * Atom::i()).expand()
     }
 
-    /// `∂f/∂y` for a sliding coordinate.
+    /// Derivative `∂f/∂y` by the coordinate of a prismatic joint.
     pub fn by_position(self, f: &Atom, index: usize) -> Atom {
         f.derivative(self.symbol(Kind::Coordinate, index)).expand()
     }
 
-    /// `∂f/∂ẏ`
+    /// Derivative `∂f/∂ẏ` by a velocity.
     pub fn by_velocity(self, f: &Atom, index: usize) -> Atom {
         f.derivative(self.symbol(Kind::Velocity, index)).expand()
     }
 
-    /// A formula of constants whose divisors are products; see [`super::quantities`].
+    /// Converts a formula of numbers and parameters to an expression. Its divisors must be products, and it
+    /// must have no calls of functions.
     pub fn formula(self, formula: &Formula) -> Atom {
         let go = |part: &Formula| self.formula(part);
         match formula {
@@ -113,7 +114,7 @@ impl<'i> Variables<'i> {
             Formula::Multiply(a, b) => go(a) * go(b),
             Formula::Divide(a, b) => go(a) / go(b),
             Formula::Power(a, exponent) => go(a).pow(Atom::num(i64::from(*exponent))),
-            // The caller gives these a letter of their own; none is left here.
+            // The caller replaces these by letters of their own, so this case does not occur.
             Formula::Position | Formula::Velocity | Formula::Call(..) => zero(),
         }
     }
@@ -123,45 +124,45 @@ pub(super) fn zero() -> Atom {
     Atom::num(0)
 }
 
-/// Exact decimal number of the description.
+/// The number as an exact decimal fraction.
 pub(super) fn number(value: f64) -> Atom {
     let shown = format!("{value:e}");
     let (mantissa, exponent) = shown.split_once('e').unwrap_or((&shown, "0"));
     let decimals = mantissa.split_once('.').map_or(0, |(_, digits)| digits.len() as i64);
-    // At most 17 digits and a sign: an i64; the exponent of an f64 has three.
+    // There are at most 17 digits, which an i64 holds. The exponent of an f64 has at most three digits.
     let digits: i64 = mantissa.replace('.', "").parse().unwrap_or(0);
     let exponent = exponent.parse::<i64>().unwrap_or(0) - decimals;
     Atom::num(digits) * Atom::num(10).pow(Atom::num(exponent))
 }
 
-/// `a · b`
+/// Scalar product `a · b`.
 pub(super) fn dot(a: &Vector, b: &Vector) -> Atom {
     let sum = (0..3).fold(zero(), |sum, k| sum + &a[k] * &b[k]);
     sum.expand()
 }
 
-/// `R v`
+/// Product `R v` of a matrix and a vector.
 pub(super) fn rotate(r: &Matrix, v: &Vector) -> Vector {
     std::array::from_fn(|i| dot(&r[i], v))
 }
 
-/// `A B`
+/// Product `A B` of two matrices.
 pub(super) fn product(a: &Matrix, b: &Matrix) -> Matrix {
     let b = transpose(b);
     std::array::from_fn(|i| std::array::from_fn(|j| dot(&a[i], &b[j])))
 }
 
-/// `Rᵀ`
+/// Transposed matrix `Rᵀ`.
 pub(super) fn transpose(r: &Matrix) -> Matrix {
     std::array::from_fn(|i| std::array::from_fn(|j| r[j][i].clone()))
 }
 
-/// `a + b`
+/// Sum of two vectors.
 pub(super) fn sum(a: &Vector, b: &Vector) -> Vector {
     std::array::from_fn(|k| (&a[k] + &b[k]).expand())
 }
 
-/// Rotation about x (0), y (1) or z (2) by an angle with this sine and cosine.
+/// Rotation about x (`axis` = 0), y (1) or z (2) by the angle with this sine and cosine.
 pub(super) fn rotation(axis: usize, sine: &Atom, cosine: &Atom) -> Matrix {
     let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
     std::array::from_fn(|i| {
@@ -174,7 +175,7 @@ pub(super) fn rotation(axis: usize, sine: &Atom, cosine: &Atom) -> Matrix {
     })
 }
 
-/// `1`
+/// The unit matrix.
 pub(super) fn identity() -> Matrix {
     std::array::from_fn(|i| std::array::from_fn(|j| Atom::num(i64::from(i == j))))
 }

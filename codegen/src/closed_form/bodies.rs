@@ -1,8 +1,8 @@
-//! The moving bodies of a model in the frames of the description.
+//! Moving bodies of a model, in the frames of the description.
 //!
-//! Fixed and held links are lumped into the body that carries them: numeric masses into one mass, centre and
-//! inertia; masses with parameters stay separate. The kinematics stage is not used, because the result is
-//! compared with it.
+//! Fixed and held links belong to the body that carries them. Masses of a body that are numbers are combined
+//! to one mass. Masses with free parameters stay separate. `kinematics/` is not used, because closed forms
+//! are compared with results of `kinematics/`.
 
 use crate::model::{Body, Joint, JointKind, Model, Motion, Pose, RotorCoupling};
 use crate::numeric::sin_cos;
@@ -10,50 +10,51 @@ use gelenk_formula::Formula;
 
 type Matrix = [[f64; 3]; 3];
 
-/// Entries smaller than this, relative to the largest, are rounding errors of zeros.
+/// Entries below this part of the largest entry are rounding errors of zeros.
 const ROUNDING: f64 = 1e-12;
 
-/// A moving body.
+/// A body that a joint moves.
 #[derive(Debug, Clone)]
 pub(super) struct MovingBody {
-    /// Coordinate of its joint.
+    /// Index of the coordinate of the body's joint.
     pub coordinate: usize,
-    /// Body that carries its joint; `None` if it is the base.
+    /// Index of the body that carries the joint; `None` if the base carries the joint.
     pub parent: Option<usize>,
-    /// Joint frame in the parent's frame.
+    /// Pose of the joint's frame in the parent's frame.
     pub pose: Pose,
-    /// Axis in the joint frame, unit length.
+    /// Unit vector of the joint's axis in the joint's frame.
     pub axis: [f64; 3],
-    /// Whether its joint is prismatic.
+    /// Whether the joint is prismatic.
     pub is_prismatic: bool,
-    /// Masses in the body's own frame.
+    /// Masses of the body.
     pub masses: Vec<Mass>,
 }
 
-/// A rigid mass in a body's frame.
+/// A rigid mass in the frame of its body.
 #[derive(Debug, Clone)]
 pub(super) struct Mass {
-    /// Mass (kg).
+    /// Mass [kg].
     pub mass: Formula,
-    /// Centre of mass (m).
+    /// Centre of mass [m].
     pub center: [Formula; 3],
-    /// Inertia about the centre: xx, xy, xz, yy, yz, zz [kg m²].
+    /// Inertia about the centre of mass [kg m²]: xx, xy, xz, yy, yz, zz.
     pub inertia: [Formula; 6],
 }
 
-/// Rotor of a drive; turns relative to its carrier or is fixed to it.
+/// Rotor of a drive.
 #[derive(Debug, Clone)]
 pub(super) struct Rotor {
-    /// Drive of the rotor.
+    /// Index of the drive in the model.
     pub drive: usize,
-    /// Body that carries the rotor, and the rotor's axis in that body's frame; `None` if the carrier's motion
-    /// is ignored.
+    /// Index of the body that carries the rotor, and unit vector of the rotor's axis in this body's frame.
+    /// `None` if the base carries the rotor or the motion of the carrier is neglected.
     pub carrier: Option<(usize, [f64; 3])>,
-    /// Coordinate that turns the rotor.
+    /// Index of the coordinate that turns the rotor; `None` if the rotor does not turn relative to its
+    /// carrier.
     pub coordinate: Option<usize>,
 }
 
-/// Moving bodies, parents first, and the rotors.
+/// Moving bodies and rotors of a model. Each body is after its parent.
 #[derive(Debug, Clone)]
 pub(super) struct Bodies {
     pub bodies: Vec<MovingBody>,
@@ -61,7 +62,7 @@ pub(super) struct Bodies {
 }
 
 impl Bodies {
-    /// Collects the moving joints of a model.
+    /// Collects bodies and rotors of a model.
     pub fn new(model: &Model) -> Self {
         let (mut bodies, places) = moving(model);
         let mut rotors = Vec::new();
@@ -71,7 +72,7 @@ impl Bodies {
             let carrier = body.filter(|_| drive.coupling == RotorCoupling::Body);
             match (carrier, drive.coordinate(), drive.rotor_inertia.as_number()) {
                 (_, _, Some(0.0)) | (None, None, _) => {}
-                // A rotor that stands still relative to its carrier is part of it.
+                // A rotor that does not turn is part of its carrier.
                 (Some(body), None, Some(inertia)) => {
                     bodies[body].masses.push(still_rotor(inertia, axis));
                 }
@@ -87,7 +88,7 @@ impl Bodies {
     }
 }
 
-/// The bodies with all their masses, and for every link its body and pose therein.
+/// The moving bodies with all masses, and for each link its body and its pose in the body's frame.
 fn moving(model: &Model) -> (Vec<MovingBody>, Vec<(Option<usize>, Pose)>) {
     let (mut bodies, mut places) = (Vec::new(), Vec::<(Option<usize>, Pose)>::new());
     for link in &model.links {
@@ -130,7 +131,7 @@ fn attached(
     (*parent, tidy(pose.then(&displacement(joint, position))))
 }
 
-/// Displacement of a link by its joint at `position`.
+/// Displacement of a link by the joint at `position`.
 fn displacement(joint: &Joint, position: f64) -> Pose {
     let mut pose = Pose::identity();
     let [turn, slide] = joint.kind.turn_and_slide();
@@ -143,7 +144,7 @@ fn displacement(joint: &Joint, position: f64) -> Pose {
     pose
 }
 
-/// `R = 1 + sin φ [a]ₓ + (1 − cos φ) [a]ₓ²` (Rodrigues).
+/// Rotation `R = 1 + sin φ [a]ₓ + (1 − cos φ) [a]ₓ²` about the axis a by the angle φ (Rodrigues).
 fn about([x, y, z]: [f64; 3], angle: f64) -> Matrix {
     let cross = [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]];
     let (sine, cosine) = sin_cos(angle);
@@ -160,12 +161,12 @@ fn turned(rotation: &Matrix, v: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|i| (0..3).map(|j| rotation[i][j] * v[j]).sum())
 }
 
-/// Entries that are meant to be 0 or ±1 become that.
+/// The vector with entries close to an integer rounded to this integer.
 fn cleaned(v: [f64; 3]) -> [f64; 3] {
     v.map(|x| if (x - x.round()).abs() < ROUNDING { x.round() + 0.0 } else { x })
 }
 
-/// Rotations and translations without the rounding of products.
+/// The pose without the rounding errors of products.
 fn tidy(mut pose: Pose) -> Pose {
     pose.rotation = pose.rotation.map(cleaned);
     let numbers = pose.translation.each_ref().map(Formula::as_number);
@@ -186,13 +187,13 @@ fn in_frame(body: &Body, pose: &Pose) -> Mass {
     }
 }
 
-/// Index of the entry i, j in xx, xy, xz, yy, yz, zz.
+/// Index of the inertia entry in row i and column j, in the order xx, xy, xz, yy, yz, zz.
 pub(super) const ENTRY: [[usize; 3]; 3] = [[0, 1, 2], [1, 3, 4], [2, 4, 5]];
 
-/// Row and column of each of the six entries.
+/// Row and column of the inertia entries xx, xy, xz, yy, yz, zz.
 pub(super) const PLACES: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
 
-/// `R I Rᵀ`
+/// Inertia `R I Rᵀ` in rotated axes.
 fn turned_inertia(r: &Matrix, inertia: &[Formula; 6]) -> [Formula; 6] {
     PLACES.map(|(i, j)| {
         let mut sum = Formula::ZERO;
@@ -215,7 +216,7 @@ fn still_rotor(inertia: f64, axis: [f64; 3]) -> Mass {
     }
 }
 
-/// A mass of numbers alone.
+/// A mass without free parameters.
 struct NumericMass {
     mass: f64,
     center: [f64; 3],
@@ -233,7 +234,7 @@ impl NumericMass {
     }
 }
 
-/// All numeric masses as one, before those with parameters.
+/// Combines the masses without free parameters to one mass, which is the first.
 fn lumped(masses: Vec<Mass>) -> Vec<Mass> {
     let (numeric, others): (Vec<_>, Vec<_>) =
         masses.into_iter().partition(|mass| NumericMass::new(mass).is_some());
@@ -244,7 +245,7 @@ fn lumped(masses: Vec<Mass>) -> Vec<Mass> {
     all
 }
 
-/// `m = Σ mᵢ, c = Σ mᵢ cᵢ / m, I = Σ Iᵢ + mᵢ (|dᵢ|² 1 − dᵢ dᵢᵀ), dᵢ = cᵢ − c`
+/// Combined mass with `m = Σ mᵢ`, `c = Σ mᵢ cᵢ / m` and `I = Σ Iᵢ + mᵢ (|dᵢ|² 1 − dᵢ dᵢᵀ)`, `dᵢ = cᵢ − c`.
 fn lump(masses: &[NumericMass]) -> Mass {
     let total: f64 = masses.iter().map(|part| part.mass).sum();
     let center: [f64; 3] = std::array::from_fn(|i| {

@@ -1,6 +1,6 @@
-//! Closed forms as text and as LaTeX.
+//! Prints closed forms as text and as LaTeX.
 //!
-//! Coordinates are y and velocities ẏ, with indices from 1.
+//! Coordinates are printed as y and velocities as ẏ, with indices from 1.
 
 use std::collections::BTreeSet;
 
@@ -9,9 +9,10 @@ use super::terms::{ClosedForms, Factor, Monomial, Number, Sum, Term, Wave};
 use crate::program::letters::greek_letter;
 use gelenk_formula::{Formula, Function};
 
-/// The equations as lines of text: entries, lumped constants, values of all symbols.
+/// Prints the equations as lines of text: the entries of M, k, q and B, the definitions of lumped constants,
+/// and the values of symbols. A lumped constant is a constant sum of products that has its own symbol.
 ///
-/// - `parameters`: values of the free parameters, used for the constants
+/// - `parameters`: values of the free parameters, for the printed values
 #[must_use]
 pub fn text(forms: &ClosedForms, parameters: &[f64]) -> String {
     let printer = Printer { forms, style: Style::Text };
@@ -44,10 +45,10 @@ pub fn text(forms: &ClosedForms, parameters: &[f64]) -> String {
     out
 }
 
-/// Equations and lumped constants as an `align*` environment (amsmath); the values of the symbols follow as
-/// comments.
+/// Prints equations and lumped constants as an `align*` environment of the LaTeX package amsmath. The values
+/// of the symbols follow as LaTeX comments.
 ///
-/// - `parameters`: values of the free parameters
+/// - `parameters`: values of the free parameters, for the printed values
 #[must_use]
 pub fn latex(forms: &ClosedForms, parameters: &[f64]) -> String {
     let parts = latex_parts(forms, parameters);
@@ -61,20 +62,20 @@ pub fn latex(forms: &ClosedForms, parameters: &[f64]) -> String {
     format!("\\begin{{align*}}\n{}\n\\end{{align*}}\n{}", lines.join(" \\\\\n"), symbols.collect::<String>())
 }
 
-/// Closed forms in LaTeX, equation by equation.
+/// Closed forms in LaTeX, as separate equations.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LatexParts {
-    /// Name and value of every entry of M, k, q and B.
+    /// Name and formula of each entry of M, k, q and B. Only the upper triangle of M is included.
     pub equations: Vec<(String, String)>,
-    /// Name, definition and value of the lumped constants.
+    /// Name, definition and value of each lumped constant.
     pub constants: Vec<(String, String, String)>,
-    /// Name, value and meaning of the symbols.
+    /// Name, value and meaning of each symbol that occurs.
     pub symbols: Vec<[String; 3]>,
 }
 
-/// The equations in LaTeX as separate entries, for pages.
+/// Prints the equations in LaTeX as separate strings, for pages of HTML.
 ///
-/// - `parameters`: values of the free parameters
+/// - `parameters`: values of the free parameters, for the printed values
 #[must_use]
 pub fn latex_parts(forms: &ClosedForms, parameters: &[f64]) -> LatexParts {
     let printer = Printer { forms, style: Style::Latex };
@@ -97,7 +98,7 @@ struct Printer<'a> {
 }
 
 impl Printer<'_> {
-    /// Name and value of every entry; M is symmetric, its upper half is enough.
+    /// Name and formula of each entry. M is symmetric, so only its upper triangle is included.
     fn entries(&self) -> Vec<(String, String)> {
         let mut entries = Vec::new();
         for (i, row) in self.forms.mass_matrix.iter().enumerate() {
@@ -118,7 +119,7 @@ impl Printer<'_> {
         entries
     }
 
-    /// Name, definition and value of the lumped constants.
+    /// Name, definition and value of each lumped constant.
     fn constants(&self, parameters: &[f64]) -> Vec<(String, String, String)> {
         let constants = self.forms.constants.iter().enumerate();
         let shown = constants.map(|(index, sum)| {
@@ -128,7 +129,7 @@ impl Printer<'_> {
         shown.collect()
     }
 
-    /// Name, value and meaning of the letters that occur.
+    /// Name, value and meaning of each symbol that occurs.
     fn symbols(&self, parameters: &[f64]) -> Vec<[String; 3]> {
         let used = used(self.forms);
         let symbols = self.forms.symbols.iter().enumerate();
@@ -158,7 +159,7 @@ impl Printer<'_> {
         self.joined(sum.iter().map(|part| (part.number.value < 0.0, self.product(part, &[]))))
     }
 
-    /// Summands with their signs.
+    /// Joins summands, each with a flag for a negative sign.
     fn joined(&self, summands: impl Iterator<Item = (bool, String)>) -> String {
         let mut out = String::new();
         for (is_negative, summand) in summands {
@@ -173,12 +174,12 @@ impl Printer<'_> {
         if out.is_empty() { "0".to_owned() } else { out }
     }
 
-    /// Whether the term is subtracted, and its text.
+    /// Whether the term is subtracted, and the text of its magnitude.
     fn term(&self, term: &Term) -> (bool, String) {
         let mut outer = term.outer.clone();
         let mut parts = vec![self.wave(&term.wave)];
         match term.inner.as_slice() {
-            // The content of one monomial is its number, so that 1 is left.
+            // The number of a single monomial is in `outer`, so 1 is left here.
             [single] => outer.factors.extend(&single.factors),
             several => parts.push(self.bracket(&self.polynomial(several))),
         }
@@ -191,7 +192,7 @@ impl Printer<'_> {
         (outer.number.value < 0.0, self.product(&outer, &parts))
     }
 
-    /// `|number| · factors · further`
+    /// Text of the product `|number| · factors · further`.
     fn product(&self, monomial: &Monomial, further: &[String]) -> String {
         let mut parts = Vec::new();
         let size = Number {
@@ -287,7 +288,8 @@ impl Printer<'_> {
         }
     }
 
-    /// A formula of parameters; `coordinate` is whose y and ẏ it means.
+    /// Text of a formula as a factor, in brackets if it is a sum. y and ẏ in the formula are those of
+    /// `coordinate`.
     fn formula_of(&self, formula: &Formula, coordinate: usize) -> String {
         match formula {
             Formula::Add(..) | Formula::Subtract(..) | Formula::Negate(_) => {
@@ -354,7 +356,7 @@ impl Printer<'_> {
         }
     }
 
-    /// A letter or a parameter's name.
+    /// Text of a symbol: a letter with its index, or a parameter's name.
     fn name(&self, symbol: &Symbol) -> String {
         if !symbol.index.is_empty() || symbol.stem.chars().count() == 1 {
             return self.indexed(&symbol.stem, &symbol.index);
@@ -391,7 +393,7 @@ impl Printer<'_> {
     }
 }
 
-/// Indices of the symbols that occur.
+/// Indices of the symbols that occur in the equations.
 fn used(forms: &ClosedForms) -> BTreeSet<usize> {
     let rows = forms.mass_matrix.iter().chain(&forms.input_matrix).flatten();
     let sums = rows.chain(&forms.coriolis_forces).chain(&forms.applied_forces);
@@ -411,7 +413,7 @@ fn used(forms: &ClosedForms) -> BTreeSet<usize> {
     used
 }
 
-/// Twelve digits: digits beyond them are the rounding of lumping.
+/// The value with twelve digits. Further digits are rounding errors of combined masses.
 fn rounded(value: f64) -> f64 {
     format!("{value:.11e}").parse().unwrap_or(value)
 }
@@ -427,7 +429,7 @@ fn aligned(rows: &[[String; 3]]) -> String {
     rows.iter().map(line).collect()
 }
 
-/// Digits become subscripts, everything else stays.
+/// The text with digits as subscripts.
 fn subscript(index: &str) -> String {
     let small = |c: char| match c.to_digit(10) {
         Some(digit) => char::from_u32(u32::from('₀') + digit).unwrap_or(c),

@@ -1,4 +1,5 @@
-//! Conversion of Symbolica's expanded sums to real Fourier sums: pairs of phases become sines and cosines.
+//! Converts Symbolica's expanded sums to real Fourier sums. Pairs of phases `E = e^{iα}` become sines and
+//! cosines.
 
 use std::collections::BTreeMap;
 
@@ -10,13 +11,13 @@ use super::algebra::{Kind, Variables};
 use super::terms::{Factor, Wave};
 use crate::diagnostic::{Diagnostic, Diagnostics};
 
-/// One summand: rational number, constants, motion, wave.
+/// A summand: the product of a rational number, constants, velocities and positions, and a wave.
 #[derive(Debug, Clone)]
 pub(super) struct Part {
     pub number: Rational,
-    /// Symbols with exponents.
+    /// Constant symbols with exponents.
     pub constants: Vec<(Factor, i32)>,
-    /// Velocities and sliding coordinates with exponents.
+    /// Velocities, and coordinates of prismatic joints, with exponents.
     pub motion: Vec<(Factor, i32)>,
     pub wave: Wave,
 }
@@ -28,21 +29,22 @@ impl Part {
     }
 }
 
-/// Everything that tells summands apart.
+/// Constants and motion of a summand. Summands with equal keys have a common spectrum.
 type Key = (Vec<(Factor, i32)>, Vec<(Factor, i32)>);
 
-/// Real and imaginary part of the factor of each combination of phases.
+/// Real and imaginary part of the factor of each combination of phases, which is a list of exponents.
 type Spectrum = BTreeMap<Vec<i32>, (Rational, Rational)>;
 
-/// Summands of an expanded expression in a fixed order.
+/// Converts an expanded expression to its real summands, in a fixed order. Two conjugate terms of the
+/// combination k of phases become
 ///
 /// `c E^k + c̄ E^−k = 2 Re c cos(k·α) − 2 Im c sin(k·α)`
 ///
-/// - `phases`: number of angles
+/// - `phases`: number of angles with a phase
 ///
 /// # Errors
-/// `symbolica-form` if the expression is not a real sum of products of known variables, which is a defect of
-/// this program.
+/// `symbolica-form` if the expression is not a real sum of products of variables. This would be a defect of
+/// gelenk.
 pub(super) fn parts(variables: Variables<'_>, sum: &Atom, phases: usize) -> Result<Vec<Part>, Diagnostics> {
     let mut spectra: BTreeMap<Key, Spectrum> = BTreeMap::new();
     let view = sum.as_view();
@@ -91,7 +93,7 @@ fn add(
     Ok(())
 }
 
-/// A summand in the making.
+/// A summand while its factors are collected.
 struct Product {
     number: (Rational, Rational),
     constants: BTreeMap<Factor, i32>,
@@ -134,7 +136,8 @@ fn number_of(number: CoefficientView<'_>) -> Option<(Rational, Rational)> {
     }
 }
 
-/// Sines and cosines with their factors; the first multiple of each wave is positive.
+/// Converts a spectrum to sines and cosines with their factors. The first non-zero multiple of each wave is
+/// positive.
 fn real(spectrum: &Spectrum) -> Result<Vec<(Rational, Wave)>, Diagnostics> {
     let mut waves = Vec::new();
     let zero = Rational::from(0);

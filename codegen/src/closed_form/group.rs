@@ -1,4 +1,5 @@
-//! Grouping of constants: sums that act together get one symbol, and common factors are bracketed.
+//! Grouping of constants. A sum of constants that is a common factor gets one symbol, a lumped constant.
+//! Summands with common factors are put into brackets.
 
 use std::collections::BTreeMap;
 
@@ -9,25 +10,26 @@ use super::symbols::Symbol;
 use super::terms::{Factor, Monomial, Number, Sum, Term, Wave};
 use gelenk_formula::Formula;
 
-/// A product of constants with exponents.
+/// A product of factors with exponents.
 type Factors = Vec<(Factor, i32)>;
 
-/// A sum of products of masses, lengths and inertias.
+/// A sum of products with rational numbers.
 type Polynomial = Vec<(Factors, Rational)>;
 
-/// Largest number of letters of a product that is kept as it is.
+/// Largest number of letters of a product that does not become a lumped constant.
 const SHORT: i32 = 2;
 
-/// The lumped constants found so far.
+/// The lumped constants that were found so far.
 #[derive(Debug, Default)]
 pub(super) struct Constants {
     found: Vec<Polynomial>,
 }
 
 impl Constants {
-    /// Groups the summands of one entry.
+    /// Groups the summands of one entry of M, k, q or B.
     ///
-    /// - `basis`: function that multiplies all summands
+    /// - `basis`: function that multiplies all summands, with the index of its coordinate
+    /// - `symbols`: all symbols; visible ones do not become part of a lumped constant
     pub fn group(&mut self, parts: &[Part], symbols: &[Symbol], basis: Option<&(Formula, usize)>) -> Sum {
         let mut hidden: BTreeMap<(Wave, Factors, Factors), Polynomial> = BTreeMap::new();
         for part in parts {
@@ -61,7 +63,7 @@ impl Constants {
         bracketed.into_iter().map(term).collect()
     }
 
-    /// Definitions of the lumped constants.
+    /// Definitions of the lumped constants as sums of monomials.
     pub fn definitions(self) -> Vec<Vec<Monomial>> {
         let definition = |polynomial: Polynomial| {
             let summands = polynomial.into_iter();
@@ -70,7 +72,8 @@ impl Constants {
         self.found.into_iter().map(definition).collect()
     }
 
-    /// A polynomial as number times letters.
+    /// Writes a polynomial as the product of a number and letters. A long polynomial becomes a lumped
+    /// constant.
     fn letter(&mut self, mut polynomial: Polynomial) -> (Rational, Factors) {
         polynomial.sort_by(|a, b| a.0.cmp(&b.0));
         if let [(factors, number)] = polynomial.as_slice()
@@ -93,7 +96,7 @@ impl Constants {
     }
 }
 
-/// `a / b`, if it is a number.
+/// The quotient `a / b` if it is a number.
 fn ratio(a: &Polynomial, b: &Polynomial) -> Option<Rational> {
     let first = &a.first()?.1 / &b.first()?.1;
     let pairs = a.iter().zip(b);
@@ -102,7 +105,8 @@ fn ratio(a: &Polynomial, b: &Polynomial) -> Option<Rational> {
     is_multiple.then_some(first)
 }
 
-/// The common factor of a sum: the remaining numbers are short, the first of them positive.
+/// The common factor of a sum's numbers. Divided by this factor, the numbers are coprime integers and the
+/// first one is positive.
 fn content(polynomial: &Polynomial) -> Rational {
     let Some((_, first)) = polynomial.first() else {
         return Rational::from(1);
@@ -120,7 +124,7 @@ fn monomial(number: &Rational, factors: Factors) -> Monomial {
     Monomial { number: shown(number), factors }
 }
 
-/// Largest number in a fraction that stays a fraction.
+/// Largest numerator and denominator of a fraction that is printed as a fraction.
 const SHORT_FRACTION: i64 = 1000;
 
 fn shown(number: &Rational) -> Number {

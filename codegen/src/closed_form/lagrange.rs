@@ -1,11 +1,14 @@
-//! Equations of motion from energies alone (Lagrange's equations of the second kind).
+//! Equations of motion from the kinetic energy T and the potential energy V (Lagrange's equations of the
+//! second kind).
 //!
 //! `L = T − V,  T = Σ ½ m ṗᵀṗ + ½ ωᵀ I ω + ½ J_R (aᵀω_c + i ẏ)²,  V = −Σ m g₀ᵀp`
 //! `d/dt ∂L/∂ẏ − ∂L/∂y = q − q_gravity + B u`
 //! (Goldstein, Poole and Safko, Classical Mechanics, 2002, sections 1.4 and 1.6)
 //!
-//! Velocities are derivatives of frames: `ṗ = Σ ∂p/∂yⱼ ẏⱼ`, `[ω]ₓ = RᵀṘ`. Nothing is shared with the
-//! recursive derivation.
+//! m, I and p are the mass, inertia and centre of mass of a body, ω is its angular velocity and g₀ the
+//! gravitational acceleration. A rotor has the axial inertia J_R, the gear ratio i and the axis a on a
+//! carrier with the angular velocity ω_c. Velocities are derivatives of positions: `ṗ = Σ ∂p/∂yⱼ ẏⱼ`, `[ω]ₓ =
+//! RᵀṘ`. No code is shared with the recursive derivation of `dynamics/`.
 
 use symbolica::atom::{Atom, AtomCore};
 
@@ -14,21 +17,21 @@ use super::bodies::{Bodies, ENTRY, MovingBody, Rotor};
 use super::letters::Letters;
 use crate::model::{Model, RotorCoupling};
 
-/// The equations from the energies, with phases instead of sines and cosines.
+/// Results of Lagrange's equations, with phases instead of sines and cosines.
 pub(super) struct Lagrange {
-    /// `M = ∂²L/∂ẏ²`
+    /// Mass matrix `M = ∂²L/∂ẏ²`.
     pub mass_matrix: Vec<Vec<Atom>>,
-    /// `Σⱼ ∂²L/∂ẏ∂yⱼ ẏⱼ − ∂L/∂y = k − q_gravity`
+    /// Bias forces `k − q_gravity = Σⱼ ∂²L/∂ẏ∂yⱼ ẏⱼ − ∂L/∂y`.
     pub bias_forces: Vec<Atom>,
 }
 
-/// A body's frame in the base.
+/// Pose of a body's frame in the base frame.
 struct Placed {
     rotation: Matrix,
     origin: Vector,
 }
 
-/// Derives `M` and `k − q_gravity` of a model.
+/// Derives M and the bias forces `k − q_gravity` of a model.
 pub(super) fn derive(
     variables: Variables<'_>,
     model: &Model,
@@ -60,7 +63,7 @@ struct Derivation<'a, 'i, 'm> {
 }
 
 impl Derivation<'_, '_, '_> {
-    /// `T − V`
+    /// Lagrangian `L = T − V`.
     fn lagrangian(&mut self, model: &Model) -> Atom {
         let gravity = self.letters.gravity(&model.gravity);
         let mut placed: Vec<Placed> = Vec::new();
@@ -79,7 +82,7 @@ impl Derivation<'_, '_, '_> {
         sum.expand()
     }
 
-    /// Where the joint's motion takes a body.
+    /// Pose of a body in the base frame.
     fn place(&mut self, body: &MovingBody, parent: Option<&Placed>) -> Placed {
         let base = Placed { rotation: algebra::identity(), origin: std::array::from_fn(|_| algebra::zero()) };
         let parent = parent.unwrap_or(&base);
@@ -98,7 +101,7 @@ impl Derivation<'_, '_, '_> {
         Placed { rotation: algebra::product(&turned, &algebra::transpose(&align)), origin }
     }
 
-    /// ω in the body's frame, from `[ω]ₓ = RᵀṘ`.
+    /// Angular velocity ω in the body's frame, from `[ω]ₓ = RᵀṘ`.
     fn spin(&self, rotation: &Matrix) -> Vector {
         let rate = rotation.each_ref().map(|row| row.each_ref().map(|entry| self.rate(entry)));
         let (columns, rates) = (algebra::transpose(rotation), algebra::transpose(&rate));
@@ -106,7 +109,7 @@ impl Derivation<'_, '_, '_> {
         [entry(2, 1), entry(0, 2), entry(1, 0)]
     }
 
-    /// `½ m ṗᵀṗ + ½ ωᵀ I ω + m g₀ᵀp` of all masses of a body.
+    /// Part `½ m ṗᵀṗ + ½ ωᵀ I ω + m g₀ᵀp` of L, summed over the masses of a body.
     fn of_body(&mut self, body: &MovingBody, frame: &Placed, spin: &Vector, gravity: &Vector) -> Atom {
         let mut sum = algebra::zero();
         for mass in &body.masses {
@@ -123,7 +126,7 @@ impl Derivation<'_, '_, '_> {
         sum.expand()
     }
 
-    /// `½ J_R (aᵀω_c + i ẏ)²`
+    /// Part `½ J_R (aᵀω_c + i ẏ)²` of L of a rotor.
     fn of_rotor(&mut self, rotor: &Rotor, model: &Model, spins: &[Vector]) -> Atom {
         let (inertia, ratio) = self.letters.rotor(rotor.drive);
         let mut speed = algebra::zero();
@@ -138,7 +141,7 @@ impl Derivation<'_, '_, '_> {
         half(inertia * &speed * &speed).expand()
     }
 
-    /// `df/dt = Σ ∂f/∂yⱼ ẏⱼ` of an expression in the coordinates.
+    /// Time derivative `Σ ∂f/∂yⱼ ẏⱼ` of an expression in the coordinates.
     fn rate(&self, f: &Atom) -> Atom {
         let part = |j: usize| self.by_coordinate(f, j) * self.variables.atom(Kind::Velocity, j);
         let sum = (0..self.is_prismatic.len()).fold(algebra::zero(), |sum, j| sum + part(j));

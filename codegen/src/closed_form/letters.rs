@@ -1,7 +1,8 @@
-//! Symbols for the numbers of a description, as in a textbook: m₂, c₂, I₂, l₂, i₂, J₂, g.
+//! Replaces the numbers of a description by symbols, as in a textbook: m₂, c₂, I₂, l₂, i₂, J₂, g.
 //!
-//! The index is the number of the body's coordinate. A vector with one non-zero entry is one symbol; a vector
-//! with several has the axis in the index (c₂x, c₂z). Zeros and multiples of 90° get no symbol.
+//! The index is the number of the body's coordinate. The symbol of a vector with one non-zero entry has no
+//! axis. If a vector has several non-zero entries, the index of a symbol contains the axis (c₂x, c₂z). Zeros
+//! and multiples of 90° get no symbol.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -14,7 +15,7 @@ use crate::model::{Input, Joint, JointKind, Model};
 use crate::numeric::{atan2, length};
 use gelenk_formula::Formula;
 
-/// Angles closer than this to a quarter turn are meant to be one.
+/// Largest distance [rad] of an angle from a multiple of 90° for which the angle counts as this multiple.
 const QUARTER_ROUNDING: f64 = 1e-12;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -24,7 +25,7 @@ pub(super) struct Letters<'m> {
     variables: Variables<'m>,
     model: &'m Model,
     pub symbols: Symbols,
-    /// Constant angles; phase `n + k` belongs to `angles[k]`.
+    /// Symbols of constant angles. With n coordinates, phase `n + k` belongs to `angles[k]`.
     pub angles: Vec<Symbol>,
     /// Gear ratio of each drive.
     ratios: Vec<Atom>,
@@ -41,7 +42,7 @@ impl<'m> Letters<'m> {
         letters
     }
 
-    /// A formula with a letter for each number that stands alone.
+    /// Converts a formula to an expression. A formula that is a number becomes a symbol.
     fn constant(&mut self, formula: &Formula, stem: &str, index: &str, meaning: &str) -> Atom {
         match formula.as_number() {
             Some(0.0) => algebra::zero(),
@@ -56,7 +57,8 @@ impl<'m> Letters<'m> {
         }
     }
 
-    /// As [`Letters::constant`], shown wherever it acts.
+    /// Converts a formula as [`Letters::constant`] does, with symbols that do not become part of a lumped
+    /// constant.
     fn visible(&mut self, formula: &Formula, stem: &str, index: &str, meaning: &str) -> Atom {
         let before = self.symbols.entries.len();
         let atom = self.constant(formula, stem, index, meaning);
@@ -67,7 +69,7 @@ impl<'m> Letters<'m> {
         atom
     }
 
-    /// The parameters of a formula are shown wherever they act.
+    /// Excludes the free parameters of a formula from lumped constants.
     fn show(&mut self, formula: &Formula) {
         for index in 0..self.model.parameters.len() {
             if formula.any(&|part| *part == Formula::Parameter(index)) {
@@ -76,7 +78,7 @@ impl<'m> Letters<'m> {
         }
     }
 
-    /// Calls of functions and divisors that are sums get a letter of their own.
+    /// Replaces calls of functions, and divisors that are sums, by symbols.
     fn polynomial(&mut self, formula: &Formula) -> Formula {
         let mut go = |part: &Formula| Box::new(self.polynomial(part));
         match formula {
@@ -97,7 +99,7 @@ impl<'m> Letters<'m> {
         }
     }
 
-    /// One letter for a formula.
+    /// The symbol for a whole formula.
     fn whole(&mut self, formula: &Formula) -> Formula {
         let known = self.symbols.entries.iter().position(|symbol| symbol.value == *formula);
         let place = known.unwrap_or_else(|| {
@@ -116,7 +118,7 @@ impl<'m> Letters<'m> {
         })
     }
 
-    /// Gravitational acceleration g₀; −g if it points down along one axis.
+    /// Gravitational acceleration g₀. A negative entry becomes −g with the positive symbol g.
     pub fn gravity(&mut self, gravity: &[Formula; 3]) -> Vector {
         const MEANING: &str = "gravitational acceleration [m/s²]";
         let is_single = gravity.iter().filter(|entry| !entry.is_zero()).count() == 1;
@@ -129,7 +131,7 @@ impl<'m> Letters<'m> {
         })
     }
 
-    /// Rotation and translation of the joint frame in the parent's frame.
+    /// Rotation and translation of the joint's frame in the parent's frame.
     pub fn origin(&mut self, body: &MovingBody) -> (Matrix, Vector) {
         let name = self.joint_name(body.coordinate);
         let meaning = format!("origin of {name} in its parent's frame [m]");
@@ -144,13 +146,13 @@ impl<'m> Letters<'m> {
         (turn, translation)
     }
 
-    /// Rotation `A` with `A e_z` = axis of the joint.
+    /// Rotation A with `A e_z` equal to the joint's axis.
     pub fn align_axis(&mut self, body: &MovingBody) -> Matrix {
         let meaning = format!("axis of {} [rad]", self.joint_name(body.coordinate));
         self.align(body.axis, ["alpha", "beta"], body.coordinate, &meaning)
     }
 
-    /// Axis of a rotor in its carrier's frame.
+    /// Unit vector of a rotor's axis in the carrier's frame.
     pub fn rotor_axis(&mut self, drive: usize, axis: [f64; 3]) -> Vector {
         let meaning = format!("rotor axis of {} [rad]", self.model.drives[drive].name);
         let index = self.model.drives[drive].coordinate().unwrap_or(drive);
@@ -158,7 +160,7 @@ impl<'m> Letters<'m> {
         align.map(|[_, _, z]| z)
     }
 
-    /// `R_z(azimuth) R_y(polar)` turns z into the axis.
+    /// Rotation `R_z(azimuth) R_y(polar)`, which turns z into the axis.
     fn align(&mut self, axis: [f64; 3], stems: [&str; 2], index: usize, meaning: &str) -> Matrix {
         let [azimuth, polar] = spherical(axis);
         let (sine, cosine) = self.angle(azimuth, stems[0], index, &format!("azimuth, {meaning}"));
@@ -167,8 +169,8 @@ impl<'m> Letters<'m> {
         algebra::product(&turn, &algebra::rotation(1, &sine, &cosine))
     }
 
-    /// Sine and cosine of an angle that does not move. Equal and opposite angles, and those with quarter
-    /// turns between them, share their letter.
+    /// Sine and cosine of a constant angle. Two angles have the same symbol if their sum or difference is a
+    /// multiple of 90°.
     fn angle(&mut self, value: f64, stem: &str, index: usize, meaning: &str) -> (Atom, Atom) {
         let quarters = (value / FRAC_PI_2).round();
         if is_quarter(value) {
@@ -200,7 +202,7 @@ impl<'m> Letters<'m> {
         turned(quarters, sine, self.variables.cosine(phase))
     }
 
-    /// Mass, centre of mass and inertia about it.
+    /// Mass, centre of mass, and inertia about the centre of mass (xx, xy, xz, yy, yz, zz).
     pub fn mass(&mut self, coordinate: usize, mass: &Mass) -> (Atom, Vector, [Atom; 6]) {
         let name = self.joint_name(coordinate);
         let index = coordinate + 1;
@@ -217,7 +219,7 @@ impl<'m> Letters<'m> {
         (m, center, inertia)
     }
 
-    /// Axial inertia and gear ratio of a drive's rotor.
+    /// Axial inertia and gear ratio of the rotor of a drive.
     pub fn rotor(&mut self, drive: usize) -> (Atom, Atom) {
         let model = self.model;
         let meaning = format!("axial inertia of the rotor of {} [kg m²]", model.drives[drive].name);
@@ -226,7 +228,8 @@ impl<'m> Letters<'m> {
         (inertia, self.ratios[drive].clone())
     }
 
-    /// `B`: gear ratio, times the motor constant if the input is a current.
+    /// Matrix B, as a list of rows. An entry is the gear ratio, times the motor constant if the input is a
+    /// current.
     pub fn input_matrix(&mut self) -> Vec<Vec<Atom>> {
         let model = self.model;
         let drives: Vec<_> =
@@ -245,7 +248,8 @@ impl<'m> Letters<'m> {
         matrix
     }
 
-    /// Coefficients and bases of springs (positive) and friction (negative) by coordinate.
+    /// Spring and friction terms of each coordinate: coefficient and basis function. Coefficients of friction
+    /// are negated.
     pub fn joint_forces(&mut self) -> Vec<Vec<(Atom, Formula)>> {
         let model = self.model;
         let joints = model.coordinates.iter().enumerate();
@@ -287,7 +291,8 @@ impl<'m> Letters<'m> {
         }
     }
 
-    /// Number of the coordinate that a drive moves; that of a held joint has the drive's name.
+    /// Index of a drive's symbols: the number of the drive's coordinate, or the drive's name if its joint is
+    /// held.
     fn drive_index(&self, drive: usize) -> String {
         let drive = &self.model.drives[drive];
         match drive.coordinate() {
@@ -303,7 +308,7 @@ impl<'m> Letters<'m> {
     }
 }
 
-/// `sin(α + 90° k), cos(α + 90° k)`
+/// Sine and cosine of α + 90° k from sine and cosine of α.
 fn turned(quarters: f64, sine: Atom, cosine: Atom) -> (Atom, Atom) {
     // Angles are at most a few turns.
     match quarters.rem_euclid(4.0) as u8 {
@@ -314,7 +319,7 @@ fn turned(quarters: f64, sine: Atom, cosine: Atom) -> (Atom, Atom) {
     }
 }
 
-/// Number of symbols for angles.
+/// Number of symbols that the constant angles of the bodies need.
 pub(super) fn count_angles(bodies: &Bodies) -> usize {
     let joints = bodies.bodies.iter().flat_map(|body| {
         let origin = roll_pitch_yaw(&body.pose.rotation);
@@ -337,12 +342,12 @@ fn is_quarter(angle: f64) -> bool {
     (angle - quarters * FRAC_PI_2).abs() < QUARTER_ROUNDING
 }
 
-/// Azimuth and polar angle of an axis.
+/// Azimuth and polar angle of an axis [rad].
 fn spherical([x, y, z]: [f64; 3]) -> [f64; 2] {
     [atan2(y, x), atan2(length([x, y]), z)]
 }
 
-/// Unit of what is multiplied with a basis to a force; none if the basis is a power, say.
+/// Unit of the coefficient of a basis function, in brackets. The text is empty for a basis such as a power.
 fn unit(joint: &Joint, basis: &Formula) -> &'static str {
     let slides = joint.kind == JointKind::Prismatic;
     match (basis, slides) {
@@ -356,7 +361,7 @@ fn unit(joint: &Joint, basis: &Formula) -> &'static str {
     }
 }
 
-/// a, b, c, … for the parts of a law.
+/// Letters a, b, c, … for the terms of a force law.
 fn part(number: usize) -> char {
     char::from(b'a' + (number % 26) as u8)
 }
@@ -370,7 +375,7 @@ fn is_product(formula: &Formula) -> bool {
     }
 }
 
-/// The angles of `R_z(yaw) R_y(pitch) R_x(roll)`; where pitch is ±90°, roll is 0.
+/// Roll, pitch and yaw of `R_z(yaw) R_y(pitch) R_x(roll)` [rad]. If pitch is ±90°, roll is 0.
 fn roll_pitch_yaw(r: &[[f64; 3]; 3]) -> [f64; 3] {
     let level = length([r[0][0], r[1][0]]);
     let pitch = atan2(-r[2][0], level);

@@ -1,8 +1,9 @@
-//! Lock for Symbolica: one instance per machine, by an advisory lock on a file shared by all users.
+//! Lock for Symbolica, which allows one instance per machine without a key. The lock is an advisory lock on a
+//! file that all users share.
 //!
-//! Without a key Symbolica allows one instance per machine; a second instance ends its own process, which no
-//! error handling can prevent. Programs that use this lock never start a second instance. The lock does not
-//! see programs that use Symbolica without it, or processes with another folder for temporary files.
+//! A second instance of Symbolica ends its own process, which no error handling can prevent. Programs that
+//! use this lock never start a second instance. The lock has no effect on programs that use Symbolica without
+//! it, or that have another folder for temporary files.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io;
@@ -13,43 +14,46 @@ use std::time::Duration;
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 
-/// Longest time that [`Instance::acquire`] waits for another instance.
+/// Longest time that [`Instance::acquire`] waits for the process that has the lock.
 pub const PATIENCE: Duration = Duration::from_secs(120);
 
-/// Pause between two tries.
+/// Pause between two attempts.
 const PAUSE: Duration = Duration::from_millis(100);
 
-/// The lock of this process: kept until it ends, because what has used Symbolica remains an instance of it.
+/// The locked file. It is kept until the process ends, because a process that has used Symbolica remains an
+/// instance.
 static LOCK: OnceLock<File> = OnceLock::new();
 
-/// Whose turn it is within this process.
+/// Lock for the threads of this process.
 static TURN: Mutex<()> = Mutex::new(());
 
-/// The right to use Symbolica on this thread until dropped. Other processes must wait for the end of this
-/// process; the operating system then releases the lock.
+/// The right to use Symbolica on this thread until the value is dropped. Other processes have to wait until
+/// this process ends, when the operating system releases the lock.
 #[derive(Debug)]
 pub struct Instance {
     _turn: MutexGuard<'static, ()>,
 }
 
 impl Instance {
-    /// Waits up to [`PATIENCE`] for the machine's instance; calls `on_wait` once if it has to wait.
+    /// Waits for the lock, at most [`PATIENCE`]. If it has to wait, it first calls `on_wait` with the path of
+    /// the locked file.
     ///
     /// # Errors
-    /// `symbolica-busy` if another process keeps the lock, `symbolica-lock` if the file cannot be locked.
+    /// `symbolica-busy` if another process has the lock for longer than [`PATIENCE`], `symbolica-lock` if the
+    /// file cannot be locked.
     pub fn acquire(on_wait: &mut dyn FnMut(&Path)) -> Result<Self, Diagnostics> {
-        // The mutex guards no data that a panic could have left half-made.
+        // The mutex has no data that a panic could have left inconsistent.
         let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
         if LOCK.get().is_none() {
             let file = locked(&lock_file(), PATIENCE, on_wait)?;
-            // Nobody else sets it: it is our turn.
+            // This thread has the mutex, so no other thread sets the lock.
             let _ = LOCK.set(file);
         }
         Ok(Self { _turn: turn })
     }
 }
 
-/// The file at `path`, locked.
+/// Opens and locks the file at `path`.
 fn locked(path: &Path, patience: Duration, on_wait: &mut dyn FnMut(&Path)) -> Result<File, Diagnostics> {
     let file = open(path).map_err(|error| problem(unusable(path, &error)))?;
     let mut waited = Duration::ZERO;
@@ -71,12 +75,12 @@ fn locked(path: &Path, patience: Duration, on_wait: &mut dyn FnMut(&Path)) -> Re
     }
 }
 
-/// The locked file; it stays empty and is not removed.
+/// Path of the locked file. The file stays empty and is not removed.
 pub fn lock_file() -> PathBuf {
     std::env::temp_dir().join("gelenk-symbolica.lock")
 }
 
-/// Reading is enough to lock, so that a file made by another user will do.
+/// Opens the file for reading, which is enough for a lock, so the file of another user can be locked.
 fn open(path: &Path) -> io::Result<File> {
     match File::open(path) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => {

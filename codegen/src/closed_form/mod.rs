@@ -1,15 +1,16 @@
-//! Closed forms of M, k, q and B with symbolic parameters, from the computer algebra system Symbolica.
+//! Closed forms: formulas of M, k, q and B with symbols instead of numbers, from the computer algebra system
+//! Symbolica.
 //!
-//! This folder requires the feature `symbolica`, which is off by default, and is the only one that uses
-//! Symbolica. Generated code does not depend on it. Symbolica is source-available, not open source: without a
-//! key it is for non-commercial use, one instance and one core per machine. Therefore all functions take an
-//! [`Instance`] and run on one thread. Symbolica prints a banner to standard output at its first use.
+//! This module requires the feature `symbolica`, which is off by default. No other module uses Symbolica, and
+//! generated code does not depend on it. Symbolica is source-available, not open source. Without a key it is
+//! for non-commercial use, with one instance and one core per machine. Therefore [`derive()`] takes an
+//! [`Instance`] and runs on one thread. Symbolica prints a banner to standard output at its first use.
 //!
 //! The equations are Lagrange's equations of the second kind. They share only the model with the recursive
-//! derivation of [`crate::dynamics`], so they also verify it.
+//! derivation of [`crate::dynamics`], so they are an independent check of that derivation.
 //!
-//! Closed forms grow quickly with the number of joints, so generated code does not use them. The limit is
-//! [`MAXIMUM_JOINTS`].
+//! Closed forms grow quickly with the number of joints, so generated code does not use them. They exist for
+//! robots with up to [`MAXIMUM_JOINTS`] coordinates.
 
 mod algebra;
 mod bodies;
@@ -37,21 +38,22 @@ use fourier::Part;
 use group::Constants;
 use letters::Letters;
 
-/// Largest number of coordinates; closed forms of more are too long to read.
+/// Largest number of coordinates. Closed forms of more coordinates are too long to read.
 pub const MAXIMUM_JOINTS: usize = 3;
 
-/// Largest number of coordinates and angles that are not multiples of 90°, together. Each multiplies the
-/// number of terms by up to five: three general joints give 30 kB of formulas with one such angle, 130 kB
-/// with two, hours of computation with three.
+/// Largest number of coordinates plus constant angles that are not multiples of 90°. Each coordinate or angle
+/// multiplies the number of terms by up to five. For three general joints, the formulas have 30 kB with one
+/// angle and 130 kB with two angles. With three angles the computation takes hours.
 pub const MAXIMUM_ANGLES: usize = 4;
 
-/// `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u` of a model with symbols instead of numbers.
+/// Derives `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u` of a model with symbols instead of numbers.
 ///
 /// - `instance`: the right to use Symbolica
 ///
 /// # Errors
-/// The code of a [`Kind`](crate::functions::catalogue::Kind) without closed forms; `too-many-joints` for more
-/// than [`MAXIMUM_JOINTS`] coordinates, `too-many-angles` beyond [`MAXIMUM_ANGLES`].
+/// - the code of a [`Kind`](crate::functions::catalogue::Kind) of robots for which there are no closed forms
+/// - `too-many-joints` if the model has more than [`MAXIMUM_JOINTS`] coordinates
+/// - `too-many-angles` if coordinates and angles are more than [`MAXIMUM_ANGLES`]
 pub fn derive(model: &Model, instance: &Instance) -> Result<ClosedForms, Diagnostics> {
     check_size(model)?;
     let variables = Variables::new(instance);
@@ -93,17 +95,17 @@ pub fn derive(model: &Model, instance: &Instance) -> Result<ClosedForms, Diagnos
     })
 }
 
-/// Checks that a model is small enough for closed forms, and that M, k, q and B are its complete equations.
-/// Needs no instance of Symbolica.
+/// Checks that closed forms of a model are possible: the model is small enough, and M, k, q and B are its
+/// complete equations. No instance of Symbolica is needed.
 ///
 /// # Errors
-/// See [`derive()`].
+/// The errors of [`derive()`].
 pub fn check_size(model: &Model) -> Result<(), Diagnostics> {
     CLOSED_FORMS.check(model)?;
     check_coordinates(model)
 }
 
-/// Formulas grow with the coordinates, and with the angles that stay in them.
+/// Checks the numbers of coordinates and angles, with which formulas grow.
 fn check_coordinates(model: &Model) -> Result<(), Diagnostics> {
     let n = model.coordinates.len();
     if n > MAXIMUM_JOINTS {
@@ -131,7 +133,7 @@ fn check_coordinates(model: &Model) -> Result<(), Diagnostics> {
     Ok(())
 }
 
-/// From Symbolica's expressions to sums of ours.
+/// Converts Symbolica's expressions to sums of [`Term`].
 struct Writer<'a, 'm> {
     variables: Variables<'m>,
     phases: usize,
@@ -157,7 +159,8 @@ impl Writer<'_, '_> {
         Ok(all)
     }
 
-    /// `k − q_gravity` as k, which is quadratic in the velocities, and q_gravity, which knows none.
+    /// Splits `k − q_gravity` into k, whose terms contain velocities, and q_gravity, whose terms contain no
+    /// velocities.
     fn split(&mut self, bias: &Atom) -> Result<(Sum, Sum), Diagnostics> {
         let moves = |part: &Part| {
             let mut factors = part.motion.iter();

@@ -1,32 +1,33 @@
-//! Named constants of a closed form: symbols that replace the numbers of a description.
+//! Symbols that replace the numbers of a description in closed forms.
 
 use crate::model::Model;
 use gelenk_formula::Formula;
 
-/// A constant and its symbol.
+/// A symbol for a constant.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Symbol {
-    /// Base of the name: `m`, `c`, `I`, or the name of a parameter.
+    /// Letter of the symbol, for example `m`, `c` or `I`, or the name of a free parameter.
     pub stem: String,
-    /// Subscript: number of the coordinate, and axes if necessary: `2`, `2z`. Empty for parameters.
+    /// Subscript of the symbol: the number of the coordinate, and axes if necessary, for example `2` or `2z`.
+    /// It is empty for free parameters.
     pub index: String,
-    /// Described value; parameters may be set to others.
+    /// Value in the description. The value of a free parameter is an argument of `evaluate`.
     pub value: Formula,
-    /// Meaning of the symbol, with its unit.
+    /// Meaning of the symbol, with the unit in brackets.
     pub meaning: String,
-    /// Whether the symbol appears in the entries and never within a lumped constant: symbols of drives,
-    /// gravity and friction.
+    /// Whether the symbol never becomes part of a lumped constant. This is set for symbols of drives,
+    /// gravity, springs, friction and angles.
     pub is_visible: bool,
 }
 
 impl Symbol {
-    /// The name as one word: `c2z`, or the parameter's name.
+    /// Name of the symbol as one word, for example `c2z`, or the name of the free parameter.
     pub fn name(&self) -> String {
         format!("{}{}", self.stem, self.index)
     }
 }
 
-/// All constants; free parameters are first.
+/// All symbols of constants. Free parameters are first.
 #[derive(Debug, Clone)]
 pub(super) struct Symbols {
     pub entries: Vec<Symbol>,
@@ -44,7 +45,7 @@ impl Symbols {
         Self { entries: model.parameters.iter().enumerate().map(entry).collect() }
     }
 
-    /// Adds a symbol for a non-zero value; appends a prime if the name is in use.
+    /// Adds a symbol for a non-zero value and returns its index. If the name is in use, a prime is appended.
     pub fn add(&mut self, stem: &str, index: &str, value: Formula, meaning: String) -> usize {
         let mut symbol =
             Symbol { stem: stem.to_owned(), index: index.to_owned(), value, meaning, is_visible: false };

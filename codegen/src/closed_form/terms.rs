@@ -1,13 +1,13 @@
-//! Closed forms as data (sums of products), independent of the computer algebra.
+//! Closed forms as data: sums of products, without expressions of Symbolica.
 
 use super::symbols::Symbol;
 use crate::numeric::{power, sin_cos};
 use gelenk_formula::Formula;
 
-/// `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u` in closed form, with symbolic parameters.
+/// Closed forms of M, k, q and B in `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u`, with n coordinates y and m inputs u.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClosedForms {
-    /// The robot's name.
+    /// Name of the robot.
     pub robot: String,
     /// Names of the coordinates y₁ … yₙ.
     pub coordinates: Vec<String>,
@@ -15,9 +15,9 @@ pub struct ClosedForms {
     pub inputs: Vec<String>,
     /// Symbols for the numbers of the description.
     pub symbols: Vec<Symbol>,
-    /// Constant angles of slanted joints and rotors.
+    /// Symbols of the constant angles of joints and rotors that are not multiples of 90°.
     pub angles: Vec<Symbol>,
-    /// Lumped constants p₁, p₂, …: sums of products of masses, lengths and inertias.
+    /// Definitions of the lumped constants p₁, p₂, …, sums of products of masses, lengths and inertias.
     pub constants: Vec<Vec<Monomial>>,
     /// M, `[n × n]`.
     pub mass_matrix: Vec<Vec<Sum>>,
@@ -29,32 +29,32 @@ pub struct ClosedForms {
     pub input_matrix: Vec<Vec<Sum>>,
 }
 
-/// A rational number, also as a fraction if that is short.
+/// A rational number.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Number {
     /// Value of the number.
     pub value: f64,
-    /// Numerator and denominator.
+    /// Numerator and denominator; `None` if they are too long to print.
     pub fraction: Option<(i64, i64)>,
 }
 
 /// A factor of a monomial.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Factor {
-    /// Lumped constant, by index.
+    /// The lumped constant with this index in [`ClosedForms::constants`].
     Constant(usize),
-    /// Symbol, by index.
+    /// The symbol with this index in [`ClosedForms::symbols`].
     Symbol(usize),
-    /// Coordinate of a prismatic joint, by index.
+    /// The coordinate with this index, of a prismatic joint.
     Coordinate(usize),
-    /// Velocity, by index.
+    /// The velocity with this index.
     Velocity(usize),
 }
 
-/// `number · Π factorᵉ`
+/// A product `number · Π factorᵉ`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Monomial {
-    /// The rational factor.
+    /// Rational factor.
     pub number: Number,
     /// Factors with their non-zero exponents.
     pub factors: Vec<(Factor, i32)>,
@@ -65,29 +65,31 @@ pub struct Monomial {
 pub enum Wave {
     /// The constant 1.
     None,
-    /// `cos(Σ kᵢ αᵢ)`; α are the coordinates, then the constant angles.
+    /// Cosine `cos(Σ kᵢ αᵢ)` with the multiples k. The angles α are the coordinates, then
+    /// [`ClosedForms::angles`].
     Cosine(Vec<i32>),
-    /// `sin(Σ kᵢ αᵢ)`
+    /// Sine `sin(Σ kᵢ αᵢ)` with the multiples k of the same angles.
     Sine(Vec<i32>),
 }
 
-/// `outer · wave · (Σ inner) · basis`
+/// A product `outer · wave · (Σ inner) · basis`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Term {
-    /// Number and constants.
+    /// Number and constant factors.
     pub outer: Monomial,
-    /// Sine or cosine.
+    /// Sine, cosine, or 1.
     pub wave: Wave,
-    /// Velocities and prismatic coordinates; never empty.
+    /// Sum of products of velocities and coordinates of prismatic joints. It has at least one summand.
     pub inner: Vec<Monomial>,
-    /// Friction law or spring as a function of one coordinate's y and ẏ, and the index of the coordinate.
+    /// Basis function of a friction law or spring, and the index of the coordinate whose y and ẏ it has;
+    /// `None` for other terms.
     pub basis: Option<(Formula, usize)>,
 }
 
-/// A sum of terms; an empty sum is 0.
+/// A sum of terms. An empty sum is 0.
 pub type Sum = Vec<Term>;
 
-/// Values at one state.
+/// Values of M, k, q and B at one state.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Values {
     /// M, `[n × n]`.
@@ -101,10 +103,11 @@ pub struct Values {
 }
 
 impl ClosedForms {
-    /// Evaluates the formulas at a state with these values of the free parameters; `NaN` if a value is
-    /// missing.
+    /// Evaluates M, k, q and B at a state. Results are `NaN` if they depend on a value that is missing in an
+    /// argument.
     ///
-    /// - `y`, `v`: coordinates and velocities, `n` each
+    /// - `parameters`: values of the free parameters
+    /// - `y`, `v`: coordinates and velocities, n entries each
     pub fn evaluate(&self, parameters: &[f64], y: &[f64], v: &[f64]) -> Values {
         let state = State::new(self, parameters, y, v);
         let rows = |rows: &[Vec<Sum>]| rows.iter().map(|row| state.sums(row)).collect();
@@ -116,14 +119,15 @@ impl ClosedForms {
         }
     }
 
-    /// Value of a lumped constant.
+    /// Value of the lumped constant `index` for these values of the free parameters; `NaN` if there is no
+    /// such constant.
     pub fn constant_value(&self, index: usize, parameters: &[f64]) -> f64 {
         let state = State::new(self, parameters, &[], &[]);
         state.constants.get(index).copied().unwrap_or(f64::NAN)
     }
 }
 
-/// Values of everything that formulas name.
+/// Values of everything that occurs in formulas.
 struct State<'a> {
     symbols: Vec<f64>,
     constants: Vec<f64>,

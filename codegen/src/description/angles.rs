@@ -1,36 +1,40 @@
-//! Angles close to a multiple of 90°: noted, or snapped on request.
+//! Angles close to a multiple of 90°. A note names them; on request they are snapped, that is rounded to the
+//! multiple.
 
 use crate::diagnostic::{At, Report, Span};
 use crate::model::pose::{Rotation, from_quaternion, from_rpy, is_nearly_right, snapped};
 use crate::wording::{listed, three_digits};
 
-/// Largest distance (rad) from a multiple of 90° that gives a note.
+/// Largest distance [rad] of an angle from a multiple of 90° for which there is a note.
 pub const NEARLY_RIGHT: f64 = 1e-4;
-/// Code of the note.
+/// Code of the note about angles close to a multiple of 90°.
 pub const NEARLY_RIGHT_ANGLE: &str = "nearly-right-angle";
-/// Makes rotations from described angles; records the operations that snapping would save.
+/// Makes rotations from the angles of a description, and collects the angles for notes.
 #[derive(Debug, Default)]
 pub(crate) struct Angles {
-    /// Largest distance (rad) from a multiple of 90° that is snapped.
+    /// Largest distance [rad] of an angle from a multiple of 90° for which the angle is rounded to this
+    /// multiple. `None` rounds no angle.
     pub snap: Option<f64>,
     near: Vec<(Span, String, f64)>,
     gained: usize,
-    /// Angles that look like degrees.
+    /// Places and texts of angles that look like degrees.
     degrees: Vec<(Span, String)>,
 }
 
-/// Whether an angle is a multiple of 5 that is too large for radians: 90, −180, 360.
+/// Whether an angle of a description is probably in degrees: a multiple of 5 with a magnitude from 30 to 720,
+/// for example −180.
 pub(crate) fn looks_like_degrees(angle: f64) -> bool {
     is_beyond_turns(angle) && angle % 5.0 == 0.0
 }
 
-/// Whether an angle is nearly five turns or more in radians, but at most two turns in degrees.
+/// Whether the magnitude of an angle is from 30 to 720: nearly five turns or more in radians, at most two
+/// turns in degrees.
 pub(crate) fn is_beyond_turns(angle: f64) -> bool {
     (30.0..=720.0).contains(&angle.abs())
 }
 
 impl Angles {
-    /// Rotation from roll, pitch and yaw; `owner` is the name in the note.
+    /// Rotation from roll, pitch and yaw [rad], as in URDF. Notes name the angles by `owner`.
     pub fn rpy(&mut self, rpy: &At<[f64; 3]>, owner: &str) -> Rotation {
         let angles = rpy.value.map(|angle| self.snapped(angle));
         for angle in angles {
@@ -42,12 +46,13 @@ impl Angles {
         rotation
     }
 
-    /// Rotation from a unit quaternion w, x, y, z.
+    /// Rotation from a unit quaternion (w, x, y, z).
     pub fn quaternion(&self, quaternion: [f64; 4]) -> Rotation {
         from_quaternion(quaternion, self.snap.unwrap_or(0.0))
     }
 
-    /// An angle of a Denavit–Hartenberg row.
+    /// An angle of a Denavit–Hartenberg row [rad], rounded if [`Self::snap`] asks for it. Notes name the
+    /// angle by `owner`.
     pub fn angle(&mut self, angle: &At<f64>, owner: &str) -> f64 {
         let value = self.snapped(angle.value);
         if self.remember(value, angle.span, owner) {
@@ -71,7 +76,7 @@ impl Angles {
         near
     }
 
-    /// Adds the notes, if any.
+    /// Adds the notes about the collected angles.
     pub fn report(self, report: &mut Report) {
         self.note_degrees(report);
         let Some((first, ..)) = self.near.first() else {

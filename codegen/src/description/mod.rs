@@ -1,7 +1,7 @@
-//! Unchecked contents of a description, in a form common to TOML, URDF and MJCF.
+//! Unchecked contents of a description. TOML, URDF and MJCF are read into the same types.
 //!
-//! Entries refer to each other by name and know their place in the file. A value that could not be read was
-//! reported, and a valid value replaces it to avoid further errors.
+//! Entries refer to each other by name and have their place in the file. If a value could not be read, there
+//! is an error, and a valid value takes its place to avoid further errors.
 
 pub(crate) mod angles;
 
@@ -14,67 +14,67 @@ use crate::model::{
 use gelenk_formula::Formula;
 use std::collections::BTreeSet;
 
-/// A described name.
+/// A name in a description, with its place.
 pub(crate) type Name = At<String>;
 
 impl Name {
-    /// The name in the form for messages.
+    /// The name in backticks, for messages.
     pub fn quoted(&self) -> String {
         format!("`{}`", self.value)
     }
 }
 
-/// A described robot.
+/// A robot as its description defines it. `None` means that the description has no entry.
 #[derive(Debug, Default)]
 pub(crate) struct RobotDescription {
     pub name: Name,
     pub description: Vec<String>,
     pub gravity: Option<[Formula; 3]>,
     pub parameters: Vec<At<Parameter>>,
-    /// Name of the base link, if described.
+    /// Name of the base link.
     pub base: Option<Name>,
-    /// Place where the base is described as floating.
+    /// Place of the entry that makes the base floating; `None` if the base is fixed.
     pub floating_base: Option<Span>,
-    /// Whether the base was made floating.
+    /// Whether the floating joint of the base was already added.
     pub is_freed: bool,
-    /// Velocities of the base, kept until its floating joint exists.
+    /// Keys of the velocities of the floating base, until its joint is added.
     pub velocities: Vec<JointDescription>,
     /// Whether the description is an MJCF or extends one.
     pub is_mjcf: bool,
-    /// Links that exist even if no joint names them.
+    /// Links that the description lists, also if no joint names them.
     pub links: Vec<Name>,
-    /// Links with a shape but no body.
+    /// Links with a shape but without a body.
     pub weightless_shapes: Vec<Name>,
-    /// Rotors that could not be assigned to a joint.
+    /// Rotors of a URDF that could not be assigned to a joint.
     pub skipped_rotors: Vec<SkippedRotor>,
     pub bodies: Vec<BodyDescription>,
     pub joints: Vec<JointDescription>,
     pub frames: Vec<FrameDescription>,
-    /// Joint names in the order of the coordinates, if described.
+    /// Names of the joints in the order of the coordinates.
     pub coordinates: Option<Vec<Name>>,
-    /// Whether children of a link are ordered by the names of their joints, as in Pinocchio, not as
-    /// described.
+    /// Whether the children of a link have the order of their joints' names, as in Pinocchio. Otherwise they
+    /// have the order of the description.
     pub sort_joints: bool,
-    /// Followers that match patterns of held joints; they must be at rest.
+    /// Followers in `held` or `--hold`. It is an error if the joints that they follow are not held, too.
     pub resting: Vec<Name>,
-    /// Drives under `[[drives]]`.
+    /// Drives of the tables `[[drives]]`, which may act on several joints.
     pub drives: Vec<SharedDriveDescription>,
     /// Forces between two frames.
     pub point_forces: Vec<PointForceDescription>,
-    /// Inputs that are wrenches.
+    /// Inputs whose effect is a wrench in a frame.
     pub wrench_inputs: Vec<WrenchInputDescription>,
-    /// Wrenches that are arguments of functions.
+    /// Wrenches that are arguments of generated functions.
     pub wrenches: Vec<WrenchDescription>,
-    /// Drive of joints that describe none.
+    /// Drive of joints without a drive of their own.
     pub default_drive: DriveChoice,
-    /// Whether a mass matrix that is not positive definite gives a warning instead of an error.
+    /// Whether there is a warning instead of an error if the mass matrix is not positive definite.
     pub accept_unphysical: bool,
     pub options: Option<Options>,
 }
 
 impl RobotDescription {
-    /// Drive of a joint: the described one, otherwise the default of the robot. Followers, and joints with a
-    /// drive under `[[drives]]`, have none by default.
+    /// Drive of a joint. If the joint has no drive of its own, the drive is [`Self::default_drive`].
+    /// Followers, and joints with a drive under `[[drives]]`, have no drive by default.
     pub fn drive_of<'d>(&'d self, joint: &'d JointDescription) -> &'d DriveChoice {
         match &joint.drive {
             Some(drive) => &drive.value,
@@ -83,12 +83,13 @@ impl RobotDescription {
         }
     }
 
-    /// Place of the first of some names; the place of the robot's name if there is none.
+    /// Place of the first name in `names` that equals `wanted`. If there is none, the place of the robot's
+    /// name is returned.
     pub fn place_among<'r>(&'r self, mut names: impl Iterator<Item = &'r Name>, wanted: &str) -> Span {
         names.find(|name| name.value == wanted).unwrap_or(&self.name).span
     }
 
-    /// All motors with the names of their drives.
+    /// All motors with the names of their drives: motors of joints, then motors of `[[drives]]`.
     pub fn motors(&self) -> impl Iterator<Item = (&str, &DriveDescription)> {
         let of_joints = self.joints.iter().filter_map(|joint| match self.drive_of(joint) {
             DriveChoice::Motor(motor) => {
@@ -99,14 +100,15 @@ impl RobotDescription {
         of_joints.chain(self.drives.iter().map(|drive| (&drive.name.value[..], &drive.motor)))
     }
 
-    /// Frames and links named by forces, inputs and wrenches.
+    /// Names of frames and links to which forces, inputs and wrenches refer.
     pub fn names_at_frames(&self) -> impl Iterator<Item = &Name> {
         let between = self.point_forces.iter().flat_map(|force| &force.between);
         let inputs = self.wrench_inputs.iter().map(|input| &input.frame);
         between.chain(inputs).chain(self.wrenches.iter().map(|wrench| &wrench.frame))
     }
 
-    /// Links of a list that are described, without those between the velocities of one joint.
+    /// Names of the links in `links` that the description contains. Links between the velocities of one
+    /// spherical or floating joint are left out, because only the generator needs them.
     pub fn described_links<'l>(&self, links: &'l [Name]) -> impl Iterator<Item = &'l str> + use<'l> {
         let inner =
             self.joints.iter().filter(|joint| joint.leads_on).filter_map(|joint| joint.child.as_ref());
@@ -127,25 +129,27 @@ impl Default for At<String> {
     }
 }
 
-/// A rigid body; fields are `None` if not described.
+/// A rigid body. A field is `None` if the description does not contain it.
 #[derive(Debug, Clone)]
 pub(crate) struct BodyDescription {
     pub name: Name,
     pub link: Name,
-    /// Pose of the body's own frame in the link's described frame.
+    /// Pose of the body's frame in the frame of the link.
     pub origin: Option<Pose>,
-    /// Fields of the base description that this file does not override.
+    /// Parts of the pose that this file leaves out. If it extends another description, that description's
+    /// parts remain.
     pub unsaid: Unsaid,
     pub mass: Option<At<Formula>>,
     pub center_of_mass: Option<[Formula; 3]>,
     pub inertia: Option<At<[Formula; 6]>>,
     pub accept_unphysical: bool,
-    /// Whether the body is from a URDF; its inertia is then accepted as published.
+    /// Whether mass and inertia are from a URDF or an MJCF. An impossible inertia is then a warning. In TOML
+    /// it is an error.
     pub is_published: bool,
 }
 
 impl BodyDescription {
-    /// Centre of mass in the link's described frame.
+    /// Centre of mass in the frame of the link [m].
     pub fn center_in_link(&self) -> [Formula; 3] {
         let center = self.center_of_mass.clone().unwrap_or([Formula::ZERO; 3]);
         match &self.origin {
@@ -154,7 +158,7 @@ impl BodyDescription {
         }
     }
 
-    /// Inertia about the centre of mass in axes of the link's described frame.
+    /// Inertia about the centre of mass, in the axes of the link's frame [kg m²]: xx, xy, xz, yy, yz, zz.
     pub fn inertia_in_link(&self) -> [Formula; 6] {
         let inertia = self.inertia.clone().map_or([Formula::ZERO; 6], |inertia| inertia.value);
         match &self.origin {
@@ -164,7 +168,7 @@ impl BodyDescription {
     }
 }
 
-/// A joint; fields are `None` if not described.
+/// A joint. A field is `None` if the description does not contain it.
 #[derive(Debug, Clone)]
 pub(crate) struct JointDescription {
     pub name: Name,
@@ -172,50 +176,53 @@ pub(crate) struct JointDescription {
     pub parent: Option<Name>,
     pub child: Option<Name>,
     pub origin: Option<Pose>,
-    /// Fields of the base description that this file does not override.
+    /// Parts of the pose that this file leaves out. If it extends another description, that description's
+    /// parts remain.
     pub unsaid: Unsaid,
-    /// Pose of the child link's described frame in the frame that moves with the joint (standard DH).
+    /// Pose of the child link's frame in the frame that moves with the joint, for standard Denavit–Hartenberg
+    /// rows. In other descriptions both frames are equal.
     pub link_frame: Option<Pose>,
     pub axis: Option<[f64; 3]>,
     pub held: Option<f64>,
-    /// Whether the motion is prescribed; `None` if not described.
+    /// Whether the motion of the joint is prescribed.
     pub driven: Option<At<bool>>,
     pub limits: LimitsDescription,
     pub springs: Option<At<Vec<Formula>>>,
     pub friction: Option<At<FrictionDescription>>,
     pub drive: Option<At<DriveChoice>>,
-    /// The joints that this one follows.
+    /// Joints that this joint follows, with ratios.
     pub follows: Option<At<Vec<FollowsDescription>>>,
-    /// Position when the followed joints are at 0.
+    /// Position of a follower when the joints that it follows are at position 0 [rad or m].
     pub offset: Option<At<f64>>,
-    /// The spherical or floating joint whose velocity this is.
+    /// The spherical or floating joint, if this entry is one of its velocities.
     pub part_of: Option<PartOf>,
-    /// Whether this is a part of a joint with several degrees of freedom, but not the last. Its link is not
-    /// described.
+    /// Whether this is a part of a joint with several degrees of freedom, but not its last part. The child
+    /// link of the part is then not in the description.
     pub leads_on: bool,
 }
 
-/// Position of a velocity within a joint with a quaternion.
+/// Place of a velocity within a joint with a quaternion.
 #[derive(Debug, Clone)]
 pub(crate) struct PartOf {
     pub joint: Name,
     pub kind: QuaternionKind,
-    /// Index among the velocities of the joint.
+    /// Index of the velocity among the velocities of the joint.
     pub index: usize,
 }
 
-/// A joint followed by another joint or a drive.
+/// A joint that another joint or a drive follows, with the ratio.
 #[derive(Debug, Clone)]
 pub(crate) struct FollowsDescription {
     pub joint: Name,
     pub ratio: At<Formula>,
 }
 
-/// A drive under `[[drives]]`.
+/// A drive of a table `[[drives]]`.
 #[derive(Debug, Clone)]
 pub(crate) struct SharedDriveDescription {
     pub name: Name,
-    /// Joints with weights; the gear converts their weighted sum to the motor's angle.
+    /// Joints with weights. The motor's angle is the gear ratio times the weighted sum of the joints'
+    /// positions.
     pub on: Vec<FollowsDescription>,
     pub motor: DriveDescription,
 }
@@ -245,39 +252,40 @@ impl JointDescription {
         }
     }
 
-    /// Whether the joint moves.
+    /// Whether the joint moves: it is neither fixed nor held.
     pub fn moves(&self) -> bool {
         self.held.is_none() && self.kind.is_some_and(|kind| kind != JointKind::Fixed)
     }
 
-    /// Whether the joint moves with others.
+    /// Whether the joint moves with other joints.
     pub fn is_follower(&self) -> bool {
         self.moves() && self.follows.is_some()
     }
 
-    /// Whether the joint is a coordinate.
+    /// Whether the position of the joint is a coordinate: the joint moves independently of other joints and
+    /// is not driven.
     pub fn is_coordinate(&self) -> bool {
         self.moves() && self.follows.is_none() && !self.is_driven()
     }
 
-    /// Whether the joint is a coordinate whose motion is prescribed.
+    /// Whether the motion of the joint is prescribed as a function of time.
     pub fn is_driven(&self) -> bool {
         self.moves() && self.follows.is_none() && self.driven.as_ref().is_some_and(|driven| driven.value)
     }
 
-    /// Sets the defaults of a new joint: it is revolute and moves a link of the same name.
+    /// Sets the defaults of a new joint: the type is revolute, and the child link has the joint's name.
     pub fn complete(&mut self) {
         self.kind.get_or_insert(JointKind::Revolute);
         self.child.get_or_insert_with(|| self.name.clone());
     }
 }
 
-/// Friction of a joint.
+/// Friction law of a joint.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct FrictionDescription {
-    /// Friction as a function of velocity and position.
+    /// Terms of the friction force or torque, functions of velocity and position.
     pub terms: Vec<FrictionTerm>,
-    /// Friction per unit of load.
+    /// Terms of the friction per unit of load, without unit.
     pub load: Option<At<Vec<FrictionTerm>>>,
 }
 
@@ -288,7 +296,7 @@ impl FrictionDescription {
     }
 }
 
-/// Limits with their places in the file.
+/// Limits of a joint with their places in the file.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct LimitsDescription {
     pub position: Option<At<[f64; 2]>>,
@@ -300,7 +308,7 @@ pub(crate) struct LimitsDescription {
 }
 
 impl LimitsDescription {
-    /// Limits of magnitudes and their names.
+    /// Limits of magnitudes, with their names in messages.
     pub fn amounts(&self) -> [(&'static str, &Option<At<f64>>); 5] {
         [
             ("speed", &self.velocity),
@@ -318,13 +326,13 @@ pub(crate) enum DriveChoice {
     /// No drive.
     #[default]
     Passive,
-    /// A torque or force at the joint, without rotor.
+    /// A torque or force at the joint, without a rotor.
     Ideal,
-    /// A described motor.
+    /// A motor with gear and rotor.
     Motor(Box<DriveDescription>),
 }
 
-/// A described motor.
+/// A motor with gear and rotor.
 #[derive(Debug, Clone)]
 pub(crate) struct DriveDescription {
     pub name: Option<Name>,
@@ -334,19 +342,19 @@ pub(crate) struct DriveDescription {
     pub axis: Option<[f64; 3]>,
     pub coupling: RotorCoupling,
     pub input: Input,
-    /// Place of the motor constant, or else of the motor.
+    /// Place of the motor constant; the place of the motor if there is no constant.
     pub input_span: Span,
     pub torque: MotorTorque,
-    /// Highest speed of the shaft (rad/s).
+    /// Highest speed of the motor's shaft [rad/s].
     pub speed: Option<At<f64>>,
-    /// Torque–speed line: stall torque and no-load speed.
+    /// Torque–speed line from the stall torque to the no-load speed.
     pub line: Option<At<TorqueSpeedLine>>,
-    /// Friction of the shaft as a function of the motor's angle and speed.
+    /// Terms of the shaft's friction, functions of the motor's angle and speed.
     pub friction: Option<At<Vec<FrictionTerm>>>,
 }
 
 impl DriveDescription {
-    /// An ideal drive at a joint; its rotor adds a reflected inertia to the diagonal of M.
+    /// A drive without a gear whose rotor adds `rotor_inertia` to the joint's diagonal entry of M.
     pub fn at_joint(rotor_inertia: At<Formula>) -> Self {
         let span = rotor_inertia.span;
         Self {
@@ -366,17 +374,18 @@ impl DriveDescription {
     }
 }
 
-/// A rotor of a URDF with its possible joints and gear ratios.
+/// A rotor of a URDF, with the joints and gear ratios that it may have.
 #[derive(Debug, Clone)]
 pub(crate) struct SkippedRotor {
-    /// Inertia about the rotor's axis, on the rotor's side of the gear (kg m²).
+    /// Inertia about the rotor's axis, before the gear [kg m²].
     pub inertia: At<f64>,
     pub joints: Vec<String>,
     pub ratios: Vec<f64>,
 }
 
 impl SkippedRotor {
-    /// Joint of the rotor and reflected inertia on the diagonal of M; `None` if not unique.
+    /// Name of the rotor's joint, and the inertia on the diagonal of M, ratio² times the rotor's inertia.
+    /// `None` if there are several possible joints or ratios.
     pub fn place(&self) -> Option<(&str, f64)> {
         match (&self.joints[..], &self.ratios[..]) {
             ([joint], [ratio]) => Some((joint, ratio * ratio * self.inertia.value)),
@@ -385,18 +394,18 @@ impl SkippedRotor {
     }
 }
 
-/// A force between the origins of two frames; positive forces pull together.
+/// A force between the origins of two frames. A positive force pulls the origins together.
 #[derive(Debug, Clone)]
 pub(crate) struct PointForceDescription {
     pub name: Name,
-    /// Two frames or links.
+    /// Names of the two frames or links.
     pub between: [Name; 2],
-    /// Force law in the distance and its rate.
+    /// Force law, a function of the distance [m] and its rate [m/s].
     pub law: Option<At<Formula>>,
     pub input: Option<PullDescription>,
-    /// Shortest and longest distance (m).
+    /// Shortest and longest distance [m].
     pub stroke: Option<At<[f64; 2]>>,
-    /// Highest rate of the distance (m/s).
+    /// Highest rate of the distance [m/s].
     pub speed: Option<At<f64>>,
 }
 
@@ -411,9 +420,9 @@ pub(crate) struct PullDescription {
 #[derive(Debug, Clone)]
 pub(crate) struct WrenchInputDescription {
     pub name: Name,
-    /// Frame or link of the wrench.
+    /// Name of the frame or link at which the wrench acts.
     pub frame: Name,
-    /// Force, and moment about the frame's origin, per unit of the input.
+    /// Force [N], then moment about the frame's origin [N m], for an input of 1.
     pub wrench: At<[Formula; 6]>,
     pub limits: Option<At<[f64; 2]>>,
 }
@@ -422,7 +431,7 @@ pub(crate) struct WrenchInputDescription {
 #[derive(Debug, Clone)]
 pub(crate) struct WrenchDescription {
     pub name: Name,
-    /// Frame or link of the wrench.
+    /// Name of the frame or link at which the wrench acts.
     pub frame: Name,
     pub axes: WrenchAxes,
 }

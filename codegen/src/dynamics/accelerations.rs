@@ -1,4 +1,4 @@
-//! Accelerations of one robot over a graph, their derivatives, and the linearization.
+//! Accelerations of one robot over the expression graph, with derivatives and the linearization.
 
 use super::equations::Equations;
 use super::load_friction;
@@ -9,52 +9,53 @@ use super::recursion::motion::MotionInput;
 use crate::graph::{Cost, Edge, Scalar};
 use crate::spatial::Force;
 
-/// Accelerations and their derivatives.
+/// Accelerations of n coordinates, with derivatives.
 #[derive(Debug, Clone)]
 pub struct AccelerationDerivatives<'g> {
-    /// ÿ
+    /// Accelerations ÿ, n entries.
     pub accelerations: Vec<Scalar<'g>>,
-    /// ∂ÿ/∂y
+    /// Derivative ∂ÿ/∂y, n × n.
     pub by_coordinates: Matrix<'g>,
-    /// ∂ÿ/∂ẏ
+    /// Derivative ∂ÿ/∂ẏ, n × n.
     pub by_velocities: Matrix<'g>,
-    /// M⁻¹
+    /// Inverse mass matrix M⁻¹, n × n.
     pub inverse: Matrix<'g>,
 }
 
-/// `ÿ = A_y y + A_v ẏ + B_x u + c`
+/// Linearized accelerations `ÿ = A_y y + A_v ẏ + B_x u + c` with n coordinates y and m inputs u.
 #[derive(Debug, Clone)]
 pub struct AffineAccelerations<'g> {
-    /// A_y
+    /// Matrix A_y, n × n.
     pub by_coordinates: Matrix<'g>,
-    /// A_v
+    /// Matrix A_v, n × n.
     pub by_velocities: Matrix<'g>,
-    /// B_x
+    /// Matrix B_x, n × m.
     pub by_inputs: Matrix<'g>,
-    /// c
+    /// Vector c, n entries.
     pub remainder: Vec<Scalar<'g>>,
 }
 
-/// Accelerations, M⁻¹ and derivatives of forces, from which the derivatives of accelerations are computed.
+/// Accelerations, M⁻¹ and derivatives of forces. The derivatives of the accelerations follow from them: `∂ÿ =
+/// −M⁻¹ ∂(M ÿ + k − q)`.
 #[derive(Debug, Clone)]
 pub struct AcceleratedForces<'g> {
-    /// ÿ
+    /// Accelerations ÿ, n entries.
     pub accelerations: Vec<Scalar<'g>>,
-    /// M⁻¹
+    /// Inverse mass matrix M⁻¹, n × n.
     pub inverse: Matrix<'g>,
-    /// Forces M ÿ + k − q at these accelerations, with derivatives.
+    /// Forces M ÿ + k − q at these accelerations, with derivatives by y and ẏ.
     pub forces: ForceDerivatives<'g>,
 }
 
 impl<'g> Equations<'_, 'g> {
-    /// `M⁻¹ (q + B u − k)`
+    /// Accelerations `M⁻¹ (q + B u − k)`.
     pub fn forward_dynamics(&self, y: &[Scalar<'g>], v: &[Scalar<'g>], u: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let route = self.formulations.forward_dynamics();
         let input = MotionInput { y, v, a: &self.unaccelerated() };
         route.accelerations(self.graph, self.formulations, input, || self.driving_forces(y, v, u))
     }
 
-    /// `M⁻¹ (q + B u + Σ Jᵀ w − k)`
+    /// Accelerations `M⁻¹ (q + B u + Σ Jᵀ w − k)` under the wrenches w.
     pub fn forward_dynamics_with_wrenches(
         &self,
         y: &[Scalar<'g>],
@@ -68,7 +69,7 @@ impl<'g> Equations<'_, 'g> {
         route.accelerations(self.graph, self.formulations, input, driving)
     }
 
-    /// Accelerations under wrenches, with derivatives by y, by ẏ and by the joint forces (M⁻¹).
+    /// Accelerations under the wrenches `w`, with derivatives by y, by ẏ and by the joint forces (M⁻¹).
     pub fn forward_dynamics_derivatives_with_wrenches(
         &self,
         y: &[Scalar<'g>],
@@ -89,8 +90,7 @@ impl<'g> Equations<'_, 'g> {
         self.acceleration_derivatives(y, v, u, None)
     }
 
-    /// Accelerations, M⁻¹, and forces with derivatives by y and ẏ, of a robot without driven joints: `∂ÿ =
-    /// −M⁻¹ ∂(M ÿ + k − q)`.
+    /// Accelerations, M⁻¹, and forces with derivatives by y and ẏ. The robot must have no driven joints.
     pub fn accelerated_forces(
         &self,
         y: &[Scalar<'g>],
@@ -148,8 +148,8 @@ impl<'g> Equations<'_, 'g> {
         }
     }
 
-    /// Whether products with M⁻¹ cost no more than solutions by the factors. The products are preferred where
-    /// both cost the same: their terms do not wait for each other.
+    /// Whether products with M⁻¹ cost no more operations than solutions with the factors of M. If both cost
+    /// the same, products are preferred, because their terms do not depend on each other.
     fn weighs_less_by_inverse(&self, factorization: &Factorization<'g>, inverse: &Matrix<'g>) -> bool {
         let right: Vec<_> = (0..inverse.len()).map(|k| self.graph.input(FREE, k)).collect();
         let weight = |results: Vec<Scalar<'g>>| {
@@ -161,7 +161,8 @@ impl<'g> Equations<'_, 'g> {
         weight(product) <= weight(factorization.solve(&right))
     }
 
-    /// `ÿ = A_y y + A_v ẏ + B_x u + c` at a state and input.
+    /// Linearization `ÿ = A_y y + A_v ẏ + B_x u + c` at a state and an input. For joints with quaternions,
+    /// the deviation δ from the positions replaces y.
     pub fn linearize(&self, y: &[Scalar<'g>], v: &[Scalar<'g>], u: &[Scalar<'g>]) -> AffineAccelerations<'g> {
         let derivatives = self.forward_dynamics_derivatives(y, v, u);
         let input_matrix = self.loads_by_inputs(y, v, u);
@@ -188,7 +189,8 @@ impl<'g> Equations<'_, 'g> {
         AffineAccelerations { by_coordinates, by_velocities, by_inputs, remainder }
     }
 
-    /// The part of [`Self::driving_forces`] that depends on the motion.
+    /// The driving forces if they depend on the motion beyond the joint forces; otherwise only the joint
+    /// forces, because the other parts have no derivatives by y and ẏ.
     fn driving_forces_by_motion(
         &self,
         y: &[Scalar<'g>],
@@ -201,7 +203,8 @@ impl<'g> Equations<'_, 'g> {
         }
     }
 
-    /// Derivatives of the driving forces by the inputs: B, its rows divided by the gains of loads.
+    /// Derivatives of the driving forces by the inputs: B, with each row divided by the gain of its
+    /// load-dependent friction.
     fn loads_by_inputs(&self, y: &[Scalar<'g>], v: &[Scalar<'g>], u: &[Scalar<'g>]) -> Matrix<'g> {
         let matrix = self.input_matrix(y);
         let Some(shares) = self.load_shares(y, v) else {

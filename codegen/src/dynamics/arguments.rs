@@ -1,23 +1,23 @@
-//! Arguments of the equations.
+//! Arguments of the equations of motion, as scalars of the expression graph.
 
 use crate::graph::Scalar;
 use crate::spatial::Force;
 
-/// Scalars of the arguments of a function; unused arguments are empty. In y, v and a, entries of driven
-/// coordinates are last.
+/// Arguments of a generated function. An argument that the function does not have is empty. In y, v and a the
+/// entries of driven coordinates are last.
 pub struct Arguments<'g> {
-    /// y
+    /// Positions y, by coordinate.
     pub y: Vec<Scalar<'g>>,
-    /// ẏ
+    /// Velocities ẏ.
     pub v: Vec<Scalar<'g>>,
-    /// ÿ
+    /// Accelerations ÿ.
     pub a: Vec<Scalar<'g>>,
-    /// u
+    /// Inputs u.
     pub u: Vec<Scalar<'g>>,
-    /// λ
+    /// Multipliers λ of the forces in the Hessian of `λᵀ(M ÿ + k − q)`.
     pub lambda: Vec<Scalar<'g>>,
     /// Accelerations of the driven coordinates.
     pub driven: Vec<Scalar<'g>>,
-    /// Wrenches w, each about the origin of its frame.
+    /// Wrenches w. The moment of a wrench is about the origin of the wrench's frame.
     pub w: Vec<Force<'g>>,
 }

@@ -1,5 +1,5 @@
-//! Equations of motion of one robot over a graph. Each quantity is derived once, from its cheapest
-//! formulation.
+//! Equations of motion of one robot over the expression graph. A formulation is one way to write the same
+//! equations. Each quantity is derived in the formulation with the fewest operations.
 
 use super::forces;
 use super::formulation::Formulation;
@@ -21,22 +21,24 @@ use crate::model::Model;
 use crate::spatial::{Force, Vector3, rotate};
 use gelenk_formula::Function;
 
-/// The equations of motion of a model on one graph.
+/// The equations of motion of a model on one graph, `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u`. The symbols are
+/// defined in [`crate::guide::conventions`].
 #[derive(Debug, Clone, Copy)]
 pub struct Equations<'a, 'g> {
-    /// The graph.
+    /// Graph of all expressions.
     pub graph: &'g Graph,
-    /// The model.
+    /// Model of the robot.
     pub model: &'a Model,
-    /// Formulation of each quantity.
+    /// Cheapest formulation of each quantity.
     pub formulations: &'a Formulations<'a>,
-    /// Accelerations of the driven coordinates. Vectors by coordinate have these coordinates last. Rows of
-    /// forces are those of the robot with these coordinates free.
+    /// Accelerations of the driven coordinates. These coordinates are last in all vectors by coordinate.
+    /// Forces have rows for them, as if they were free.
     pub driven: &'a [Scalar<'g>],
 }
 
 impl<'g> Equations<'_, 'g> {
-    /// The mechanism on the graph, in metres and not regrouped.
+    /// The mechanism on the graph, in metres. No mass on a joint's axis is assigned to the other body of the
+    /// joint.
     pub(super) fn mechanism(&self) -> Mechanism<Scalar<'g>> {
         self.formulations.mechanism().on(self.graph)
     }
@@ -45,12 +47,13 @@ impl<'g> Equations<'_, 'g> {
         vec![self.graph.constant(0.0); self.model.motion_count()]
     }
 
-    /// Accelerations for ÿ = 0; those of driven joints may be non-zero.
+    /// Accelerations with ÿ = 0 for the coordinates that are not driven. The accelerations of driven
+    /// coordinates are [`Self::driven`].
     pub fn unaccelerated(&self) -> Vec<Scalar<'g>> {
         self.with_driven(&self.zeros())
     }
 
-    /// Accelerations with those of the driven coordinates appended.
+    /// Accelerations of all coordinates: `accelerations`, then the accelerations of the driven coordinates.
     pub(super) fn with_driven(&self, accelerations: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let own = &accelerations[..self.model.coordinates.len()];
         [own, self.driven].concat()
@@ -69,7 +72,7 @@ impl<'g> Equations<'_, 'g> {
         newton_euler::inverse_dynamics(&mechanism, formulation, input)
     }
 
-    /// `M(y)`
+    /// Mass matrix `M(y)`.
     pub fn mass_matrix(&self, y: &[Scalar<'g>]) -> Matrix<'g> {
         self.mass_matrix_by(self.formulations.mass_matrix(), y)
     }
@@ -82,7 +85,8 @@ impl<'g> Equations<'_, 'g> {
         )
     }
 
-    /// `M(y)` and `k − q_gravity` in the jointly cheapest formulations.
+    /// Mass matrix `M(y)` and bias forces `k − q_gravity`, that is k minus the part of q from gravity. The
+    /// pair of formulations has the fewest operations in sum.
     pub fn mass_matrix_and_bias(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> (Matrix<'g>, Vec<Scalar<'g>>) {
         self.formulations.mass_matrix_and_bias(self.graph, MotionInput { y, v, a: &self.unaccelerated() })
     }
@@ -96,13 +100,13 @@ impl<'g> Equations<'_, 'g> {
         self.recursive(formulation, MotionInput { y, v, a: &self.unaccelerated() }, true)
     }
 
-    /// `k(y, ẏ)`
+    /// Coriolis, centrifugal and gyroscopic forces `k(y, ẏ)`.
     pub fn coriolis_forces(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let input = MotionInput { y, v, a: &self.unaccelerated() };
         self.recursive(self.formulations.bias_forces(), input, false)
     }
 
-    /// Contribution of gravity to q.
+    /// The part q_gravity of q from gravity.
     pub fn gravity_forces(&self, y: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let still = self.zeros();
         let held =
@@ -110,12 +114,12 @@ impl<'g> Equations<'_, 'g> {
         held.into_iter().map(|x| -x).collect()
     }
 
-    /// `k − q_gravity`
+    /// Bias forces `k − q_gravity`, with the part q_gravity of q from gravity.
     pub fn bias_forces(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         self.bias_by(self.formulations.bias_forces(), y, v)
     }
 
-    /// Contribution of springs and dampers to q, at joints and between frames.
+    /// The part of q from springs and dampers at joints and between frames.
     pub fn spring_forces(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let at_joints = forces::spring_forces(self.graph, self.model, y, v);
         if self.model.point_forces.is_empty() {
@@ -128,7 +132,7 @@ impl<'g> Equations<'_, 'g> {
         FrameForces::new(self.model, self.mechanism(), y)
     }
 
-    /// B(y), rows first.
+    /// Matrix B(y) as a list of rows. Columns of drives are first.
     ///
     /// - `y`: may be empty if B is constant
     pub fn input_matrix(&self, y: &[Scalar<'g>]) -> Matrix<'g> {
@@ -143,38 +147,40 @@ impl<'g> Equations<'_, 'g> {
         matrix
     }
 
-    /// Generalized forces of the wrenches.
+    /// Generalized forces `Σ Jᵀ w` of the wrenches.
     pub fn wrench_forces(&self, y: &[Scalar<'g>], w: &[Force<'g>]) -> Vec<Scalar<'g>> {
         self.frame_forces(y).wrench_forces(w)
     }
 
-    /// Friction τ(ẏ), or τ(y, ẏ) if a law depends on the position; `y` may be empty if none does.
+    /// Friction torques τ(y, ẏ), without load-dependent friction. `y` may be empty if no friction law depends
+    /// on the position.
     pub fn friction_torques(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         forces::friction_torques(self.graph, self.model, y, v)
     }
 
-    /// Contribution of springs and friction at single joints to q.
+    /// The part of q from springs, dampers and friction, `spring_forces − friction_torques`.
     pub fn joint_forces(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         subtract(&self.spring_forces(y, v), &self.friction_torques(y, v))
     }
 
-    /// `q = q_gravity + q_springs − τ`
+    /// Applied forces `q = q_gravity + q_springs − τ` with the friction torques τ.
     pub fn applied_forces(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let joint = self.joint_forces(y, v);
         sum(&self.gravity_forces(y), &joint)
     }
 
-    /// Load-dependent friction s₁ by coordinate; `None` if there is none.
+    /// Coefficients s₁ of load-dependent friction by coordinate; `None` if no joint has such friction.
     pub(super) fn load_shares(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Option<Vec<Scalar<'g>>> {
         load_friction::is_there(self.model).then(|| load_friction::shares(self.graph, self.model, y, v))
     }
 
-    /// Load-dependent friction s₁.
+    /// Coefficients s₁(ẏ) of load-dependent friction by coordinate, without unit. The friction force is s₁
+    /// times the magnitude of the load.
     pub fn load_friction(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         load_friction::shares(self.graph, self.model, y, v)
     }
 
-    /// `M ÿ + k − q` with load-dependent friction.
+    /// Inverse dynamics `B u = M ÿ + k − q`, with load-dependent friction.
     pub fn inverse_dynamics(&self, y: &[Scalar<'g>], v: &[Scalar<'g>], a: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let bodies = self.recursive(self.formulations.inverse_dynamics(), MotionInput { y, v, a }, true);
         let Some(shares) = self.load_shares(y, v) else {
@@ -187,7 +193,7 @@ impl<'g> Equations<'_, 'g> {
         exerted.zip(more).map(|(exerted, more)| exerted + more).collect()
     }
 
-    /// `M ÿ + k − q` with load-dependent friction, its derivatives by y and ẏ, and M.
+    /// Inverse dynamics `M ÿ + k − q` with load-dependent friction, the derivatives by y and ẏ, and M.
     pub fn inverse_dynamics_derivatives(&self, input: MotionInput<'_, 'g>) -> ForceDerivatives<'g> {
         let Some(shares) = self.load_shares(input.y, input.v) else {
             return self.remaining_derivatives(input, || self.joint_forces(input.y, input.v));
@@ -197,7 +203,7 @@ impl<'g> Equations<'_, 'g> {
         for (row, (&share, &friction)) in shares.iter().zip(&friction).enumerate() {
             let load = result.forces[row];
             let (gain, magnitude) = (load_friction::gain(load, share), load.call(Function::Abs));
-            // At a given load, friction depends on the motion of its own joint.
+            // At a given load, the friction of a joint depends only on the motion of this joint.
             let whole = |by: Vec<Scalar<'g>>| by[0] + magnitude * by[1];
             let y = whole(self.along(&[friction, share], input.y, row));
             let v = whole(differentiate(self.graph, &[friction, share], input.v[row]));
@@ -210,7 +216,7 @@ impl<'g> Equations<'_, 'g> {
         result
     }
 
-    /// `M ÿ + k − q_gravity` without forces at single joints, its derivatives by y and ẏ, and M.
+    /// `M ÿ + k − q_gravity` minus `joint_forces`, with derivatives by y and ẏ, and M.
     pub(super) fn remaining_derivatives(
         &self,
         input: MotionInput<'_, 'g>,
@@ -222,7 +228,7 @@ impl<'g> Equations<'_, 'g> {
             derivatives.derive(self.graph, self.formulations.mechanism(), inverse_dynamics, input);
         let joint = joint_forces();
         for (row, &force) in joint.iter().enumerate() {
-            // What acts on single joints has diagonal derivatives.
+            // Forces at single joints have diagonal derivatives.
             let columns = if self.forces_are_local() { row..row + 1 } else { 0..joint.len() };
             for column in columns {
                 let by_position = self.along(&[force], input.y, column)[0];
@@ -236,7 +242,7 @@ impl<'g> Equations<'_, 'g> {
         result
     }
 
-    /// Generalized forces of the wrenches, with derivatives by y.
+    /// Generalized forces `Σ Jᵀ w` of the wrenches, with derivatives by y.
     pub fn wrench_forces_derivatives(
         &self,
         y: &[Scalar<'g>],
@@ -245,7 +251,7 @@ impl<'g> Equations<'_, 'g> {
         self.with_derivatives(self.wrench_forces(y, w), y)
     }
 
-    /// Generalized forces of the inputs, with derivatives by y.
+    /// Generalized forces `B u` of the inputs, with derivatives by y.
     pub fn input_forces_derivatives(
         &self,
         y: &[Scalar<'g>],
@@ -263,12 +269,13 @@ impl<'g> Equations<'_, 'g> {
         (forces, rows)
     }
 
-    /// Derivatives along a coordinate.
+    /// Derivatives of `results` along a coordinate. For joints with quaternions see [`super::tangent`].
     pub fn along(&self, results: &[Scalar<'g>], y: &[Scalar<'g>], coordinate: usize) -> Vec<Scalar<'g>> {
         differentiate_along(self.graph, self.model, results, y, coordinate)
     }
 
-    /// Derivatives of one result along all coordinates and by all velocities, by reverse differentiation.
+    /// Derivatives of one result along all coordinates, and by all velocities. They are computed by reverse
+    /// differentiation.
     pub fn gradient_along(
         &self,
         result: Scalar<'g>,
@@ -279,8 +286,7 @@ impl<'g> Equations<'_, 'g> {
     }
 
     /// Symmetrizes row and column `j` of a Hessian of `δ ↦ f(y ⊕ δ)` at 0. Small motions of a joint with a
-    /// quaternion do not commute, so the Hessian is the mean of the derivatives of the gradient in both
-    /// orders.
+    /// quaternion do not commute. The entry is therefore the mean of both orders of differentiation.
     pub fn symmetrize_along(
         &self,
         hessian: &mut Matrix<'g>,
@@ -297,7 +303,7 @@ impl<'g> Equations<'_, 'g> {
         }
     }
 
-    /// `M ÿ + k − q − Σ Jᵀ w`
+    /// Inverse dynamics `B u = M ÿ + k − q − Σ Jᵀ w` under the wrenches w.
     pub fn inverse_dynamics_with_wrenches(
         &self,
         MotionInput { y, v, a }: MotionInput<'_, 'g>,
@@ -306,7 +312,7 @@ impl<'g> Equations<'_, 'g> {
         subtract(&self.inverse_dynamics(y, v, a), &self.wrench_forces(y, w))
     }
 
-    /// `M ÿ + k − q − Σ Jᵀ w` with derivatives by y and ẏ, and M.
+    /// Inverse dynamics `M ÿ + k − q − Σ Jᵀ w` under the wrenches w, with derivatives by y and ẏ, and M.
     pub fn inverse_dynamics_derivatives_with_wrenches(
         &self,
         input: MotionInput<'_, 'g>,
@@ -321,7 +327,7 @@ impl<'g> Equations<'_, 'g> {
         result
     }
 
-    /// Whether each force depends on the motion of its own coordinate alone.
+    /// Whether each spring and friction force depends only on the motion of its own coordinate.
     pub(super) fn forces_are_local(&self) -> bool {
         let model = self.model;
         model.followers.is_empty()
@@ -330,19 +336,19 @@ impl<'g> Equations<'_, 'g> {
             && model.force_inputs.is_empty()
     }
 
-    /// D in `δ̇ = D δ + v − v̄`, the kinematics of small motions.
+    /// Matrix D of the kinematics of small motions `δ̇ = D δ + v − v̄`; see [`super::tangent::drift`].
     pub fn drift(&self, v: &[Scalar<'g>]) -> Matrix<'g> {
         drift(self.graph, self.model, v)
     }
 
-    /// `B u`
+    /// Generalized forces `B u` of the inputs.
     pub fn input_forces(&self, y: &[Scalar<'g>], u: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let matrix = self.input_matrix(y);
         let zero = self.graph.constant(0.0);
         matrix.iter().map(|row| row.iter().zip(u).fold(zero, |sum, (&b, &u)| sum + b * u)).collect()
     }
 
-    /// Forces that accelerate the joints: springs plus the part of `B u` that friction leaves.
+    /// Driving forces: springs plus the part of `B u` that friction leaves. Gravity is not included.
     pub(super) fn driving_forces(
         &self,
         y: &[Scalar<'g>],
@@ -357,8 +363,8 @@ impl<'g> Equations<'_, 'g> {
         loads.zip(self.spring_forces(y, v)).map(|(load, spring)| load + spring).collect()
     }
 
-    /// Force and moment transmitted by each moving joint to its body, about the link's origin and in the
-    /// link's axes.
+    /// Wrench that each moving joint transmits to the link that it carries, one row for each joint: force,
+    /// then moment about the link's origin, in the link's axes.
     pub fn joint_wrenches(&self, input: MotionInput<'_, 'g>) -> Matrix<'g> {
         let mechanism = self.mechanism();
         let plain = Formulation::plain(mechanism.bodies.len());
@@ -374,26 +380,28 @@ impl<'g> Equations<'_, 'g> {
         self.model.carrying_joints().into_iter().map(|joint| wrench(joint.moving.link)).collect()
     }
 
-    /// W with `W π = M ÿ + k − q_gravity`
+    /// Regressor W of the inertial parameters π: `W π = M ÿ + k − q_gravity`.
     pub fn inertial_regressor(&self, input: MotionInput<'_, 'g>) -> Matrix<'g> {
         regressor::inertial_regressor(&self.mechanism(), self.model, input)
     }
 
-    /// Columns of W that lead a group of base parameters.
+    /// Regressor of the base parameters. Each group of inertial parameters that act only as a sum has a
+    /// leading parameter; the result has the columns of W for these parameters.
     pub fn base_regressor(&self, input: MotionInput<'_, 'g>) -> Matrix<'g> {
         let leaders = &self.formulations.base_parameters().leaders;
         let rows = self.inertial_regressor(input).into_iter();
         rows.map(|row| leaders.iter().map(|&column| row[column]).collect()).collect()
     }
 
-    /// `½ ẏᵀ M ẏ`, computed as work of the forces that accelerate from rest by ẏ.
+    /// Kinetic energy `½ ẏᵀ M ẏ` [J]. M ẏ is computed as the forces for the accelerations ẏ at rest without
+    /// gravity.
     pub fn kinetic_energy(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Scalar<'g> {
         let formulation = self.formulations.inverse_dynamics();
         let momentum = self.recursive(formulation, MotionInput { y, v: &self.zeros(), a: v }, false);
         dot(self.graph, &momentum, v) * 0.5
     }
 
-    /// `−g · Σ m c` over the moving bodies, and the energies of forces between frames.
+    /// Potential energy [J]: `−g · Σ m c` over the moving bodies, plus the energies of forces between frames.
     pub fn potential_energy(&self, y: &[Scalar<'g>]) -> Scalar<'g> {
         let plain = Formulation::plain(self.formulations.mechanism().bodies.len());
         let choices = vec![RegroupChoice::Massless; plain.bodies.len()];
@@ -405,17 +413,17 @@ impl<'g> Equations<'_, 'g> {
         self.frame_forces(y).law_energies().into_iter().fold(of_gravity, |sum, energy| sum + energy)
     }
 
-    /// Masses at the positions `y`.
+    /// Centre of mass and momentum at the positions `y`.
     pub fn masses(&self, y: &[Scalar<'g>]) -> Masses<'g> {
         Masses::new(self.mechanism(), y)
     }
 
-    /// A row of a matrix times the velocities.
+    /// Product of a row of a matrix and the velocities.
     pub fn along_velocities(&self, row: &[Scalar<'g>], v: &[Scalar<'g>]) -> Scalar<'g> {
         dot(self.graph, row, v)
     }
 
-    /// Bodies seen from the base.
+    /// Poses of the bodies in the base frame at the positions `y`.
     pub fn base_poses(&self, y: &[Scalar<'g>]) -> BasePoses<'g> {
         BasePoses::new(self.mechanism(), y)
     }

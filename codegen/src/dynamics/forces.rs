@@ -1,4 +1,4 @@
-//! Forces at single joints: springs, friction, drives.
+//! Forces of springs, friction and drives at joints.
 
 use crate::graph::{Graph, Scalar};
 use crate::kinematics::{Transmission, lower, lower_followed, lower_with};
@@ -6,7 +6,7 @@ use crate::model::{Drive, FrictionTerm, Input, Joint, Model, MovingJoint};
 use crate::program::{Instruction, Operation, Program};
 use gelenk_formula::{Formula, Function};
 
-/// Forces of springs and dampers by coordinate, a part of q.
+/// Forces of springs and dampers at joints, by coordinate. They are a part of q.
 pub fn spring_forces<'g>(
     graph: &'g Graph,
     model: &Model,
@@ -25,7 +25,7 @@ pub fn spring_forces<'g>(
     forces
 }
 
-/// A joint that moves, on a graph.
+/// A moving joint with its ratios on a graph.
 struct Moving<'m, 'g> {
     joint: &'m Joint,
     transmission: Transmission<Scalar<'g>>,
@@ -43,7 +43,7 @@ impl<'m, 'g> Moving<'m, 'g> {
     }
 }
 
-/// `G y + g₀`
+/// The joint's position `G y + g₀`, with its ratios G to the coordinates and its offset g₀.
 fn position<'g>(transmission: &Transmission<Scalar<'g>>, offset: f64, y: &[Scalar<'g>]) -> Scalar<'g> {
     let position = transmission.motion(y);
     if offset == 0.0 { position } else { position + position.constant(offset) }
@@ -76,7 +76,8 @@ impl<'m, 'g> Rubbing<'m, 'g> {
     }
 }
 
-/// Whether a friction law depends on the position of its joint. Friction is then τ(y, ẏ), otherwise τ(ẏ).
+/// Whether a friction law of the model depends on the position. The friction torques are then τ(y, ẏ),
+/// otherwise τ(ẏ).
 pub fn friction_depends_on_position(model: &Model) -> bool {
     let moving = model.moving_joints();
     let shafts = model.rubbing_drives().flat_map(|drive| &drive.friction);
@@ -84,7 +85,7 @@ pub fn friction_depends_on_position(model: &Model) -> bool {
     terms.any(|term| term.basis.depends_on_position())
 }
 
-/// Friction torques τ by coordinate, subtracted from q.
+/// Friction torques τ by coordinate, without load-dependent friction. They are subtracted in q.
 ///
 /// - `y`: may be empty if no law depends on the position
 pub fn friction_torques<'g>(
@@ -103,7 +104,8 @@ pub fn friction_torques<'g>(
     torques
 }
 
-/// Sum of the friction terms of one joint at its position and velocity.
+/// Sum of the friction terms of one joint at the position `y` and the velocity `v`. `y` may be `None` if no
+/// term depends on it.
 pub(super) fn friction_sum<'g>(
     graph: &'g Graph,
     terms: &[FrictionTerm],
@@ -124,7 +126,7 @@ fn friction_basis<'g>(
 ) -> Scalar<'g> {
     let y = match (y, term.basis.depends_on_position()) {
         (Some(&y), _) => y,
-        // Never read.
+        // The value is never used.
         (None, false) => graph.constant(0.0),
         (None, true) => unreachable!("friction that depends on y is asked for with y"),
     };
@@ -142,13 +144,13 @@ impl<'g> Rubbing<'_, 'g> {
 /// A column of the friction regressor.
 #[derive(Debug, Clone)]
 pub struct FrictionColumn<'g> {
-    /// Coordinates on which the friction acts: those that the joint follows.
+    /// Coordinates on which the friction acts, with ratios: the coordinates that the joint or shaft follows.
     pub transmission: Transmission<Scalar<'g>>,
-    /// Function of the joint's position and velocity.
+    /// Basis function of the friction term, at the position and velocity of the joint or shaft.
     pub basis: Scalar<'g>,
 }
 
-/// Distinct basis functions of all friction laws, by moving joint.
+/// Columns of the friction regressor: the different basis functions of each moving joint, then of each shaft.
 ///
 /// - `y`: may be empty if no law depends on the position
 pub fn friction_columns<'g>(
@@ -168,7 +170,8 @@ pub fn friction_columns<'g>(
     Rubbing::of(graph, model).iter().flat_map(columns).collect()
 }
 
-/// Described coefficients of the columns of the friction regressor; those of equal basis functions are added.
+/// Friction coefficients in the description, one for each column of the friction regressor. The coefficients
+/// of terms with the same basis function are added.
 pub fn friction_coefficients<'g>(graph: &'g Graph, model: &Model) -> Vec<Scalar<'g>> {
     let sum = |(_, terms): (&Formula, Vec<&FrictionTerm>)| {
         let coefficients = terms.iter().map(|term| lower(graph, &term.coefficient));
@@ -180,7 +183,7 @@ pub fn friction_coefficients<'g>(graph: &'g Graph, model: &Model) -> Vec<Scalar<
         .collect()
 }
 
-/// Names of the columns: `joint: tanh(10*v)`.
+/// Names of the columns of the friction regressor, for example `joint: tanh(10*v)`.
 pub fn friction_names(model: &Model) -> Vec<String> {
     let parameters: Vec<&str> = model.parameters.iter().map(|p| p.name.as_str()).collect();
     let names = |rubbing: &Rubbing<'_, '_>| {
@@ -191,7 +194,7 @@ pub fn friction_names(model: &Model) -> Vec<String> {
     Rubbing::of(&Graph::new(), model).iter().flat_map(names).collect()
 }
 
-/// Basis functions in their order, each with its terms.
+/// The different basis functions in their order, with the terms of each basis function.
 fn terms_by_basis(terms: &[FrictionTerm]) -> Vec<(&Formula, Vec<&FrictionTerm>)> {
     let mut groups: Vec<(&Formula, Vec<&FrictionTerm>)> = Vec::new();
     for term in terms {
@@ -203,8 +206,8 @@ fn terms_by_basis(terms: &[FrictionTerm]) -> Vec<(&Formula, Vec<&FrictionTerm>)>
     groups
 }
 
-/// Columns of B for drives, row-major: gear ratio, times motor constant for current inputs, times weights of
-/// the coordinates.
+/// Columns of B for drives, as a list of rows. An entry is the gear ratio times the weight of the coordinate,
+/// and times the motor constant if the input is a current.
 pub fn drive_matrix<'g>(graph: &'g Graph, model: &Model) -> Vec<Vec<Scalar<'g>>> {
     let zero = graph.constant(0.0);
     let drives: Vec<_> = model.input_drives().collect();
@@ -220,7 +223,8 @@ pub fn drive_matrix<'g>(graph: &'g Graph, model: &Model) -> Vec<Vec<Scalar<'g>>>
     matrix
 }
 
-/// Note for the documentation of a function with a discontinuous force law.
+/// Note for the documentation of a function whose program has the exact `sign` of a force law; `None` for
+/// other functions.
 pub fn jump_note(model: &Model, program: &Program) -> Option<String> {
     let is_sign = |step: &Instruction| matches!(step.operation, Operation::Call(Function::Sign, _));
     let at_frames = model.point_forces.iter().any(|force| force.law.calls(Function::Sign));

@@ -1,39 +1,45 @@
-//! Alternative formulations of the same equations.
+//! Formulations: alternative ways to write the same equations of motion, which differ in the number of
+//! operations.
+//!
+//! The matrix U = ω̇× + ω× ω× of a body gives the acceleration a + U r of the point r, with the acceleration
+//! a of the origin. The z axis of a body's frame is along its joint's axis.
 
 use crate::graph::{Graph, Scalar};
 use crate::kinematics::{Mechanism, Number, RegroupChoice};
 
-/// Derivation of the acceleration of a body's points.
+/// Way to compute the matrix U of a body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AngularRoute {
-    /// Computes U = ω̇× + ω× ω× from the angular acceleration ω̇.
+    /// Computes U from the angular acceleration ω̇.
     Acceleration,
-    /// Computes U from points of the joint's axis. These points belong to parent and child, so U z transforms like a
-    /// vector. Only ω, U z and the axial acceleration are passed on.
+    /// Computes U from points of the joint's axis. These points belong to both bodies of the joint, so U z
+    /// transforms like a vector. Only ω, U z and the component of ω̇ along the axis are transformed.
     AxisPoints,
 }
 
-/// Derivation of U's diagonal and of its differences, which multiply second moments.
+/// Way to compute the diagonal of U and the differences of its entries, which multiply second moments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Diagonal {
-    /// Diagonal from squares of ω, differences from the diagonal.
+    /// The diagonal is computed from squares of ω, the differences from the diagonal.
     Sums,
-    /// Diagonal and differences from squares of ω.
+    /// The diagonal and the differences are computed from squares of ω.
     Squares,
-    /// Diagonal as a sum over axis points. U_zz is known, so the square of ω_x is not needed.
+    /// U_zz is known from points of the axis, so the square of ω_x is not needed.
     Axis,
-    /// Like `Axis`, without the square of ω_y.
+    /// U_zz is known from points of the axis, so the square of ω_y is not needed.
     AxisAcross,
 }
 
-/// Assignment of the translation along a joint's axis to a body's origin.
+/// Assignment of the translation along a joint's axis to a body. It determines the body's origin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Lift {
-    /// The body has the translation. Its origin is the point of its axis nearest to the axis of its main child.
+    /// The translation belongs to the body. The body's origin is the point of its axis nearest to the axis of
+    /// its main child.
     Own,
-    /// The children have the translation. The origin of the body is at the end of the translation from the parent.
+    /// The translation belongs to the children. The body's origin is at the end of the translation from the
+    /// parent.
     OfChildren,
-    /// The translation from the parent includes it.
+    /// The translation is included in the translation from the parent.
     OfParent,
 }
 
@@ -42,65 +48,67 @@ pub enum Lift {
 pub enum WorkingFrame {
     /// The body's own frame.
     Body,
-    /// The joint's frame before its motion; the inertia is rotated instead of the velocities.
+    /// The joint's frame before the joint's motion. The inertia is rotated instead of the velocities.
     BeforeJoint,
 }
 
-/// Source and sink of a body's quantities in a run of parallel joints.
+/// Neighbour from which a body takes its velocities, or to which it passes its moment, in a run: a sequence
+/// of joints with parallel axes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RunLink {
-    /// The parent.
+    /// The parent body.
     Parent,
-    /// The base of the run; joint angles are added before the sine.
+    /// The body before the run. The angles of the run's joints are added before the sine is computed.
     RunBase,
 }
 
-/// Free rotation of a leaf's frame about its own axis.
+/// Rotation of the frame of a leaf (a body without children) about its joint's axis. This rotation is free.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LeafAlignment {
-    /// No offset of the angle.
+    /// The frame is not rotated.
     NoOffset,
-    /// The first moment has no y component.
+    /// The frame is rotated so that the first moment of mass has no y component.
     FirstMoment,
-    /// The second moment has no xy component.
+    /// The frame is rotated so that the second moment of mass has no xy component.
     SecondMoment,
 }
 
-/// Choices for one body.
+/// Choices of a formulation for one body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BodyChoices {
-    /// Derivation of U.
+    /// Way to compute U.
     pub angular: AngularRoute,
-    /// Derivation of U's diagonal.
+    /// Way to compute the diagonal of U.
     pub diagonal: Diagonal,
     /// Whether U_zx is computed from the y component of the angular acceleration, which children may need.
-    /// Only for axis points.
+    /// This choice only has an effect with [`AngularRoute::AxisPoints`].
     pub by_acceleration: bool,
     /// Assignment of the translation along the axis.
     pub lift: Lift,
     /// Frame of the equations.
     pub frame: WorkingFrame,
-    /// Source of angular velocity and acceleration.
+    /// Body from which the angular velocity and acceleration are taken.
     pub source: RunLink,
-    /// Sink of the transverse moment.
+    /// Body to which the moment across the joint's axis is passed.
     pub sink: RunLink,
-    /// Regrouping of the mass on the joint's axis.
+    /// Assignment of mass on the joint's axis to one of its two bodies, which has no effect on the motion.
     pub regroup: RegroupChoice,
-    /// Alignment of a leaf's frame.
+    /// Rotation of the frame of a leaf.
     pub leaf: LeafAlignment,
-    /// Unit of length of forces and accelerations (m).
+    /// Unit of length of the body's forces and accelerations [m].
     pub length_unit: f64,
 }
 
 /// One formulation of the equations of motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Formulation {
-    /// Choices for each body.
+    /// Choices for each body of the mechanism.
     pub bodies: Vec<BodyChoices>,
 }
 
 impl Formulation {
-    /// The plain recursive formulation.
+    /// The usual recursive formulation of a mechanism with `count` bodies: body frames, metres, and one joint
+    /// after another.
     pub fn plain(count: usize) -> Self {
         let choices = BodyChoices {
             angular: AngularRoute::Acceleration,
@@ -117,7 +125,7 @@ impl Formulation {
         Self { bodies: vec![choices; count] }
     }
 
-    /// The mechanism on a graph, in the form for this formulation.
+    /// Puts the mechanism on a graph, with the frames, masses and units of length of this formulation.
     pub fn mechanism<'g>(&self, graph: &'g Graph, mechanism: &Mechanism<Number>) -> Mechanism<Scalar<'g>> {
         let regroup: Vec<_> = self.bodies.iter().map(|body| body.regroup).collect();
         let units: Vec<_> = self.bodies.iter().map(|body| body.length_unit).collect();
@@ -140,14 +148,15 @@ impl Formulation {
         mechanism
     }
 
-    /// This formulation for massless bodies.
+    /// This formulation with [`RegroupChoice::Massless`] for all bodies: as much mass as possible is assigned
+    /// to the parent.
     pub fn massless(&self) -> Self {
         let mut next = self.clone();
         next.bodies.iter_mut().for_each(|body| body.regroup = RegroupChoice::Massless);
         next
     }
 
-    /// This formulation with all moments passed to the parent.
+    /// This formulation with all moments passed from body to parent, instead of to the body before a run.
     pub fn without_shortcuts(&self) -> Self {
         let mut next = self.clone();
         next.bodies.iter_mut().for_each(|body| body.sink = RunLink::Parent);
@@ -159,7 +168,7 @@ impl Formulation {
         self.with_unit(1.0)
     }
 
-    /// This formulation with different choices for one body.
+    /// This formulation with the given choices for one body.
     pub(super) fn with_body(&self, index: usize, choices: BodyChoices) -> Self {
         let mut next = self.clone();
         next.bodies[index] = choices;

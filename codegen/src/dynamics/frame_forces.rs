@@ -1,7 +1,8 @@
 //! Forces at frames: forces between two frames, and wrenches.
 //!
-//! A force F that pulls the origins of two frames together does the work −F l̇ with their distance l, so its
-//! generalized forces are −F ∂l/∂y. Those of a wrench are Jᵀ times force and moment.
+//! A force F that pulls the origins of two frames together does the work −F l̇ with the distance l of the
+//! origins. Its generalized forces are therefore −F ∂l/∂y. The generalized forces of a wrench are Jᵀ times
+//! force and moment.
 
 use std::cell::LazyCell;
 
@@ -15,7 +16,7 @@ use crate::model::{Attachment, ForceEffect, ForceInput, Model, PointForce, Wrenc
 use crate::spatial::{Force, Pose, Vector3, rotate};
 use gelenk_formula::{Formula, Function};
 
-/// Bodies of a mechanism at given coordinates.
+/// Forces at frames of a robot at given coordinates.
 pub struct FrameForces<'a, 'g> {
     model: &'a Model,
     mechanism: Mechanism<Scalar<'g>>,
@@ -23,15 +24,15 @@ pub struct FrameForces<'a, 'g> {
     y: &'a [Scalar<'g>],
 }
 
-/// The distance of two frames' origins.
+/// The distance l of the origins of two frames.
 struct Distance<'g> {
-    /// l
+    /// Distance l.
     length: Scalar<'g>,
-    /// ∂l/∂y
+    /// Gradient ∂l/∂y.
     gradient: Vec<Scalar<'g>>,
 }
 
-/// A point or direction, in the frame of a body; `None` stands for the base.
+/// A point in the frame of a body, or of the base if the body is `None`.
 #[derive(Clone, Copy)]
 struct Place<'g> {
     body: Option<usize>,
@@ -39,7 +40,9 @@ struct Place<'g> {
 }
 
 impl<'a, 'g> FrameForces<'a, 'g> {
-    /// - `mechanism`: in metres, with the bodies' own frames as working frames
+    /// Places the bodies at the coordinates `y`.
+    ///
+    /// - `mechanism`: a mechanism in metres, with equations in the bodies' own frames
     pub fn new(model: &'a Model, mechanism: Mechanism<Scalar<'g>>, y: &'a [Scalar<'g>]) -> Self {
         let placements = place(&mechanism, &Formulation::plain(mechanism.bodies.len()), y);
         Self { model, mechanism, placements, y }
@@ -49,7 +52,7 @@ impl<'a, 'g> FrameForces<'a, 'g> {
         self.mechanism.graph
     }
 
-    /// Generalized forces of the described laws, a part of q.
+    /// Generalized forces of the force laws between frames (`[[forces]]`). They are a part of q.
     pub fn law_forces(&self, v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let mut forces = vec![self.graph().constant(0.0); self.y.len()];
         for force in &self.model.point_forces {
@@ -62,7 +65,8 @@ impl<'a, 'g> FrameForces<'a, 'g> {
         forces
     }
 
-    /// Potential energies ∫ F dl of the laws that have one; F pulls together.
+    /// Potential energies ∫ F dl of the force laws that have a potential [J]. F is positive if it pulls the
+    /// origins together.
     pub fn law_energies(&self) -> Vec<Scalar<'g>> {
         let energy = |force: &PointForce| {
             let law = force.law.energy()?;
@@ -72,7 +76,7 @@ impl<'a, 'g> FrameForces<'a, 'g> {
         self.model.point_forces.iter().filter_map(energy).collect()
     }
 
-    /// The columns of B for the inputs at frames.
+    /// Columns of B for the inputs at frames, one list of entries for each input.
     pub fn input_columns(&self) -> Vec<Vec<Scalar<'g>>> {
         let zero = self.graph().constant(0.0);
         let column = |input: &ForceInput| {
@@ -89,7 +93,7 @@ impl<'a, 'g> FrameForces<'a, 'g> {
         self.model.force_inputs.iter().map(column).collect()
     }
 
-    /// Generalized forces of wrenches that are arguments.
+    /// Generalized forces `Σ Jᵀ w` of wrenches that are arguments of functions.
     pub fn wrench_forces(&self, wrenches: &[Force<'g>]) -> Vec<Scalar<'g>> {
         let mut forces = vec![self.graph().constant(0.0); self.y.len()];
         let described = self.model.wrenches.iter().zip(wrenches);
@@ -110,8 +114,8 @@ impl<'a, 'g> FrameForces<'a, 'g> {
         Force::of_wrench(&wrench.each_ref().map(|entry| lower(self.graph(), entry)))
     }
 
-    /// Adds the generalized forces of force and moment at the origin of a frame, in its axes: from body to body
-    /// towards the base.
+    /// Adds the generalized forces of a wrench at the origin of a frame, in the frame's axes. The wrench is
+    /// passed from body to body towards the base.
     fn add_wrench(&self, at: &Attachment, wrench: Force<'g>, forces: &mut [Scalar<'g>]) {
         let (mut next, frame) = self.in_body(at);
         let mut force = rotate(&frame.rotation, wrench.force);
@@ -131,7 +135,7 @@ impl<'a, 'g> FrameForces<'a, 'g> {
         }
     }
 
-    /// From the joint's axis to the origin of a body, in its own frame.
+    /// Vector along the joint's axis to the origin of a body, in the body's frame.
     fn lift(&self, body: usize) -> Vector3<Scalar<'g>> {
         let zero = self.graph().constant(0.0);
         Vector3([zero, zero, self.placements[body].extension])
@@ -147,19 +151,20 @@ impl<'a, 'g> FrameForces<'a, 'g> {
         Place { body, point: pose.translation }
     }
 
-    /// The bodies from one to the base.
+    /// The bodies on the path from a body to the base.
     fn chain(&self, body: Option<usize>) -> Vec<usize> {
         std::iter::successors(body, |&body| self.mechanism.bodies[body].parent).collect()
     }
 
-    /// A point in the frame of a body's parent.
+    /// Transforms a point from the frame of a body to the frame of the parent.
     fn in_parent(&self, body: usize, point: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         let placement = &self.placements[body];
         placement.translation
             + placement.to_parent(&self.mechanism.bodies[body].twist, point + self.lift(body))
     }
 
-    /// A point in the frame of the body before `end` on the way to the base.
+    /// Transforms a point to the frame of the body `end`, or of the base if `end` is `None` or not on the
+    /// path to the base.
     fn ahead_of(&self, end: Option<usize>, from: Place<'g>) -> Vector3<Scalar<'g>> {
         let (mut body, mut point) = (from.body, from.point);
         while let Some(index) = body.filter(|_| body != end) {
@@ -169,7 +174,7 @@ impl<'a, 'g> FrameForces<'a, 'g> {
         point
     }
 
-    /// l² and l.
+    /// The squared distance l² and the distance l.
     fn length(&self, between: &[Attachment; 2], name: &str) -> (Scalar<'g>, Scalar<'g>) {
         let squared = self.squared_distance(between.each_ref().map(|at| self.place(at)));
         (squared, squared.call(Function::Sqrt).named(|| format!("length_{name}")))
@@ -188,9 +193,9 @@ impl<'a, 'g> FrameForces<'a, 'g> {
         Distance { length, gradient: gradient.collect() }
     }
 
-    /// l², across the joint next to the body that both frames' bodies share on their ways to the base. With α
-    /// and β the two points as seen from a revolute joint's axis, before and after its turn R:
-    /// l² = |α|² + |β|² − 2 α · R β.
+    /// The squared distance l², computed across the first joint after the last common body of both paths from
+    /// the base. If this joint is revolute with the rotation R, and α and β are the points relative to its
+    /// axis before and after the rotation, then l² = |α|² + |β|² − 2 α · R β.
     fn squared_distance(&self, [a, b]: [Place<'g>; 2]) -> Scalar<'g> {
         let (of_a, of_b) = (self.chain(a.body), self.chain(b.body));
         let top = |chain: &[usize], other: &[usize]| {
@@ -211,7 +216,7 @@ impl<'a, 'g> FrameForces<'a, 'g> {
                 let together = fixed[0] * moved[0] + fixed[1] * moved[1];
                 let across = fixed[1] * moved[0] - fixed[0] * moved[1];
                 let apart = match (together.value(), across.value()) {
-                    // Constants take the factor in.
+                    // The factor 2 is merged into constants.
                     (Some(_), Some(_)) => c * (together * 2.0) + s * (across * 2.0),
                     _ => (c * together + s * across) * 2.0,
                 };
@@ -226,13 +231,13 @@ impl<'a, 'g> FrameForces<'a, 'g> {
 }
 
 impl<'g> Distance<'g> {
-    /// `∂l/∂y ẏ`
+    /// Rate of the distance, `∂l/∂y ẏ`.
     fn rate(&self, v: &[Scalar<'g>]) -> Scalar<'g> {
         let zero = self.length.constant(0.0);
         self.gradient.iter().zip(v).fold(zero, |sum, (&by, &v)| sum + by * v)
     }
 
-    /// Adds the generalized forces of a force that pulls together.
+    /// Adds the generalized forces `−F ∂l/∂y` of a force F that pulls the origins together.
     fn add_pull(&self, pull: Scalar<'g>, forces: &mut [Scalar<'g>]) {
         for (force, &by) in forces.iter_mut().zip(&self.gradient) {
             *force = *force - pull * by;
@@ -240,7 +245,7 @@ impl<'g> Distance<'g> {
     }
 }
 
-/// Names a value, unless it stands in the graph with the other sign.
+/// Names a value, unless the graph contains the value with the opposite sign.
 fn named(x: Scalar<'_>, name: impl FnOnce() -> String) -> Scalar<'_> {
     if x.edge().is_negative() { x } else { x.named(name) }
 }

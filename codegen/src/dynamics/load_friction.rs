@@ -1,5 +1,5 @@
-//! Load-dependent friction `|τ_l| s₁(ẏ)`, in addition to the friction s₀(ẏ) of the velocity (Hamon, Gautier
-//! and Garrec 2010).
+//! Load-dependent friction `|τ_l| s₁(ẏ)`, in addition to the velocity-dependent friction s₀(ẏ) (Hamon,
+//! Gautier and Garrec 2010).
 //!
 //! The load τ_l of a joint is the drive's force without friction, `M ÿ + k − q` with only gravity and springs
 //! in q. A drive exerts
@@ -8,26 +8,27 @@
 //! τ_j = τ_l + s₀ + |τ_l| s₁ = s₀ + (1 + s₁ sign τ_l) τ_l
 //! ```
 //!
-//! which increases with τ_l if |s₁| < 1. Therefore `w = τ_j − s₀` has the sign of the load, and
+//! This force increases with τ_l if |s₁| < 1. Therefore `w = τ_j − s₀` has the sign of the load, and the load
+//! of each joint follows before the accelerations are known:
 //!
 //! ```text
 //! τ_l = w / (1 + s₁ sign w)
 //! ```
 //!
-//! gives it joint by joint, before the accelerations are known. Both functions have a kink at zero load.
-//! There the sign is 0 and both derivatives are 1, the mean of both sides.
+//! Both functions have a kink at zero load. There the sign is 0 and both derivatives are 1, the mean of both
+//! sides.
 
 use super::forces::friction_sum;
 use crate::graph::{Graph, Scalar};
 use crate::model::Model;
 use gelenk_formula::Function;
 
-/// Whether a joint has load-dependent friction.
+/// Whether a joint of the model has load-dependent friction.
 pub fn is_there(model: &Model) -> bool {
     model.joints().any(|joint| !joint.load_friction.is_empty())
 }
 
-/// Load-dependent friction s₁ by coordinate.
+/// Coefficients s₁ of load-dependent friction by coordinate, without unit.
 pub fn shares<'g>(graph: &'g Graph, model: &Model, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
     let joints = model.joints().enumerate();
     let share =
@@ -35,18 +36,18 @@ pub fn shares<'g>(graph: &'g Graph, model: &Model, y: &[Scalar<'g>], v: &[Scalar
     share.collect()
 }
 
-/// `|τ_l| s₁`
+/// Friction `|τ_l| s₁` at the load τ_l.
 pub fn friction<'g>(load: Scalar<'g>, share: Scalar<'g>) -> Scalar<'g> {
     load.call(Function::Abs) * share
 }
 
-/// `1 + s₁ sign τ_l`: drive force per unit of load. The argument may be the load, or the drive's force minus
-/// s₀.
+/// Derivative `1 + s₁ sign τ_l` of the drive's force by the load τ_l. `load` may also be w, the drive's force
+/// minus s₀, which has the same sign.
 pub fn gain<'g>(load: Scalar<'g>, share: Scalar<'g>) -> Scalar<'g> {
     load.constant(1.0) + share * load.call(Function::Sign)
 }
 
-/// τ_l from `w`, the drive's force minus s₀.
+/// Load τ_l from `exerted` = w, the drive's force minus s₀.
 pub fn load<'g>(exerted: Scalar<'g>, share: Scalar<'g>) -> Scalar<'g> {
     exerted.divided_by(gain(exerted, share))
 }

@@ -1,30 +1,31 @@
-//! Matrices of any size over the graph.
+//! Matrices of any size over the expression graph.
 
 use crate::graph::{Graph, Scalar, differentiate};
 
-/// A matrix over the graph, row-major.
+/// A matrix over the graph, as a list of rows.
 pub type Matrix<'g> = Vec<Vec<Scalar<'g>>>;
 
-/// Input array for auxiliary variables of differentiation; no function has it as an argument.
+/// Index of the input array for auxiliary variables of differentiation. No function has this array as an
+/// argument.
 pub const FREE: usize = 1 << 20;
 
-/// `∂ results / ∂ variables`, row i = result i.
+/// Jacobian ∂ results / ∂ variables. Row i belongs to result i.
 pub fn jacobian<'g>(graph: &'g Graph, results: &[Scalar<'g>], variables: &[Scalar<'g>]) -> Matrix<'g> {
     let columns: Vec<_> = variables.iter().map(|&variable| differentiate(graph, results, variable)).collect();
     (0..results.len()).map(|row| columns.iter().map(|column| column[row]).collect()).collect()
 }
 
-/// `a + b`
+/// Sum of two vectors.
 pub fn sum<'g>(a: &[Scalar<'g>], b: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
     a.iter().zip(b).map(|(&a, &b)| a + b).collect()
 }
 
-/// `a − b`
+/// Difference `a − b` of two vectors.
 pub fn subtract<'g>(a: &[Scalar<'g>], b: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
     a.iter().zip(b).map(|(&a, &b)| a - b).collect()
 }
 
-/// `a · b`
+/// Scalar product of two vectors.
 pub fn dot<'g>(graph: &'g Graph, a: &[Scalar<'g>], b: &[Scalar<'g>]) -> Scalar<'g> {
     a.iter().zip(b).fold(graph.constant(0.0), |sum, (&a, &b)| sum + a * b)
 }

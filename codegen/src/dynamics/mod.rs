@@ -1,8 +1,9 @@
-//! Stage 3: equations of motion over the graph; each quantity from its cheapest formulation.
+//! Equations of motion over the expression graph. A formulation is one way to write the same equations; each
+//! quantity is derived in the formulation with the fewest operations.
 //!
-//! `recursion` has the equations over the bodies, `search` chooses their formulations, `per_joint` writes
-//! large functions as loops over joints, and `parameters` has their linear parameters. [`equations`] is the
-//! entry point; `accelerations` has the forward dynamics.
+//! `recursion` has the recursive equations over the bodies, and `search` chooses the formulations.
+//! `per_joint` writes large functions as loops over joints. `parameters` has the regressors of inertial
+//! parameters. `accelerations` has the forward dynamics. [`equations`] is the entry point.
 
 mod accelerations;
 pub mod arguments;

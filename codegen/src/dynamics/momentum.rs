@@ -1,8 +1,8 @@
-//! Centre of mass, and momentum about it in the axes of the base (Orin, Goswami and Lee 2013).
+//! Centre of mass c of the robot, and momentum about c in the axes of the base (Orin, Goswami and Lee 2013).
 //!
-//! Column j of the centroidal momentum matrix is the momentum of all bodies beyond joint j, per unit of its
-//! velocity. With the moments m, h, Σ of this composite body about a point o of the joint, and the unit
-//! motion (ω, v) at o,
+//! Column j of the centroidal momentum matrix is the momentum of all bodies beyond joint j for a unit of this
+//! joint's velocity. With the mass m and the moments h = ∫ r dm and Σ = ∫ r rᵀ dm of these bodies about a
+//! point o of the joint, and the unit motion (ω, v) at o,
 //!
 //! ```text
 //! p = m v + ω × h          L = (tr Σ − Σ) ω + h × v + (o − c) × p
@@ -17,7 +17,7 @@ use crate::graph::Scalar;
 use crate::kinematics::Mechanism;
 use crate::spatial::{Force, Vector3};
 
-/// Masses of a mechanism at given positions.
+/// The masses of a mechanism at given positions.
 pub struct Masses<'g> {
     mechanism: Mechanism<Scalar<'g>>,
     plain: Formulation,
@@ -25,26 +25,28 @@ pub struct Masses<'g> {
 }
 
 impl<'g> Masses<'g> {
-    /// - `mechanism`: in metres and not regrouped
+    /// Creates the masses at the positions `y`.
+    ///
+    /// - `mechanism`: a mechanism in metres whose masses are those of the description
     pub fn new(mechanism: Mechanism<Scalar<'g>>, y: &[Scalar<'g>]) -> Self {
         let plain = Formulation::plain(mechanism.bodies.len());
         Self { mechanism, plain, y: y.to_vec() }
     }
 
-    /// Mass of the moving bodies.
+    /// Total mass of the moving bodies [kg].
     fn total(&self) -> Scalar<'g> {
         let zero = self.mechanism.graph.constant(0.0);
         self.mechanism.bodies.iter().fold(zero, |sum, body| sum + body.moments.mass)
     }
 
-    /// Centre of mass c in the base frame (m).
+    /// Centre of mass c in the base frame [m].
     pub fn center(&self) -> Vector3<Scalar<'g>> {
         let first = composite::first_moment(&self.mechanism, &self.plain, &self.y);
         let total = self.total();
         first.map(|x| x.divided_by(total)).named("center_of_mass")
     }
 
-    /// Momentum about c at a unit of each velocity, by column: linear, then angular.
+    /// Momentum about c for a unit of each velocity, as six rows: linear, then angular.
     fn columns(&self) -> Vec<Vec<Scalar<'g>>> {
         let mechanism = &self.mechanism;
         let placements = place(mechanism, &self.plain, &self.y);
@@ -72,12 +74,13 @@ impl<'g> Masses<'g> {
         rows
     }
 
-    /// Centroidal momentum matrix; linear rows first.
+    /// Centroidal momentum matrix, 6 × n. The first three rows are the linear momentum, the last three the
+    /// angular momentum.
     pub fn momentum_matrix(&self) -> Matrix<'g> {
         self.columns()
     }
 
-    /// Jacobian ∂c/∂y along small motions.
+    /// Jacobian ∂c/∂y of the centre of mass, 3 × n, along small motions.
     pub fn center_jacobian(&self) -> Matrix<'g> {
         let total = self.total();
         let rows = self.columns().into_iter().take(3);

@@ -1,15 +1,15 @@
-//! Derivatives by small motions, for joints whose positions are not a vector space.
+//! Derivatives along small motions, for joints with quaternions, whose positions are not a vector space.
 //!
-//! The derivative of a function f of the positions along coordinate i is that of `δ ↦ f(y ⊕ δ e_i)` at 0. A
-//! quaternion has `q̇ = ½ q ⊗ (ν, 0)`, and the origin of a floating body `ṗ = R l`; the velocities l and ν
-//! are in the body's own frame.
+//! The derivative of f(y) along coordinate i is the derivative of `δ ↦ f(y ⊕ δ e_i)` at δ = 0. A quaternion
+//! has `q̇ = ½ q ⊗ (ν, 0)`, and the origin of a floating body `ṗ = R l`; the velocities l and ν are in the
+//! body's own frame.
 
 use crate::graph::{Graph, Scalar, differentiate, gradient};
 use crate::kinematics::{PositionEntries, position_entries};
 use crate::model::{Model, QuaternionJoint, QuaternionKind};
 use crate::spatial::{Attitude, Vector3};
 
-/// Derivatives of `results` along a coordinate.
+/// Derivatives of `results` along one coordinate.
 ///
 /// - `y`: positions by coordinate
 pub fn differentiate_along<'g>(
@@ -35,7 +35,8 @@ pub fn differentiate_along<'g>(
     sum
 }
 
-/// Derivatives of one result along all coordinates and by all velocities, by reverse differentiation.
+/// Derivatives of one result along all coordinates, and by all velocities. They are computed by reverse
+/// differentiation.
 pub fn gradient_along<'g>(
     graph: &'g Graph,
     model: &Model,
@@ -68,7 +69,7 @@ pub fn gradient_along<'g>(
     (along, by_velocities)
 }
 
-/// Position entries of a joint, with their rates at a unit of one of the joint's velocities.
+/// Position entries of a joint, with their rates of change for a unit of one velocity of the joint.
 fn rates<'g>(
     graph: &'g Graph,
     model: &Model,
@@ -91,8 +92,8 @@ fn rates<'g>(
     quaternion.into_iter().zip(rates).collect()
 }
 
-/// D in `δ̇ = D δ + δv`, the linearization on the tangent: `−ad_v` in the rows of a joint with a quaternion,
-/// otherwise 0.
+/// Matrix D of the linearized kinematics `δ̇ = D δ + δv` of a small motion δ. The rows of a joint with a
+/// quaternion contain `−ad_v`, the other rows are 0.
 pub fn drift<'g>(graph: &'g Graph, model: &Model, v: &[Scalar<'g>]) -> Vec<Vec<Scalar<'g>>> {
     let n = v.len();
     let mut matrix = vec![vec![graph.constant(0.0); n]; n];
@@ -107,7 +108,7 @@ pub fn drift<'g>(graph: &'g Graph, model: &Model, v: &[Scalar<'g>]) -> Vec<Vec<S
     matrix
 }
 
-/// Subtracts the matrix of a cross product from a block.
+/// Subtracts the matrix v× of the cross product from a block.
 fn subtract_cross<'g>(matrix: &mut [Vec<Scalar<'g>>], [row, column]: [usize; 2], v: &[Scalar<'g>]) {
     for (i, j, k) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
         // v× has −v_k in (i, j) and v_k in (j, i).

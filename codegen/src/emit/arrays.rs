@@ -1,27 +1,29 @@
-//! Array form: parts common to all languages.
+//! Array form (functions as loops over joints): parts that are common to all languages.
 
 use crate::program::Operand;
 use crate::program::arrays::{Arrays, Coordinates, Over, Relation, Step};
 
-/// Length of an array row with one entry per joint. The row is padded to whole blocks of SIMD width.
+/// Lengths of the rows of arrays. Rows are padded to whole blocks of SIMD width.
 #[derive(Clone, Copy)]
 pub(super) struct Row {
-    /// Entries including padding.
+    /// Number of entries of a row over joints, including padding.
     pub(super) len: usize,
-    /// Entries of a row over coordinates; equal to `len` if each joint is a coordinate.
+    /// Number of entries of a row over coordinates, including padding. It is equal to `len` if each joint is
+    /// independent.
     pub(super) coordinates: usize,
-    /// Entries of a block.
+    /// Number of entries of a block.
     pub(super) block: usize,
-    /// Whether each joint except the first follows the previous one, and none has a quaternion.
+    /// Whether the joints are a chain without quaternions, in which each joint is on the body of the previous
+    /// joint.
     pub(super) is_chain: bool,
-    /// Whether joints follow the coordinates of other joints.
+    /// Whether a joint follows the coordinates of other joints.
     is_coupled: bool,
 }
 
 impl Row {
     pub(super) fn new(form: &Arrays) -> Self {
         let joints = form.joints.len();
-        // Half a block of padding costs more than blocks of half the length.
+        // A long block with half of it padding costs more than blocks of half the length.
         let block = match joints.next_multiple_of(4) < joints.next_multiple_of(8) {
             true => 4,
             false => 8,
@@ -35,13 +37,13 @@ impl Row {
         }
     }
 
-    /// Whether the loops are those for chains in one block. These loops are written out; other loops leave
-    /// choices to the compiler.
+    /// Whether the loops for chains in one block are used. These loops are unrolled in their text. Other
+    /// loops leave choices to the compiler.
     pub(super) fn is_one_block(self) -> bool {
         self.is_chain && self.len == self.block && !self.is_coupled
     }
 
-    /// Entries of a row of an array, including padding.
+    /// Number of entries of a row of the array with this index, including padding.
     pub(super) fn of(self, form: &Arrays, array: usize) -> usize {
         match form.arrays[array].over {
             Over::Joints => self.len,
@@ -50,7 +52,7 @@ impl Row {
     }
 }
 
-/// Beginning of the sentence about a function's setup.
+/// Beginning of the comment about the setup of a function, its straight-line code before the loops.
 pub(super) fn about_setup(form: &Arrays) -> &'static str {
     match form.steps.iter().any(|step| matches!(step, Step::Map(_))) {
         true => "Poses and single joints of",
@@ -58,7 +60,7 @@ pub(super) fn about_setup(form: &Arrays) -> &'static str {
     }
 }
 
-/// Entries of a constant array.
+/// Entries of an array of the setup if all of them are constant, otherwise `None`.
 pub(super) fn table(form: &Arrays, array: usize) -> Option<Vec<f64>> {
     let output = form.setup.outputs.get(array)?;
     let constant = |entry: &Operand| match entry {
@@ -68,7 +70,7 @@ pub(super) fn table(form: &Arrays, array: usize) -> Option<Vec<f64>> {
     output.entries.iter().map(constant).collect()
 }
 
-/// Whether an array is a matrix used only as result, so that it can be written in place.
+/// Whether an array is a matrix that no step reads, so that it can be written directly to the result.
 pub(super) fn is_only_result(form: &Arrays, array: usize) -> bool {
     let is_made = |step: &Step| match step {
         Step::Pairs(pairs) => pairs.to == array,
@@ -78,8 +80,8 @@ pub(super) fn is_only_result(form: &Arrays, array: usize) -> bool {
     form.steps.iter().any(is_made) && !form.steps.iter().any(|step| step.reads(array))
 }
 
-/// Relation of joint j to joint i: −1 before it on its path to the base, 1 beyond it or the same, else 0; 0
-/// beyond the last joint of a row.
+/// Relation of joint j to joint i: −1 if j is on the path from i to the base, 1 if j is i or beyond i,
+/// otherwise 0. It is 0 for the padding of a row.
 pub(super) fn relation(form: &Arrays, i: usize, j: usize) -> i8 {
     if j >= form.joints.len() {
         return 0;
@@ -91,13 +93,14 @@ pub(super) fn relation(form: &Arrays, i: usize, j: usize) -> i8 {
     }
 }
 
-/// Whether the entry of two coordinates in the inverse of the mass matrix can be non-zero: 1 or 0.
+/// Returns 1 if the entry of coordinates i and j in the inverse of the mass matrix can be non-zero, otherwise
+/// 0.
 pub(super) fn meeting(form: &Arrays, i: usize, j: usize) -> i8 {
     let tree = form.coordinates();
     i8::from(j < tree.len() && tree.meet(i, j))
 }
 
-/// Joints that follow each coordinate; its own joint is first.
+/// For each coordinate the joints that follow it. The independent joint of the coordinate is first.
 pub(super) fn followers(form: &Arrays) -> Vec<Vec<usize>> {
     let mut joints: Vec<Vec<usize>> = (0..form.coordinates().len()).map(|own| vec![own]).collect();
     for (joint, coordinate) in form.coordinates.iter().flat_map(Coordinates::followers) {

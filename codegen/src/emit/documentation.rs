@@ -1,4 +1,4 @@
-//! Documentation of generated items for all languages: blocks of Markdown.
+//! Documentation of generated items for all languages, as blocks of Markdown.
 
 use super::text::code;
 use crate::functions::function::{Constant, Function};
@@ -7,10 +7,10 @@ use crate::layout::Extent;
 use crate::model::Parameter;
 use crate::module::{ComposedFunction, Module};
 
-/// A block of documentation: Markdown from our own stages.
+/// A block of documentation. The Markdown comes from the generator, not from a description.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Block {
-    /// A paragraph, separated from the previous text.
+    /// A paragraph, after an empty line.
     Paragraph(String),
     /// A list item.
     Item(String),
@@ -18,30 +18,30 @@ pub(super) enum Block {
     Gap,
 }
 
-/// Labels of arguments and results, with their shapes, in the syntax of a language.
+/// Labels of arguments and results in the syntax of a language. A label has the name and the shape.
 pub(super) struct Labels {
-    /// `` `y: [N]` ``
+    /// Labels of the arguments, for example `` `y: [N]` ``.
     pub(super) arguments: Vec<String>,
-    /// Whether free parameters are an argument.
+    /// Whether the free parameters are an argument.
     pub(super) has_parameters: bool,
-    /// ``returns `M: [N × N]` ``
+    /// Labels of the results, for example ``returns `M: [N × N]` ``.
     pub(super) results: Vec<String>,
-    /// Sentence about the stack, after the operation count.
+    /// Sentence about the stack size, after the operation count; `None` for Rust.
     pub(super) stack: Option<String>,
 }
 
-/// A length in documentation.
+/// A length in documentation: a constant's name if it depends on the robot, otherwise a number.
 fn length_text(extent: Extent) -> String {
     extent.dimension.length().map_or_else(|| extent.len.to_string(), str::to_owned)
 }
 
-/// Shape of an argument in documentation: `N`, or `WRENCHES × 6` if its entries form rows.
+/// Shape of an argument in documentation, for example `N`, or `WRENCHES × 6` if the entries form rows.
 pub(super) fn argument_shape(extent: Extent) -> String {
     let row = extent.row().map_or(String::new(), |row| format!(" × {row}"));
     format!("{}{row}", length_text(extent))
 }
 
-/// Lengths in documentation: `N × N`.
+/// Shape of a result in documentation, for example `N × N`.
 pub(super) fn shape_text(extents: &[Extent]) -> String {
     let lengths = extents.iter().map(|&extent| length_text(extent));
     lengths.collect::<Vec<_>>().join(" × ")
@@ -70,7 +70,7 @@ pub(super) fn of_function(function: &Function, labels: &Labels) -> Vec<Block> {
     blocks
 }
 
-/// Documentation of a function over a sample time. All its arguments except the last share one label.
+/// Documentation of a function over a sample time. All arguments except the period have one common label.
 pub(super) fn of_composition(composed: &ComposedFunction, labels: &Labels) -> Vec<Block> {
     let function = composed.composition;
     let mut blocks = vec![
@@ -94,13 +94,13 @@ pub(super) fn of_composition(composed: &ComposedFunction, labels: &Labels) -> Ve
     blocks
 }
 
-/// Label of the arguments of a function over a sample time.
+/// Label of the arguments y, v and u of a function over a sample time.
 pub(super) fn state_label(module: &Module) -> String {
     let y = if module.has_quaternions() { "NY" } else { "N" };
     format!("`y: [{y}]`, `v: [N]`, `u: [M]`")
 }
 
-/// Documentation of a function of positions; its labels are complete.
+/// Documentation of a function of positions. The labels already contain the meanings.
 pub(super) fn of_position_function(function: PositionFunction, labels: &Labels) -> Vec<Block> {
     let mut blocks = vec![
         Block::Paragraph(function.summary().to_owned()),
@@ -122,9 +122,9 @@ pub(super) fn of_constant(constant: &Constant) -> Vec<Block> {
     blocks
 }
 
-/// Line about a free parameter.
+/// Sentence about a free parameter.
 ///
-/// - `plain`: removes markup from text of the description
+/// - `plain`: removes markup from a text of the description
 pub(super) fn of_parameter(parameter: &Parameter, plain: impl Fn(&str) -> String) -> String {
     let meaning = match parameter.description.trim() {
         "" => format!("Parameter {}", code(&parameter.name)),
@@ -152,7 +152,7 @@ fn sentence(parts: [&str; 3]) -> String {
     parts.collect::<Vec<_>>().join(": ")
 }
 
-/// `a, b (rad), c (m)`: neighbours with one unit share it.
+/// The entries with their units as text. Adjacent entries with the same unit have one unit.
 fn list(entries: &[(String, &'static str)]) -> String {
     let shown = entries.iter().enumerate().map(|(i, (name, unit))| {
         let is_last_of_unit = entries.get(i + 1).is_none_or(|(_, next)| next != unit);

@@ -1,38 +1,40 @@
-//! Calling convention of a C module as data, for tools that write bindings.
+//! Signatures and documentation of a C module as data, for tools that make bindings.
 
 use crate::layout::Extent;
 
-/// Functions and parameters of a module by their names in C.
+/// Functions and free parameters of a module, with the names in C.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Interface {
-    /// Prefix of the names of functions and types, followed by `_`. Constants have the prefix in capitals.
+    /// Prefix of the names of functions and types, without the `_` after it. Constants have the prefix in
+    /// capitals.
     pub prefix: String,
-    /// Field names of the free parameters, in the order of the struct.
+    /// Names of the free parameters, in the order of the struct's fields.
     pub parameters: Vec<String>,
     /// Functions in the order of the module.
     pub functions: Vec<Callable>,
 }
 
-/// A function. Arguments are followed by the free parameters, if it takes them, and by the results.
+/// A function. In C the arguments are followed by the free parameters, if the function takes them, then by
+/// the results.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Callable {
-    /// Name without the prefix.
+    /// Name of the function without the prefix.
     pub name: String,
     /// First line of the documentation.
     pub summary: String,
-    /// Equation in Unicode; may be empty.
+    /// Equation of the function in Unicode; may be empty.
     pub equation: String,
-    /// Arguments except the free parameters.
+    /// Arguments without the free parameters and results.
     pub arguments: Vec<Argument>,
-    /// Results.
+    /// Results of the function.
     pub results: Vec<Written>,
-    /// Whether the function takes the free parameters; functions of positions alone do not.
+    /// Whether the function takes the free parameters. Functions that only take positions do not.
     pub takes_parameters: bool,
-    /// Whether the function returns its only result, a number.
+    /// Whether the only result is a number that the function returns.
     pub returns_number: bool,
-    /// Name of its form over eight states, without the prefix; `None` if there is none.
+    /// Name of the version for eight states at once, without the prefix; `None` if there is no such version.
     pub lanes: Option<String>,
-    /// Sentence about the operations of the function.
+    /// Sentence about the number of operations.
     pub cost: String,
     /// Notes on method, limits and sources.
     pub notes: Vec<String>,
@@ -43,11 +45,11 @@ pub struct Callable {
 pub struct Argument {
     /// Name of the argument.
     pub name: String,
-    /// Lengths, outermost first; empty for a number by value.
+    /// Lengths of the array, outermost first; empty for a number that is passed by value.
     pub extents: Vec<Extent>,
-    /// Meaning, unit and frame.
+    /// Meaning with unit and frame.
     pub meaning: String,
-    /// Name and unit of each entry; empty if entries are not described one by one.
+    /// Name and unit of each entry; empty if the entries have no separate descriptions.
     pub entries: Vec<(String, String)>,
 }
 
@@ -58,14 +60,14 @@ pub struct Written {
     pub name: String,
     /// Symbol of the result in formulas.
     pub symbol: String,
-    /// Lengths, outermost first; empty for a number.
+    /// Lengths of the array, outermost first; empty for a number.
     pub extents: Vec<Extent>,
-    /// Meaning, unit and frame.
+    /// Meaning with unit and frame.
     pub meaning: String,
 }
 
 impl Argument {
-    /// Whether the argument is a number by value.
+    /// Whether the argument is a number that is passed by value.
     #[must_use]
     pub fn is_number(&self) -> bool {
         self.extents.is_empty()

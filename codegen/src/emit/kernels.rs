@@ -1,4 +1,4 @@
-//! Selection of the elementary functions of a module.
+//! Selects the elementary functions (kernels) whose texts a module includes.
 
 use std::collections::BTreeSet;
 
@@ -8,7 +8,7 @@ use super::options::Scalar;
 use crate::functions::function::Function;
 use crate::program::Operation;
 
-/// The text for f64 or the text for f32.
+/// The kernel for the number type. `kernels` has the kernel for f64, then the kernel for f32.
 pub(super) fn of_scalar(kernels: [Kernel; 2], scalar: Scalar) -> Kernel {
     match scalar {
         Scalar::F64 => kernels[0],
@@ -16,7 +16,7 @@ pub(super) fn of_scalar(kernels: [Kernel; 2], scalar: Scalar) -> Kernel {
     }
 }
 
-/// Sines and cosines of 2, 4 or 8 angles.
+/// Kernels for sines and cosines of 2, 4 or 8 angles, for f64 and for f32.
 pub(super) fn sin_cos_of(lanes: usize) -> [Kernel; 2] {
     match lanes {
         2 => [Kernel::SinCos2, Kernel::SinCos2F32],
@@ -25,13 +25,13 @@ pub(super) fn sin_cos_of(lanes: usize) -> [Kernel; 2] {
     }
 }
 
-/// Whether any of the functions has a fused multiply-add.
+/// Whether a function has a fused multiply-add.
 pub(super) fn are_fused(functions: &[Function]) -> bool {
     let instructions = functions.iter().flat_map(|function| &function.program.instructions);
     instructions.into_iter().any(|instruction| matches!(instruction.operation, Operation::MultiplyAdd(..)))
 }
 
-/// The called functions and those that they call, in order of definition.
+/// The called kernels and the kernels that they call, in the order of definition.
 pub(super) fn needed(called: &BTreeSet<Kernel>) -> BTreeSet<Kernel> {
     let mut needed = BTreeSet::new();
     for &kernel in called {

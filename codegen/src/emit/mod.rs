@@ -1,8 +1,8 @@
-//! Stage 5: converts a [`Module`] to text; one folder per language.
+//! Converts a [`Module`] to text, with one folder per language.
 //!
-//! A printer decides nothing about numbers: order, names, signs and fused operations come from the
-//! [`Program`](crate::program::Program) of each function. It ensures for any description that names are
-//! printed only as checked identifiers, and texts only as escaped literals or escaped documentation.
+//! A printer decides nothing about numbers. Order, names, signs and fused operations come from the
+//! [`Program`](crate::program::Program) of each function. A printer prints names only as checked identifiers,
+//! and texts only as escaped literals or escaped documentation, so no description can insert code.
 
 mod arrays;
 mod c;
@@ -22,7 +22,7 @@ pub use rust::documentation;
 
 use crate::module::Module;
 
-/// Prints a module in the language of the options. The text depends only on the arguments.
+/// Prints a module in the language of the options. The result depends only on the arguments.
 #[must_use]
 pub fn module(module: &Module, options: &EmitOptions) -> SourceFile {
     match options.language {

@@ -1,23 +1,23 @@
-//! Conversion of names of descriptions and programs to identifiers of a language.
+//! Converts names of descriptions and programs to identifiers of a language.
 //!
-//! The model has checked its names already; this is a second check that no string becomes code. Identifiers
-//! are ASCII: other letters are not valid in C99 and trigger lints on confusable names.
+//! The names of a model are checked before; the conversion ensures again that no string becomes code.
+//! Identifiers are ASCII, because other letters are not valid in C99 and cause lints about confusable names.
 
 use crate::distinct::Distinct;
 use crate::program::{Program, letters};
 
 /// Rules for identifiers of a language.
 pub(super) struct Spelling {
-    /// Words that are not identifiers, sorted.
+    /// Words that are not identifiers, in sorted order.
     pub(super) keywords: &'static [&'static str],
-    /// Whether `_x` and `a__b` are not reserved.
+    /// Whether the language allows identifiers such as `_x` and `a__b`.
     pub(super) has_free_underscores: bool,
     /// Prefixes that identifiers must not have.
     pub(super) prefixes: Vec<String>,
 }
 
 impl Spelling {
-    /// Nearest identifier to `name`; `name` itself if it is an identifier.
+    /// Converts `name` to an identifier. If `name` is an identifier, it is returned unchanged.
     pub(super) fn identifier(&self, name: &str) -> String {
         let mut text = String::with_capacity(name.len());
         for letter in name.chars() {
@@ -47,8 +47,8 @@ impl Spelling {
         text
     }
 
-    /// Identifiers for `names`, distinct from each other and from `taken`. If a name is in use, `_` and a
-    /// number are appended.
+    /// Converts `names` to identifiers that differ from each other and from `taken`. If an identifier is in
+    /// use, `_` and a number are appended.
     pub(super) fn distinct<'a>(
         &self,
         names: impl IntoIterator<Item = &'a str>,
@@ -79,7 +79,7 @@ impl Spelling {
         ProgramNames { arguments, results, values }
     }
 
-    /// Argument names for the results of a program.
+    /// Names of arguments for the results of a program.
     pub(super) fn results(&self, program: &Program, taken: &[String]) -> Vec<String> {
         let spelled = program.outputs.iter().map(|output| spelled(&output.name));
         let spelled: Vec<String> = spelled.collect();
@@ -89,15 +89,15 @@ impl Spelling {
 
 /// Names in the body of a function.
 pub(super) struct ProgramNames {
-    /// Input arrays.
+    /// Names of the input arrays.
     pub(super) arguments: Vec<String>,
-    /// Results, if they are arguments.
+    /// Names of the results; empty if results are not arguments.
     pub(super) results: Vec<String>,
-    /// Value of each instruction.
+    /// Name of the value of each instruction.
     pub(super) values: Vec<String>,
 }
 
-/// Symbol of a result as words.
+/// The symbol of a result in ASCII words, for example `d_a_dy` for `∂ÿ/∂y`.
 pub(super) fn spelled(symbol: &str) -> String {
     let name = symbol.replace("⁻¹", "_inverse").replace('ẏ', "v");
     let name = name.replace('⁺', "_next").replace('ÿ', "a").replace('∂', "d");

@@ -2,30 +2,33 @@
 
 use super::interface::Interface;
 
-/// Largest number of statements of one function. With debug information, as in Cargo's dev profile, rustc 1.95 nests
-/// one scope for each `let`, and LLVM recurses over them: 2 800 statements compile, 3 200 overflow the 2 MB
-/// of its thread's stack and end rustc. Without it, at opt-level 3, 9 000 statements need 0.9 s and 200 MB,
-/// 28 000 need 4 s and 490 MB: there parts of shorter functions are inlined, which makes no scopes within each other.
+/// Default of [`EmitOptions::longest_function`].
+///
+/// With debug information, as in Cargo's dev profile, rustc 1.95 nests one scope for each `let`, and LLVM visits
+/// the scopes recursively. A function of 2 800 statements compiles. A function of 3 200 statements overflows the
+/// stack of 2 MB of LLVM's thread, which ends rustc. Without debug information, at opt-level 3, 9 000 statements
+/// need 0.9 s and 200 MB, and 28 000 statements need 4 s and 490 MB. There, parts of shorter functions are
+/// inlined, which does not nest scopes.
 const LONGEST_FUNCTION: usize = 2_000;
 
 /// Options of the printer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EmitOptions {
-    /// The language of the module.
+    /// Language of the module.
     pub language: Language,
     /// Additional files for tools that call C modules.
     pub companions: Vec<Companion>,
-    /// Name of the module, if it differs from the robot's; used for its files and, in C, as prefix of its
-    /// names.
+    /// Name of the module, for its files and, in C, as prefix of its names. If `None`, the name is made from
+    /// the robot's name.
     pub name: Option<String>,
     /// Number type of all functions and constants.
     pub scalar: Scalar,
     /// Source of sine, cosine, tanh and exp.
     pub math: Math,
-    /// Command that regenerates the file, for its header; without absolute paths.
+    /// Command that regenerates the file, for the comment at its top. It must not contain absolute paths.
     pub command: String,
-    /// Largest number of statements of a function. Longer programs are split into private functions.
-    /// Straight-line code in C may have five times as many.
+    /// Largest number of statements of a function. Longer programs are split into private functions. A
+    /// function of straight-line code in C may have five times as many statements.
     pub longest_function: usize,
 }
 
@@ -46,20 +49,20 @@ impl Default for EmitOptions {
 /// The text of a generated module.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SourceFile {
-    /// Name of the module; the file is `<name>.rs` or `<name>.c`.
+    /// Name of the module. The file is `<name>.rs` or `<name>.c`.
     pub name: String,
     /// Text of the module.
     pub text: String,
-    /// Text of `<name>.h`, for a C module.
+    /// Text of `<name>.h`; `None` for a Rust module.
     pub header: Option<String>,
-    /// Additional files: suffix of the module's name, and text.
+    /// Additional files. Each has the ending that follows the module's name, and the text.
     pub companions: Vec<(&'static str, String)>,
-    /// Calling convention of a C module.
+    /// Signatures and documentation of the functions; `None` for a Rust module.
     pub interface: Option<Interface>,
 }
 
 impl SourceFile {
-    /// Files of the module: suffix of its name, and text.
+    /// All files of the module. Each has the ending that follows the module's name, and the text.
     #[must_use]
     pub fn files(&self) -> Vec<(&'static str, &str)> {
         let mut files = match &self.header {
@@ -74,22 +77,22 @@ impl SourceFile {
 /// The language of a generated module.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Language {
-    /// One file, `<name>.rs`.
+    /// Rust, in one file `<name>.rs`.
     #[default]
     Rust,
-    /// C99 that also compiles as C++: `<name>.h` and `<name>.c`. Only Rust modules can contain tests.
+    /// C99 that also compiles as C++, in two files `<name>.h` and `<name>.c`. C modules cannot contain tests.
     C,
 }
 
 /// Additional file of a C module, for a tool that calls it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Companion {
-    /// `<name>_acados.c` and `<name>_acados.py`: discrete dynamics in double precision, and an optimal
+    /// Files `<name>_acados.c` and `<name>_acados.py`: discrete dynamics in double precision, and an optimal
     /// control problem with these dynamics.
     Acados,
-    /// `<name>_casadi.c`: external functions with their Jacobians, in double precision.
+    /// File `<name>_casadi.c`: external functions with Jacobians, in double precision.
     Casadi,
-    /// `<name>_python.c`: loops over many states for NumPy.
+    /// File `<name>_python.c`: loops over many states for NumPy.
     Python,
 }
 
@@ -99,12 +102,12 @@ pub enum Scalar {
     /// Double precision.
     #[default]
     F64,
-    /// Single precision: constants are rounded once, and all operations are in single precision.
+    /// Single precision. Constants are rounded once, and all operations are in single precision.
     F32,
 }
 
 impl Scalar {
-    /// Name of the type.
+    /// Name of the type in Rust.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -116,14 +119,15 @@ impl Scalar {
 
 /// Source of the elementary functions.
 ///
-/// The interpreter must use the same functions ([`crate::program::interpret::Functions`]) to give the same
-/// bits.
+/// The interpreter gives the same bits only if it uses the same functions
+/// ([`crate::program::interpret::Functions`]).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Math {
-    /// Our own functions, included in the module: `math::sin_cos(x)`. Only functions that are called are
-    /// included. They need neither std nor libm and give the same bits on every platform.
+    /// Functions of `gelenk-kernels`, whose texts are included in the module: `math::sin_cos(x)`. Only
+    /// functions that are called are included. They need neither std nor libm, and their results have the
+    /// same bits on every platform.
     #[default]
     Embedded,
-    /// Methods of std: `x.sin_cos()`.
+    /// Methods of Rust's std: `x.sin_cos()`.
     Std,
 }

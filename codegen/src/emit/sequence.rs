@@ -1,33 +1,33 @@
-//! Assignment of instructions to statements: one each, except that one call computes sines and cosines of
-//! several angles.
+//! Assigns instructions to statements. There is one statement for each instruction, but one call may compute
+//! sines and cosines of several angles.
 
 use crate::program::flow::Flow;
 use crate::program::{Operand, Operation, Program};
 
 /// Instructions that are printed together.
 pub(super) struct Group<'i> {
-    /// The instructions in order.
+    /// Indices of the instructions, in order.
     pub(super) instructions: &'i [usize],
-    /// The statements in order.
+    /// The statements, in order.
     pub(super) runs: Vec<Run>,
 }
 
-/// One statement.
+/// A statement.
 pub(super) enum Run {
-    /// A statement for one value, or for sine and cosine of one angle.
+    /// The statement of the instruction with this index: for one value, or for sine and cosine of one angle.
     One(usize),
-    /// A statement for sines and cosines of several angles.
+    /// A call that computes sines and cosines of several angles.
     Angles {
-        /// The instructions with their angles.
+        /// Indices of the instructions, with their angles.
         batch: Vec<(usize, Operand)>,
-        /// How many angles the call takes: 2, 4 or 8.
+        /// Number of angles of the call: 2, 4 or 8.
         lanes: usize,
     },
 }
 
-/// Groups these instructions.
+/// Groups instructions that are printed together.
 ///
-/// - `are_batched`: whether one call takes several angles
+/// - `are_batched`: whether one call may take several angles
 pub(super) fn groups<'i>(
     program: &Program,
     flow: &Flow,
@@ -50,7 +50,7 @@ pub(super) fn groups<'i>(
     groups
 }
 
-/// How many of the first instructions make sine and cosine of angles that are known before all of them.
+/// Number of the first instructions that compute sine and cosine of angles that are known before all of them.
 fn leading_angles(program: &Program, flow: &Flow, instructions: &[usize]) -> usize {
     let start = instructions.first().copied().unwrap_or(0);
     let is_early = |&&index: &&usize| match program.instructions[index].operation {
@@ -62,9 +62,9 @@ fn leading_angles(program: &Program, flow: &Flow, instructions: &[usize]) -> usi
     instructions.iter().take_while(is_early).count()
 }
 
-/// One call for up to eight angles: they become lanes, and angles in registers avoid the way through
-/// memory. Seven angles took 22 ns as one padded call of eight, 31 ns as calls of 4, 2 and 1, 54 ns one
-/// by one (AVX2).
+/// Divides angles into calls for up to eight angles, which the processor computes at once in registers. With
+/// AVX2, seven angles took 22 ns in one padded call for eight, 31 ns in calls for 4, 2 and 1, and 54 ns in
+/// seven calls.
 fn runs(program: &Program, instructions: &[usize]) -> Vec<Run> {
     let angle = |&index: &usize| match program.instructions[index].operation {
         Operation::SinCos(angle) => Some((index, angle)),

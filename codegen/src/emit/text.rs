@@ -1,10 +1,10 @@
-//! Text of generated files for people: printable, and in lines of limited length.
+//! Texts for people in generated files. They are printable and have lines of limited length.
 
-/// Longest line of documentation text.
+/// Largest number of characters of a line of documentation.
 const WIDTH: usize = 110;
 
-/// Escapes control characters and invisible characters, including those that reverse the text direction,
-/// which rustc rejects.
+/// Escapes control characters and invisible characters. Among them are characters that reverse the text
+/// direction, which rustc rejects.
 pub(super) fn visible(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
     for letter in text.chars() {
@@ -24,13 +24,15 @@ fn is_invisible(letter: char) -> bool {
             | '\u{2060}'..='\u{206f}' | '\u{feff}' | '\u{fff9}'..='\u{fffb}' | '\u{e0000}'..='\u{e007f}')
 }
 
-/// Code in backticks; a backtick inside becomes an apostrophe.
+/// The text as code in backticks. A backtick inside becomes an apostrophe.
 pub(super) fn code(text: &str) -> String {
     format!("`{}`", visible(&text.replace('\n', " ")).replace('`', "'"))
 }
 
-/// Wraps text at spaces outside backticks; a line never begins with a word that could begin a list, heading
-/// or quote.
+/// Wraps a text at spaces outside backticks. No line begins with a word that could begin a list, heading or
+/// quote.
+///
+/// - `indent`: text at the beginning of further lines
 pub(super) fn wrap(text: &str, indent: &str) -> Vec<String> {
     let mut lines = vec![String::new()];
     let mut in_code = false;

@@ -1,8 +1,8 @@
-//! Formats of robots, and a file in one of them.
+//! Formats of other programs, and an exported file.
 
 use crate::diagnostic::Diagnostics;
 
-/// A format of robots.
+/// A file format for robots.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
     /// MJCF of MuJoCo.
@@ -21,7 +21,7 @@ impl Format {
         }
     }
 
-    /// File extension.
+    /// File extension of the format.
     #[must_use]
     pub fn extension(self) -> &'static str {
         match self {
@@ -31,11 +31,11 @@ impl Format {
     }
 }
 
-/// A file in another format.
+/// An exported file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Exported {
     /// Text of the file.
     pub text: String,
-    /// Notes on parts that the format cannot represent.
+    /// Notes and warnings about parts of the robot that the format cannot represent.
     pub notes: Diagnostics,
 }

@@ -1,15 +1,16 @@
-//! Losses of a format: one note or warning per kind, with all names.
+//! Losses: parts of a robot that a format cannot represent. There is one note or warning per kind of loss,
+//! with all names.
 
 use super::format::Format;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 
-/// Loss of the torque–speed lines of motors.
+/// Text about the loss of the torque–speed lines of motors.
 pub(super) const LINE: &str = "has no torque–speed lines of motors; omitted at";
 
 /// Effect of a loss on the exported robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Effect {
-    /// None: the missing parts enter neither M nor the bias forces.
+    /// The missing parts have no effect on M and the bias forces.
     None,
     /// The exported robot may differ.
     Robot,
@@ -28,19 +29,20 @@ impl Losses {
         Self { format, entries: Vec::new() }
     }
 
-    /// Records a loss.
+    /// Records a loss that has no effect on M and the bias forces.
     ///
     /// - `what`: text after the format's name in the note
+    /// - `owner`: name of the joint, link or other part
     pub(super) fn add(&mut self, what: &'static str, owner: &str) {
         self.push(Effect::None, what, owner);
     }
 
-    /// Records a part whose loss may change the robot.
+    /// Records a loss that may change M or the bias forces.
     pub(super) fn of_robot(&mut self, what: &'static str, owner: &str) {
         self.push(Effect::Robot, what, owner);
     }
 
-    /// Records a part that other programs reject.
+    /// Records a part because of which other programs reject the file.
     pub(super) fn refused(&mut self, what: &'static str, owner: &str) {
         self.push(Effect::Refusal, what, owner);
     }
@@ -54,9 +56,10 @@ impl Losses {
         }
     }
 
-    /// The notes. They list every owner, unlike other notes, because readers of the file need all of them.
+    /// Converts the losses to notes and warnings. Unlike other notes they list all names, because readers of
+    /// the file need them.
     ///
-    /// - `difference`: difference between the robot and the written file
+    /// - `difference`: difference between the robot and the written file; `None` if there is no difference
     pub(super) fn notes(self, difference: Option<String>) -> Diagnostics {
         let (code, name) = match self.format {
             Format::Mjcf => ("not-in-mjcf", self.format.name()),

@@ -1,4 +1,4 @@
-//! Export of a model to formats of other programs. Notes and warnings name each part that a format cannot
+//! Exports a model to formats of other programs. Notes and warnings name each part that a format cannot
 //! represent.
 
 mod format;
@@ -15,12 +15,12 @@ use crate::model::Model;
 pub use format::{Exported, Format};
 pub use xml::FIRST_LINE;
 
-/// Writes a model in another format, with the described values of its free parameters.
+/// Converts a model to the text of another format. Free parameters have the description's values.
 ///
-/// - `source`: path of the description, for the head of the file
+/// - `source`: path of the description, for the comment at the top of the file
 ///
-/// The file is read back. If M or the bias forces differ from the model's at seeded states, a warning gives
-/// the difference and the lost parts. MJCF loses rotors on some moving bodies, URDF all rotors.
+/// The text is read back. If M or the bias forces differ from those of the model at seeded states, a warning
+/// names the difference and the lost parts. MJCF loses rotors on some moving bodies. URDF loses all rotors.
 #[must_use]
 pub fn export(model: &Model, format: Format, source: &str) -> Exported {
     let (text, losses) = match format {

@@ -2,7 +2,7 @@
 
 use crate::model::Model;
 
-/// The name; a number is appended if it is in use.
+/// The name if it is not in use, otherwise the name with a number: `name_2`.
 pub(super) fn distinct(name: &str, is_taken: impl Fn(&str) -> bool) -> String {
     if !is_taken(name) {
         return name.to_owned();
@@ -12,12 +12,12 @@ pub(super) fn distinct(name: &str, is_taken: impl Fn(&str) -> bool) -> String {
     free.next().unwrap_or_else(|| unreachable!("there are more numbers than names"))
 }
 
-/// Name of the prismatic joint of a screw.
+/// Name of the prismatic joint that is added for a helical joint.
 pub(super) fn slide_name(model: &Model, joint: &str) -> String {
     unlike_others(model, &format!("{joint}_slide"))
 }
 
-/// The name; a number is appended if a link or joint has it.
+/// The name if no link or joint has it, otherwise the name with a number.
 pub(super) fn unlike_others(model: &Model, name: &str) -> String {
     distinct(name, |name| {
         let mut links = model.links.iter();

@@ -1,4 +1,4 @@
-//! Numbers of a model in the form of other formats.
+//! Converts values of a model to the numbers that other formats need.
 
 use crate::model::{Body, FrictionTerm, Joint, JointKind, Model, Motion, Pose};
 use crate::numeric::{atan2, length};
@@ -7,17 +7,18 @@ use gelenk_formula::{Formula, Function};
 
 pub(super) type Matrix = [[f64; 3]; 3];
 
-/// Values of formulas at the described free parameters.
+/// Evaluates formulas with the description's values of free parameters.
 pub(super) struct Values(Vec<f64>);
 
-/// A numeric pose.
+/// A pose as numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Placed {
     pub(super) origin: [f64; 3],
     pub(super) rotation: Matrix,
 }
 
-/// Mass, centre of mass, and inertia about it in the link's axes: xx, xy, xz, yy, yz, zz.
+/// Mass [kg], centre of mass [m], and inertia about the centre of mass in the link's axes [kg m²]: xx, xy,
+/// xz, yy, yz, zz.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Lump {
     pub(super) mass: f64,
@@ -25,7 +26,7 @@ pub(super) struct Lump {
     pub(super) inertia: [f64; 6],
 }
 
-/// `constant + position · y + velocity · v`
+/// An affine force law `constant + position · y + velocity · v`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Affine {
     pub(super) constant: f64,
@@ -33,7 +34,7 @@ pub(super) struct Affine {
     pub(super) velocity: f64,
 }
 
-/// `viscous · v + dry · sign(v)`; records whether there are other terms.
+/// A friction law `viscous · v + dry · sign(v)`, with a flag for further terms.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Friction {
     pub(super) viscous: f64,
@@ -58,7 +59,7 @@ impl Values {
         Placed { origin: self.numbers(&pose.translation), rotation: pose.rotation }
     }
 
-    /// Pose of a joint's link in its parent at position 0, or at the held position.
+    /// Pose of the link of a joint in the parent link, at position 0 or at the held position.
     pub(super) fn resting(&self, joint: &Joint) -> Placed {
         let Placed { origin, rotation } = self.placed(&joint.origin);
         let Motion::Held(position) = joint.motion else { return Placed { origin, rotation } };
@@ -69,7 +70,7 @@ impl Values {
         Placed { origin: std::array::from_fn(|k| origin[k] + slid[k]), rotation: product(&rotation, &turned) }
     }
 
-    /// Bodies of a link and rotors of held joints on it, combined.
+    /// Combined bodies of a link, including the rotors of held joints on this link.
     pub(super) fn lump(&self, model: &Model, link: usize) -> Lump {
         let mut lump = self.bodies(&model.links[link].bodies);
         for drive in model.held_rotors().filter(|drive| drive.carrier == link) {
@@ -98,7 +99,7 @@ impl Values {
         Lump { mass, center, inertia }
     }
 
-    /// The law as an affine function; `None` if it is not affine.
+    /// The force law as an affine function; `None` if the law is not affine.
     pub(super) fn affine(&self, law: &Formula) -> Option<Affine> {
         let scaled = |a: Affine, factor: f64| Affine {
             constant: a.constant * factor,
@@ -143,7 +144,7 @@ impl Values {
         friction
     }
 
-    /// Factors of `v` and `sign(v)`, where the function is one of these.
+    /// Factors of `v` and of `sign(v)` in a basis function; `None` for other functions.
     fn viscous_and_dry(&self, basis: &Formula) -> Option<[f64; 2]> {
         let rate = |law: &Formula| {
             let law = self.affine(law)?;
@@ -157,7 +158,7 @@ impl Values {
 }
 
 impl Lump {
-    /// Adds moments along and across an axis.
+    /// Adds moments of inertia about an axis and across the axis [kg m²].
     pub(super) fn add_about_axis(&mut self, [x, y, z]: [f64; 3], along: f64, across: f64) {
         let own = [x * x, x * y, x * z, y * y, y * z, z * z];
         let unit = [1.0, 0.0, 0.0, 1.0, 0.0, 1.0];
@@ -167,7 +168,7 @@ impl Lump {
 }
 
 impl Joint {
-    /// Whether the joint slides and does not turn.
+    /// Whether the joint is prismatic.
     pub(super) fn slides(&self) -> bool {
         self.kind == JointKind::Prismatic
     }
@@ -194,13 +195,13 @@ impl Placed {
         self.rotation != Self::IDENTITY.rotation
     }
 
-    /// Unit quaternion w x y z. The largest entry is computed first, so no digits are lost.
+    /// Unit quaternion (w, x, y, z). It is computed from its largest entry, so no digits are lost.
     pub(super) fn quaternion(&self) -> [f64; 4] {
         quaternion(&self.rotation)
     }
 
-    /// Roll, pitch and yaw with `R = R_z(yaw) R_y(pitch) R_x(roll)`. Roll is computed from the rest after
-    /// yaw, so their combination is exact even if the pitch is close to ±90°.
+    /// Roll, pitch and yaw with `R = R_z(yaw) R_y(pitch) R_x(roll)`. Roll is computed from the rotation
+    /// without yaw, so the rotation is exact even if pitch is close to ±90°.
     pub(super) fn rpy(&self) -> [f64; 3] {
         let r = &self.rotation;
         let level = length([r[0][0], r[1][0]]);
@@ -215,7 +216,7 @@ impl Placed {
 
 pub(super) fn quaternion(r: &Matrix) -> [f64; 4] {
     let [[xx, xy, xz], [yx, yy, yz], [zx, zy, zz]] = *r;
-    // Four times the products of the quaternion's entries with each of them.
+    // Row k is four times entry k of the quaternion, times the quaternion.
     let rows = [
         [1.0 + xx + yy + zz, zy - yz, xz - zx, yx - xy],
         [zy - yz, 1.0 + xx - yy - zz, xy + yx, xz + zx],

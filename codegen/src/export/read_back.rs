@@ -1,4 +1,5 @@
-//! Check of a written file: the program's own readers read it, and M and the bias forces are compared.
+//! Checks an exported text. It is read with the readers of this crate, and M and the bias forces are compared
+//! with those of the model.
 
 use super::format::Format;
 use super::numbers::Values;
@@ -10,12 +11,12 @@ use crate::verify::mass_and_bias;
 use crate::wording::{list, telling};
 use gelenk_formula::Formula;
 
-/// Relative difference up to which both are the same.
+/// Largest relative difference of equal values.
 const SAME: f64 = 1e-9;
 const SEED: u64 = 0x6261_636b;
 const STATES: usize = 2;
 
-/// First difference between the written file and the model; `None` if they are equal.
+/// First difference between the exported text and the model, as text; `None` if they are equal.
 pub(super) fn difference(model: &Model, format: Format, text: &str) -> Option<String> {
     let again = match read(model, format, text) {
         Ok(again) => again,
@@ -52,7 +53,7 @@ fn read(model: &Model, format: Format, text: &str) -> Result<Model, Diagnostics>
         }
         Format::Urdf => {
             let (mut again, _) = from_urdf(text, "again.urdf", &options)?;
-            // A URDF has none, which is a loss of its own.
+            // A URDF has no gravity, which is a separate loss.
             again.gravity = Values::of(model).numbers(&model.gravity).map(Formula::Number);
             Ok(again)
         }
@@ -63,7 +64,8 @@ fn first(problems: &Diagnostics) -> &str {
     problems.entries().first().map_or("", |problem| &problem.message)
 }
 
-/// The largest difference of M in units of its diagonal, else that of the bias forces.
+/// The largest difference of M relative to its diagonal, or of the bias forces if M is equal; `None` if both
+/// are equal.
 fn differing(model: &Model, places: &[usize], own: &[Vec<f64>; 2], other: &[Vec<f64>; 2]) -> Option<String> {
     let (n, joints) = (places.len(), model.joints().map(|joint| joint.name.as_str()).collect::<Vec<_>>());
     let [mass, bias] = own;

@@ -1,7 +1,7 @@
-//! A model as a URDF.
+//! Writes a model as a URDF.
 //!
-//! A frame becomes a massless link on a fixed joint, as in ROS. The slide of a screw becomes a joint that
-//! mimics its turn.
+//! A frame becomes a massless link on a fixed joint, as in ROS. A helical joint becomes a prismatic joint
+//! that mimics a revolute joint.
 
 use super::format::Format;
 use super::losses::{LINE, Losses};
@@ -10,7 +10,8 @@ use super::numbers::{Placed, Values};
 use super::xml::{Attributes, Xml, numbers};
 use crate::model::{Frame, Joint, JointKind, Limits, Model, Motion, MovingJoint, QuaternionKind};
 
-/// Value that readers of URDFs treat as unlimited: ROS requires both numbers, and 0 would forbid all motion.
+/// Limit that readers of URDFs treat as unlimited. ROS requires limits of effort and velocity, and 0 would
+/// forbid all motion.
 const UNLIMITED: f64 = 1e31;
 const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
@@ -29,7 +30,7 @@ struct Writer<'m> {
     values: Values,
     xml: Xml,
     losses: Losses,
-    /// Names of links that are written.
+    /// Names of the links in the file.
     links: Vec<String>,
 }
 
@@ -74,7 +75,7 @@ impl Writer<'_> {
         self.xml.close();
     }
 
-    /// Whether a link stands between the velocities of a joint with a quaternion.
+    /// Whether a link is between the velocities of a joint with a quaternion.
     fn is_within_chain(&self, name: &str) -> bool {
         self.model.quaternion_joints.iter().any(|joint| {
             let inner = joint.first..joint.coordinates().end - 1;
@@ -120,7 +121,7 @@ impl Writer<'_> {
         }
     }
 
-    /// A slide that mimics the turn behind it.
+    /// Writes a helical joint: a prismatic joint that mimics the revolute joint after it.
     fn screw(&mut self, joint: &Joint, pitch: f64, link: usize, follows: &MovingJoint<'_>) {
         let name = slide_name(self.model, &joint.name);
         self.xml.element("link", vec![("name", name.clone())]);
@@ -147,7 +148,7 @@ impl Writer<'_> {
         self.xml.element("child", vec![("link", child.to_owned())]);
     }
 
-    /// The rest of a joint that moves.
+    /// Writes axis, limits, friction and mimic of a moving joint, and closes its element.
     fn moving(&mut self, joint: &Joint, follows: &MovingJoint<'_>) {
         self.xml.element("axis", vec![("xyz", numbers(&joint.axis))]);
         let range = match joint.kind {
@@ -162,7 +163,7 @@ impl Writer<'_> {
         self.xml.close();
     }
 
-    /// The smaller one of the joint's limit of force and the force of its motor.
+    /// The smaller value of the joint's effort limit and the largest force of its motor.
     fn effort(&self, joint: &Joint) -> f64 {
         let drives = self.model.drives.iter().filter(
             |drive| matches!(joint.motion, Motion::Coordinate(own) if drive.coordinate() == Some(own)),
@@ -231,7 +232,7 @@ impl Writer<'_> {
         self.xml.element("mimic", attributes);
     }
 
-    /// A frame that is a link already needs no other.
+    /// Writes a frame as a link, unless it is equal to a link with the same name.
     fn frame(&mut self, frame: &Frame) {
         let placed = self.values.placed(&frame.pose);
         let carrier = self.model.links[frame.link].name.clone();
@@ -292,7 +293,7 @@ impl Writer<'_> {
     }
 }
 
-/// A joint that turns without limits is continuous.
+/// Type of a joint in URDF. A revolute joint without limits is continuous.
 fn kind(joint: &Joint) -> &'static str {
     match joint.kind {
         JointKind::Prismatic => "prismatic",

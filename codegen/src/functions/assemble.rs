@@ -13,8 +13,8 @@ use crate::model::Model;
 use crate::program::{GraphOutput, InputArray, Program, Shape, lower, lower_branches};
 use crate::spatial::Force;
 
-/// Arguments of a function for a robot. If joints are driven, functions of the motion also take the driven
-/// motion.
+/// Arguments of a function for a robot. If the robot has driven joints, functions of y, ẏ or ÿ also have the
+/// driven motion as an argument.
 pub(super) fn arguments_in(model: &Model, arguments: &[Argument]) -> Vec<Argument> {
     let depends = arguments.iter().any(|each| matches!(each, Coordinates | Velocities | Accelerations));
     let driven = (depends && !model.driven.is_empty()).then_some(Driven);
@@ -56,7 +56,7 @@ pub(super) fn arguments_of<'g>(
     (arguments, inputs)
 }
 
-/// Positions by coordinate: entries of y, and 0 if the position is a quaternion's.
+/// A position for each coordinate: the entry of y, or 0 for a coordinate of a joint with a quaternion.
 fn positions<'g>(graph: &'g Graph, model: &Model, entries: Vec<Scalar<'g>>) -> Vec<Scalar<'g>> {
     if entries.is_empty() || model.quaternion_joints.is_empty() {
         return entries;
@@ -76,7 +76,7 @@ pub(super) fn straight_program(
     })
 }
 
-/// Builds the graph of a function and lowers it.
+/// Builds the expression graph of a function and converts it to a program.
 pub(super) fn assemble(
     model: &Model,
     formulations: &Formulations<'_>,
@@ -106,8 +106,8 @@ pub(super) fn assemble(
     }
 }
 
-/// A result without the rows and columns of driven coordinates. A Jacobian of space keeps their columns: it gives
-/// velocities that they cause too.
+/// A result without the rows and columns of driven coordinates. A Jacobian of a frame keeps these columns,
+/// because driven coordinates move the frame, too.
 fn without_driven<'g>(
     model: &Model,
     value: Value<'g>,

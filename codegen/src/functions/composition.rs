@@ -8,30 +8,30 @@ use crate::program::cost::{Cost, count};
 use gelenk_kernels::discrete_time::Text;
 use gelenk_kernels::manifold;
 
-/// Largest numbers of doublings and of repetitions in `discretize`, those of its text.
+/// Largest numbers of doublings and of repetitions in the text of `discretize`.
 const MOST_DOUBLINGS: usize = 6;
 const MOST_REPETITIONS: usize = 18;
 const MOST_HALVINGS: usize = MOST_DOUBLINGS + MOST_REPETITIONS;
 
-/// A result of a function over a sample time.
+/// A result of a [`Composition`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct ComposedResult {
-    /// Symbol.
+    /// Symbol of the result.
     pub name: &'static str,
-    /// Lengths, outermost first.
+    /// Lengths of the dimensions, outermost first.
     pub extents: Vec<Extent>,
-    /// Meaning.
+    /// Meaning of the result.
     pub meaning: &'static str,
 }
 
-/// A generated function over a sample time.
+/// A generated function that calls another generated function, and computes the motion over one sample time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Composition {
     /// Zero-order hold of the linearization.
     Discretize,
-    /// Runge–Kutta steps.
+    /// State after the sample time, by Runge–Kutta steps.
     Step,
-    /// Runge–Kutta steps with sensitivities.
+    /// State after the sample time and its derivatives, by Runge–Kutta steps.
     StepDerivatives,
 }
 
@@ -49,7 +49,7 @@ impl Composition {
         }
     }
 
-    /// The generated function that is called.
+    /// Name of the generated function that this function calls.
     #[must_use]
     pub fn calls(self) -> &'static str {
         match self {
@@ -58,7 +58,7 @@ impl Composition {
         }
     }
 
-    /// Whether the function takes several steps in one period.
+    /// Whether the function divides the sample time into substeps.
     #[must_use]
     pub fn has_substeps(self) -> bool {
         self != Self::Discretize
@@ -84,7 +84,7 @@ impl Composition {
         }
     }
 
-    /// The results for a robot.
+    /// The results for a model.
     pub(crate) fn results(self, model: &Model) -> Vec<ComposedResult> {
         let n = Extent::new(Dimension::Coordinates, model.coordinates.len());
         let positions = match model.quaternion_joints.is_empty() {
@@ -117,16 +117,16 @@ impl Composition {
         }
     }
 
-    /// Method, error and limits.
+    /// Notes of the documentation: method, error and limits.
     pub(crate) fn notes(self, has_quaternions: bool) -> &'static [&'static str] {
         match self {
             Self::Discretize if has_quaternions => &[
                 "δ is the displacement from y, 0 at the start of the period. v̄ is the argument `v`. Since D \
                  v̄ = 0, δ − v̄ t is the deviation from the motion with the velocities v̄; it satisfies δ̇ = D \
                  δ + v − v̄. Derivatives of δ⁺ are taken along ⊕ at the final positions.",
-                "With w = D δ + v this is the zero-order hold of w = δ̇, computed by scaling and squaring \
-                 (Higham 2008, section 10.3). The limits are those of robots without quaternions: the results \
-                 are +∞ if the robot is too fast for the period.",
+                "The function integrates w = δ̇ = D δ + v by scaling and squaring (Higham 2008, section 10.3). ν = (b + √(b² + \
+                 4 a))/2 bounds the rates of the robot, with a = ‖A_y − A_v D‖ and b = ‖A_v + D‖ (largest sums of magnitudes \
+                 in a row; A_y = ∂ÿ/∂y, A_v = ∂ÿ/∂ẏ). If ν · period is above 2e7, all results are +∞.",
             ],
             Self::Step if has_quaternions => &[
                 "`SUBSTEPS` Runge–Kutta–Munthe-Kaas steps of order 4 (Munthe-Kaas 1999): the classical method \
@@ -135,9 +135,8 @@ impl Composition {
             ],
             Self::Discretize => &[
                 "Scaling and squaring of the lifted exponential (Higham 2008, section 10.3) in blocks of N × N: a Taylor \
-                 polynomial of degree 17 over 1/64 of a part of the period, six doublings, and repetitions of that part.",
-                "The part is the whole period if ν · period is at most 80. It is halved for each factor of two \
-                 above 80, at most 18 times. ν = (b + √(b² + 4 a))/2 bounds the rates of the robot, with a = \
+                 polynomial of degree 17 over a step h, at most 6 doublings of the integral and at most 18 of the result.",
+                "The period is halved until ν · h is at most 5/4. ν = (b + √(b² + 4 a))/2 bounds the rates of the robot, with a = \
                  ‖∂ÿ/∂y‖ and b = ‖∂ÿ/∂ẏ‖ (largest sums of magnitudes in a row). If 24 halvings do not suffice \
                  (ν · period above 2e7), all results are +∞.",
                 "Error: the truncated terms are below 1e-15 relative to their sum. Rounding stays below 1e-12 \
@@ -155,7 +154,7 @@ impl Composition {
         }
     }
 
-    /// Number of calls.
+    /// Number of calls of [`Self::calls`] in one period.
     pub(crate) fn call_count(self, substeps: usize) -> usize {
         match self {
             Self::Discretize => 1,
@@ -163,8 +162,9 @@ impl Composition {
         }
     }
 
-    /// Operations for N coordinates and M inputs: those of the calls and of the loops as written, including
-    /// factors 0 and 1. If the number depends on the data, it is the largest.
+    /// Number of operations for n coordinates and m inputs: the operations of the calls, and the operations
+    /// of the function's own loops including multiplications by 0 and 1. If the number depends on the data,
+    /// this is the largest number.
     ///
     /// - `called`: operations of one call
     #[must_use]
@@ -172,13 +172,14 @@ impl Composition {
         called * self.call_count(substeps) + self.own_cost(n, m, substeps, MOST_HALVINGS)
     }
 
-    /// Like [`Self::cost`], but the smallest number if it depends on the data.
+    /// Number of operations as [`Self::cost`] counts them, but the smallest number if the number depends on
+    /// the data.
     #[must_use]
     pub fn least_cost(self, n: usize, m: usize, substeps: usize, called: Cost) -> Cost {
         called * self.call_count(substeps) + self.own_cost(n, m, substeps, 0)
     }
 
-    /// Operations in a robot's module; `None` if the module lacks the called function.
+    /// Number of operations in the module of a robot; `None` if the module lacks the called function.
     pub(crate) fn cost_in(self, model: &Model, functions: &[Function]) -> Option<Cost> {
         let called = functions.iter().find(|function| function.name == self.calls())?;
         let substeps = model.options.substeps.unwrap_or(1);
@@ -194,8 +195,8 @@ impl Composition {
         let (n, m) = (model.coordinates.len(), input_count(model));
         let Cost { multiplications, additions, .. } = self.least_cost(n, m, 1, count(&called.program));
         Some(format!(
-            "That is with {MOST_HALVINGS} halvings of the period; without any it is {multiplications} multiplications and {additions} \
-             additions."
+            "This cost is the largest one, for {MOST_HALVINGS} halvings of the period. Without halvings the function needs \
+             {multiplications} multiplications and {additions} additions."
         ))
     }
 
@@ -214,7 +215,7 @@ impl Composition {
         }
     }
 
-    /// Additional texts for joints with quaternions.
+    /// Additional texts that the module includes if the robot has joints with quaternions.
     pub(crate) fn manifold_texts(self) -> &'static [manifold::Text] {
         use manifold::Text::{RungeKutta, Sensitivities, ZeroOrderHold};
         match self {
@@ -224,7 +225,7 @@ impl Composition {
         }
     }
 
-    /// Fixed texts included in the module.
+    /// Fixed texts that the module includes.
     pub(crate) fn texts(self) -> &'static [Text] {
         match self {
             Self::Discretize => &[Text::Sums, Text::Halves, Text::ZeroOrderHold],

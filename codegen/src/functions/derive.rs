@@ -39,7 +39,7 @@ pub(super) fn derive_quantity(
     function
 }
 
-/// Documents that the mass matrix is not positive definite, if so described.
+/// Corrects the documentation of results if the mass matrix is not positive definite.
 pub(super) fn say_definiteness(found: Definiteness, function: &mut Function) {
     const REGULAR: &str = "positive definite";
     let found = match found {
@@ -76,7 +76,7 @@ pub(super) fn derive_frame(
     function
 }
 
-/// A function without a name.
+/// A function with a program, but without a name.
 fn described(
     model: &Model,
     arguments: &[Argument],

@@ -19,7 +19,7 @@ use crate::program::arrays::{Affine, ArrayForm, Drift, Step};
 use crate::program::cost::count;
 use crate::program::{Operand, Program};
 
-/// Form of large functions.
+/// Form of large functions: straight-line code or loops over joints.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Form {
     /// Loops over joints if straight-line code would exceed [`LARGEST_STRAIGHT`].
@@ -27,25 +27,38 @@ pub enum Form {
     Cheapest,
     /// Straight-line code.
     Straight,
-    /// Loops over joints wherever available.
+    /// Loops over joints for all functions that have them.
     Arrays,
 }
 
 /// Bytes of machine code that an operation of a large straight-line function takes, spilled registers
-/// included: 10 to 20 of x86-64 with AVX-512, fewer where functions are small.
+/// included. Measured on x86-64 with AVX-512: 10 to 20, fewer in small functions.
 const BYTES_PER_OPERATION: usize = 12;
 
-/// Largest machine code in bytes of a straight-line function. Measured with AVX-512 as time of loops divided
-/// by time of straight-line code: generic chain of six joints, 26 and 43 kB, 1.1 and 0.75; of seven, 33 and
-/// 60 kB, 0.8 and 0.6; of twelve 0.4 and 0.36; UR5, 10 and 22 kB, 3.8 and 2.4. A first-level instruction
-/// cache has 32 kB.
+/// Largest machine code in bytes of a straight-line function. Two functions were measured for each robot,
+/// with AVX-512. The ratio is the time of the loops divided by the time of the straight-line code.
+///
+/// | robot | straight-line code (kB) | ratios |
+/// |---|---|---|
+/// | UR5 | 10 and 22 | 3.8 and 2.4 |
+/// | generic chain of 6 joints | 26 and 43 | 1.1 and 0.75 |
+/// | generic chain of 7 joints | 33 and 60 | 0.8 and 0.6 |
+/// | generic chain of 12 joints | | 0.4 and 0.36 |
+///
+/// A first-level instruction cache has 32 kB.
 pub const LARGEST_STRAIGHT: usize = 27_000;
 
-/// Factor by which loops may have more operations than straight-line code, because they work on whole vectors.
-/// Measured, time of loops over that of straight-line code with AVX-512, AVX2 and neither: LWA 4P's Jacobians
-/// of the forward dynamics, 3.15 times the operations, 1.4, 1.7 and 2.1; Panda's, 2.2 times, 0.65, 0.85 and
-/// 1.15; Panda's of the inverse dynamics, 2.7 times (3.0 with M), 0.95, 1.3 and 1.5 called alone, 0.8, 1.4
-/// and 1.8 between other code.
+/// Loops may have this many times the operations of straight-line code, because they work on whole vectors.
+/// The table has the measured time of loops divided by the time of straight-line code.
+///
+/// | Jacobians | operations | AVX-512 | AVX2 | neither |
+/// |---|---|---|---|---|
+/// | forward dynamics, LWA 4P | 3.15 times | 1.4 | 1.7 | 2.1 |
+/// | forward dynamics, Panda | 2.2 times | 0.65 | 0.85 | 1.15 |
+/// | inverse dynamics, Panda, called alone | 2.7 times | 0.95 | 1.3 | 1.5 |
+/// | inverse dynamics, Panda, between other code | 2.7 times | 0.8 | 1.4 | 1.8 |
+///
+/// With M, the Jacobians of the inverse dynamics have 3.0 times the operations.
 const MOST_OPERATIONS: f64 = 3.1;
 
 /// Documentation note of a function with loops.
@@ -68,10 +81,10 @@ pub(super) fn note(form: &ArrayForm) -> &'static str {
     }
 }
 
-/// A function in its form.
+/// A function after the choice of its form.
 #[derive(Clone)]
 pub(super) struct Derived {
-    /// Straight-line code; with loops, the code that they replace.
+    /// Straight-line code. If the function has loops, this is the code that the loops replace.
     pub(super) program: Program,
     pub(super) arrays: Option<ArrayForm>,
 }
@@ -93,11 +106,13 @@ pub(super) struct Forms<'m> {
     formulations: &'m Formulations<'m>,
     form: Form,
     straight: &'m [String],
-    /// Functions that others may call, once they are derived.
+    /// Derived functions that other functions may call.
     derived: RefCell<BTreeMap<&'static str, Rc<Derived>>>,
 }
 
 impl<'m> Forms<'m> {
+    /// The functions of a model. No function is derived yet.
+    ///
     /// - `straight`: functions that are always straight-line code
     pub(super) fn new(
         model: &'m Model,
@@ -119,7 +134,8 @@ impl<'m> Forms<'m> {
         }
     }
 
-    /// The function that a function calls, if any; known without deriving it.
+    /// Name of the function that the function `name` calls, found without deriving either. `None` if it calls
+    /// no function.
     pub(super) fn callee(&self, name: &str) -> Option<&'static str> {
         let quantity = catalogue::row(name)?;
         let Some(Loops::Affine { called }) = quantity.loops else {
@@ -128,7 +144,7 @@ impl<'m> Forms<'m> {
         self.called(quantity, called).map(|(called, _)| called.name)
     }
 
-    /// The function that one with affine results calls, and the gains of the inputs.
+    /// The function that a function with affine results calls, and the gains of the inputs.
     fn called(&self, quantity: &Quantity, called: &str) -> Option<(&'static Quantity, Vec<Gains>)> {
         let called = catalogue::row(called)?;
         if self.is_straight(quantity) || !self.may_loop(called) {
@@ -149,7 +165,7 @@ impl<'m> Forms<'m> {
         }
     }
 
-    /// A function that others call, kept for them.
+    /// A function that other functions may call. It is derived once and kept.
     fn derived(&self, quantity: &'static Quantity) -> Rc<Derived> {
         if let Some(known) = self.derived.borrow().get(quantity.name) {
             return Rc::clone(known);
@@ -179,8 +195,9 @@ impl<'m> Forms<'m> {
         }
     }
 
-    /// Loops for the products with M⁻¹ alone, where they pay: the factor on the right takes so much less
-    /// straight-line code that it stays such code although it is long. A and B_x of a Go2 take 0.89 of the time, fused 0.82.
+    /// Loops only for the products with M⁻¹, if they are faster: the right factor then has few enough
+    /// operations to be straight-line code, although this code is long. The matrices A and B_x of a Go2 take
+    /// 0.89 of the time, with fused multiply-adds 0.82.
     fn products(&self, quantity: &Quantity) -> Option<Derived> {
         let Some(Loops::PerJoint { products: Some(products), .. }) = quantity.loops else {
             return None;
@@ -191,8 +208,8 @@ impl<'m> Forms<'m> {
         is_possible.then(|| self.with_loops(quantity, products.build))
     }
 
-    /// Least number of operations of a function, and whether it is certainly written as loops; known without
-    /// deriving it.
+    /// Estimate of the operations of a function, and whether the function is certainly written as loops. Both
+    /// are known without deriving the function. `None` without an estimate.
     pub(super) fn estimate(&self, quantity: &Quantity) -> Option<(Estimate, bool)> {
         let loops = quantity.loops.filter(|loops| match *loops {
             Loops::PerJoint { .. } => self.is_far_beyond() && self.may_loop(quantity),
@@ -208,8 +225,9 @@ impl<'m> Forms<'m> {
         }
     }
 
-    /// Whether straight-line code need not be derived to know that it is too large. That is not known of legs and arms
-    /// on a floating base: straight-line code leaves out their pairs, which loops compute and drop.
+    /// Whether straight-line code is certainly too large, without deriving it. This is uncertain for legs and
+    /// arms on a floating base: straight-line code leaves out pairs of joints on different limbs, but loops
+    /// compute and drop these pairs.
     fn is_far_beyond(&self) -> bool {
         let is_known = !self.mechanism().has_quaternions();
         self.form == Form::Arrays || (is_known && is_large(OPERATIONS_PER_PAIR * self.mechanism().pairs()))
@@ -249,15 +267,15 @@ impl<'m> Forms<'m> {
     }
 }
 
-/// Whether loops replace straight-line code of this size, if the function has them.
+/// Whether loops replace straight-line code of this number of operations, if the function has loops.
 pub(crate) fn is_large(operations: usize) -> bool {
     BYTES_PER_OPERATION * operations > LARGEST_STRAIGHT
 }
 
-/// The coordinates that an input acts on, each with its gain.
+/// The coordinates on which an input acts, each with its gain.
 type Gains = Vec<(usize, Operand)>;
 
-/// For each input the coordinates that it acts on, with its gains; `None` if a gain has to be computed.
+/// For each input, the coordinates on which it acts, with the gains. `None` if a gain has to be computed.
 fn gains(model: &Model) -> Option<Vec<Gains>> {
     if model.inputs_depend_on_position() {
         return None;
@@ -281,7 +299,7 @@ fn gains(model: &Model) -> Option<Vec<Gains>> {
     (0..columns).map(of_input).collect()
 }
 
-/// D, if positions have quaternions.
+/// The matrix D of the drift; `None` if no position is a quaternion.
 fn drift(model: &Model) -> Option<Vec<Drift>> {
     if model.quaternion_joints.is_empty() {
         return None;

@@ -10,7 +10,7 @@ use crate::program::cost::{self, Cost};
 /// A generated function.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Function {
-    /// Rust identifier.
+    /// Name, a Rust identifier.
     pub name: String,
     /// Frame and quantity of the function; `None` for a function of the whole robot.
     pub frame: Option<FrameFunction>,
@@ -22,18 +22,19 @@ pub struct Function {
     pub arguments: Vec<ArgumentText>,
     /// Meaning, unit and frame of each result, in the order of `program.outputs`.
     pub results: Vec<String>,
-    /// Further notes: cheapest formulation, limits, sources.
+    /// Further notes of the documentation, for example on the derivation, limits and sources.
     pub notes: Vec<String>,
-    /// Constants printed before the function.
+    /// Constants that are printed before the function.
     pub constants: Vec<Constant>,
-    /// Program of the body.
+    /// The function as straight-line code.
     pub program: Program,
-    /// Body as loops over joints, if that is smaller or faster; `program` is then its unrolled form.
+    /// The function as loops over joints, if loops are smaller or faster; otherwise `None`. `program` is the
+    /// unrolled form of the loops.
     pub arrays: Option<ArrayForm>,
 }
 
 impl Function {
-    /// Operations as straight-line code.
+    /// Number of operations of the straight-line code.
     #[must_use]
     pub fn cost(&self) -> Cost {
         cost::count(&self.program)
@@ -56,7 +57,7 @@ impl FrameFunction {
         Self { frame: frame.identifier.clone(), kind }
     }
 
-    /// Name of the function: `frame_<name>_pose` and the like.
+    /// Name of the function, for example `frame_<name>_pose`.
     #[must_use]
     pub fn name(&self) -> String {
         self.kind.function(&self.frame)
@@ -66,9 +67,9 @@ impl FrameFunction {
 /// Documentation of an argument.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ArgumentText {
-    /// Meaning, unit and frame.
+    /// Meaning, unit and frame of the argument.
     pub meaning: String,
-    /// Name and unit of each entry; empty if entries are not described one by one.
+    /// Name and unit of each entry; empty if the entries have no names.
     pub entries: Vec<(String, &'static str)>,
 }
 
@@ -89,24 +90,24 @@ pub struct Constant {
 /// Value of a constant.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ConstantValue {
-    /// `usize`
+    /// A count: `usize`.
     Count(usize),
-    /// `u64`
+    /// A hash: `u64`.
     Hash(u64),
-    /// `[&str; n]`
+    /// Names: `[&str; n]`.
     Names(Dimension, Vec<String>),
-    /// `[usize; n]`
+    /// Indices: `[usize; n]`.
     Indices(Dimension, Vec<usize>),
-    /// `[[usize; 2]; n]`
+    /// Pairs of indices: `[[usize; 2]; n]`.
     Pairs(Vec<[usize; 2]>),
-    /// `[f64; n]`
+    /// Numbers: `[f64; n]`.
     Numbers(Dimension, Vec<f64>),
-    /// `[[f64; 2]; n]`: lowest and highest value.
+    /// Lowest and highest values: `[[f64; 2]; n]`.
     Ranges(Dimension, Vec<[f64; 2]>),
-    /// `[[f64; columns]; n]`
+    /// A matrix: `[[f64; columns]; n]`.
     Rows(Dimension, Vec<Vec<f64>>),
-    /// `[(usize, usize, f64); n]`: row, column and value of the non-zero entries.
+    /// The non-zero entries of a matrix with row, column and value: `[(usize, usize, f64); n]`.
     Sparse(Vec<(usize, usize, f64)>),
-    /// `[[bool; columns]; rows]`
+    /// A pattern of a matrix: `[[bool; columns]; rows]`.
     Pattern(Vec<Vec<bool>>),
 }

@@ -9,7 +9,7 @@ use crate::layout::Dimension;
 use crate::model::Model;
 use crate::program::{Program, Shape, nonzero_entries};
 
-/// Names of these constants.
+/// Names of the constants that document functions.
 pub const NAMES: [&str; 8] = [
     "INERTIAL_PARAMETER_NAMES",
     "BASE_PARAMETER_NAMES",
@@ -21,7 +21,8 @@ pub const NAMES: [&str; 8] = [
     "B_X_NONZERO",
 ];
 
-/// Number of terms beyond which the groups stand in `BASE_PARAMETER_TERMS` alone: nobody reads pages of sums.
+/// Largest number of terms for which the documentation lists the groups. With more terms only
+/// `BASE_PARAMETER_TERMS` has them, because nobody reads pages of sums.
 const MOST_TERMS: usize = 1000;
 
 pub(super) fn inertial_names(model: &Model) -> Constant {
@@ -102,7 +103,7 @@ fn terms_text(model: &Model) -> String {
     }
 }
 
-/// Note if the map of the base parameters is omitted.
+/// A note if the map of the base parameters is omitted; `None` if it is not omitted.
 pub fn notes(functions: &[Function]) -> Option<Diagnostic> {
     let base = functions.iter().find(|function| function.name == "base_regressor")?;
     if base.constants.iter().any(|constant| constant.name == BASE_TERMS) {
@@ -116,7 +117,7 @@ pub fn notes(functions: &[Function]) -> Option<Diagnostic> {
     Some(Diagnostic::note("base-parameters", message).help(help))
 }
 
-/// `Izz_1 + 0.09 m_2 − Ixx_2 + c(p) J_1`
+/// A group as text, for example `Izz_1 + 0.09 m_2 − Ixx_2 + c(p) J_1`.
 fn group_text(group: &[Term], names: &[String]) -> String {
     let mut text = String::new();
     for (position, term) in group.iter().enumerate() {
@@ -137,7 +138,7 @@ fn group_text(group: &[Term], names: &[String]) -> String {
     format!("`{text}`")
 }
 
-/// Entries of results that are not always zero.
+/// Constants that show which entries of results are always zero.
 pub(super) fn patterns(program: &Program, blocks: &[(&'static str, &str)]) -> Vec<Constant> {
     let entries = nonzero_entries(program);
     let pattern = |&(name, output): &(&'static str, &str)| {

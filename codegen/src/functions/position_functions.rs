@@ -1,28 +1,29 @@
-//! Functions of positions that are not a vector space: ⊕, ⊖ and normalization of quaternions.
+//! Functions of positions with quaternions, which do not form a vector space: ⊕, ⊖ and normalization.
 
 use crate::layout::{Dimension, Extent};
 
-/// A function of the positions of a robot with quaternions. Its text is the same for every such robot.
+/// A function of the positions of a robot with quaternions. Its text is the same for all robots with
+/// quaternions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PositionFunction {
-    /// Sum y ⊕ d.
+    /// Sum `y ⊕ d`.
     Integrate,
-    /// Difference ⊖.
+    /// Difference `to ⊖ from`.
     Difference,
-    /// Derivatives of y ⊕ d.
+    /// Derivatives of `y ⊕ d`.
     IntegrateDerivatives,
     /// Normalization of each quaternion.
     Normalize,
 }
 
-/// An argument or result of such a function.
+/// An argument or a result of a [`PositionFunction`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PositionValue {
-    /// Name.
+    /// Name of the value.
     pub name: &'static str,
     /// Dimensions, outermost first.
     pub dimensions: &'static [Dimension],
-    /// Meaning.
+    /// Meaning of the value.
     pub meaning: &'static str,
 }
 
@@ -105,7 +106,7 @@ impl PositionFunction {
         }
     }
 
-    /// Method and limits.
+    /// Notes of the documentation: method and limits.
     pub(crate) fn notes(self) -> &'static [&'static str] {
         match self {
             Self::Integrate => &["Quaternions keep their unit length, also after many steps."],
@@ -120,7 +121,7 @@ impl PositionFunction {
     }
 }
 
-/// Lengths of a value for these numbers of positions and velocities.
+/// Lengths of the dimensions of a value, for a robot with these numbers of position entries and velocities.
 #[must_use]
 pub fn extents(value: &PositionValue, positions: usize, velocities: usize) -> Vec<Extent> {
     let length = |dimension: &Dimension| match dimension {

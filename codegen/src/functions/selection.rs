@@ -1,7 +1,7 @@
 //! Selection of functions, and omission of functions that cannot be generated.
 //!
-//! Without a selection all functions are requested, and a note lists those that cannot be generated. If a
-//! function requested by name cannot be generated, the reason is an error.
+//! Without a selection all functions are requested, and a note lists the functions that cannot be generated.
+//! If a function requested by name cannot be generated, the reason is an error.
 
 use super::derive;
 use crate::diagnostic::{Diagnostic, Diagnostics};
@@ -16,18 +16,18 @@ use crate::kinematics::Mechanism;
 use crate::model::{Frame, Model};
 use crate::program::arrays::ArrayForm;
 
-/// Frames whose functions are generated without being asked for.
+/// Largest number of frames whose functions are generated without a request.
 const MOST_FRAMES: usize = 500;
 
 /// A request for functions of a model.
 #[derive(Debug, Clone, Copy)]
 pub struct Request<'a> {
-    /// Names of functions; `frames` requests those of all named frames, `all` or an empty list all except
-    /// those on request.
+    /// Names of functions and groups. `frames` requests the functions of all named frames. `all` or an empty
+    /// list requests all functions, except the functions that are generated only on request (by name).
     pub names: &'a [String],
     /// Largest number of operations of a function, see [`size::MOST_OPERATIONS`].
     pub most: usize,
-    /// Form of large functions.
+    /// Form of large functions: straight-line code or loops over joints.
     pub form: Form,
     /// Functions that are always straight-line code.
     pub straight: &'a [String],
@@ -44,7 +44,7 @@ impl Request<'_> {
 pub struct Selection {
     /// Functions with their own program.
     pub functions: Vec<Function>,
-    /// Functions that call them.
+    /// Functions that call the functions with their own program.
     pub compositions: Vec<Composition>,
     /// Notes about omitted functions, with reasons.
     pub notes: Vec<Diagnostic>,
@@ -53,8 +53,9 @@ pub struct Selection {
 /// Derives the requested functions and the functions that they call.
 ///
 /// # Errors
-/// `unknown-function` for each name that the model lacks. For functions requested by name that cannot be
-/// generated: `too-large`, or the code of their [`Kind`](catalogue::Kind).
+/// - `unknown-function` for each name that the model lacks
+/// - `too-large`, or the code of the robot's [`Kind`](catalogue::Kind), for each function that is requested
+///   by name but cannot be generated
 pub fn derive(model: &Model, request: &Request<'_>) -> Result<Selection, Diagnostics> {
     catalogue::check_names(model, request.names)?;
     let mechanism = Mechanism::new(model);
@@ -98,8 +99,8 @@ pub fn derive(model: &Model, request: &Request<'_>) -> Result<Selection, Diagnos
 }
 
 /// Derives the selected functions of a model and the functions that they call. An empty selection or `all`
-/// requests all except those on request and those that cannot be generated; `frames` requests all functions
-/// of named frames.
+/// requests all functions that can be generated, except the functions that are generated only on request (by
+/// name). `frames` requests the functions of all named frames.
 ///
 /// - `most`: largest number of operations of a function, see
 ///   [`MOST_OPERATIONS`](crate::functions::size::MOST_OPERATIONS)
@@ -114,7 +115,7 @@ pub fn derive_functions(
     derive_in_form(model, selection, most, Form::Cheapest, &[])
 }
 
-/// Like [`derive_functions()`], with a choice of the form of large functions.
+/// Derives functions as [`derive_functions()`] does. The caller chooses the form of large functions.
 ///
 /// - `straight`: functions that are always straight-line code
 ///
@@ -137,7 +138,7 @@ enum Row<'m> {
     Frame(&'m Frame, &'static FrameQuantity),
 }
 
-/// All that can be generated, in the order of the module.
+/// Rows of all functions that can be generated, in the order of the module.
 fn rows(model: &Model) -> impl Iterator<Item = Row<'_>> {
     let quantities = catalogue::all_quantities(model).map(Row::Quantity);
     let frames = model.frames.iter().flat_map(|frame| {
@@ -175,7 +176,7 @@ impl Row<'_> {
 struct Wanted<'a> {
     request: &'a Request<'a>,
     compositions: Vec<Composition>,
-    /// Functions that wanted ones call.
+    /// Functions that requested functions call.
     called: Vec<&'static str>,
 }
 
@@ -220,9 +221,9 @@ struct LeftOut {
     /// Errors of refused functions that are requested by name.
     problems: Vec<Diagnostic>,
     too_large: Vec<TooLarge>,
-    /// Functions of frames, if there are very many.
+    /// Number of functions of frames that are left out because there are very many.
     of_frames: usize,
-    /// Functions that call others which are left out.
+    /// Functions that call functions which are left out.
     callers: Vec<String>,
 }
 
@@ -242,7 +243,8 @@ impl LeftOut {
         false
     }
 
-    /// The rows without those of frames if there are very many: a URDF may have thousands, and each has three functions.
+    /// The rows without rows of frames if there are very many frames: a URDF may have thousands of frames,
+    /// and each has three functions.
     fn many_frames<'m>(&mut self, model: &Model, wanted: &Wanted<'_>, rows: Vec<Row<'m>>) -> Vec<Row<'m>> {
         if model.frames.len() <= MOST_FRAMES || !wanted.selects_all() {
             return rows;
@@ -254,7 +256,7 @@ impl LeftOut {
         kept
     }
 
-    /// The rows that are not known to be too large before they are derived.
+    /// The rows of functions that are not known to be too large before they are derived.
     fn too_large_before<'m>(
         &mut self,
         model: &Model,

@@ -1,6 +1,7 @@
 //! Omission of functions that are too large to compile or read.
 //!
-//! The size is that of the printed text: loops over joints count once, whatever their number of iterations.
+//! The size is the number of operations in the printed text. A loop over joints counts once, for any number
+//! of iterations.
 
 use crate::diagnostic::Diagnostic;
 use crate::dynamics::formulation::Formulation;
@@ -15,15 +16,15 @@ use crate::program::Program;
 use crate::program::arrays::{ArrayForm, Arrays, Step};
 use crate::program::cost::count;
 
-/// Largest number of operations of a function by default. `inertial_regressor` of 60 joints has half of it;
-/// the compile time at the limit has not been measured.
+/// Default of the largest number of operations of a function. `inertial_regressor` of 60 joints has half of
+/// it. The compile time at this limit has not been measured.
 pub const MOST_OPERATIONS: usize = 300_000;
 
-/// Factor of the operations of loops that are written out, over those that are emitted: they are written out for the
-/// interpreter, which takes some 200 bytes for each.
+/// The interpreter needs loops written out, with some 200 bytes for each operation. Written-out loops may
+/// have this many times the operations that printed code may have.
 const UNROLLED: usize = 10;
 
-/// Operations of a function at least.
+/// Estimate of the least number of operations of a function.
 fn estimated(estimate: Estimate, mechanism: &Mechanism<Number>) -> usize {
     let joints = mechanism.bodies.len();
     // Each joint with itself included.
@@ -39,27 +40,27 @@ fn estimated(estimate: Estimate, mechanism: &Mechanism<Number>) -> usize {
     }
 }
 
-/// Number of pairs beyond which even the plain mass matrix takes gigabytes; the estimate is one operation for each
-/// then.
+/// Number of pairs of joints beyond which even the plain mass matrix takes gigabytes. The estimate then is
+/// one operation for each pair.
 const MANY_PAIRS: usize = 3 * MOST_OPERATIONS;
 
 /// Joints up to which no function is so large that deriving it takes long.
 const FEW_JOINTS: usize = 50;
 
-/// An omitted function.
+/// A function that is left out because it is too large.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct TooLarge {
     pub name: String,
     operations: usize,
-    /// Whether the number of operations is a lower estimate.
+    /// Whether `operations` is a lower estimate.
     is_estimate: bool,
-    /// Whether the operations are those of loops.
+    /// Whether `operations` counts loops that are written out.
     are_loops: bool,
-    /// The limit.
+    /// Largest number of operations that is allowed.
     most: usize,
 }
 
-/// Finds functions that are known to be too large before deriving them.
+/// Finds the functions that are known to be too large before they are derived.
 pub(super) fn before(model: &Model, names: &[String], forms: &Forms<'_>, most: usize) -> Vec<TooLarge> {
     if model.coordinates.len() <= FEW_JOINTS {
         return Vec::new();
@@ -101,7 +102,7 @@ fn too_large(
     too_large.filter(|each| each.operations > each.most).collect()
 }
 
-/// Returns a derived function if it is too large.
+/// Size of a derived function if the function is too large; otherwise `None`.
 pub(super) fn after(function: &Function, most: usize) -> Option<TooLarge> {
     let operations = emitted(function);
     (operations > most).then(|| TooLarge {
@@ -123,7 +124,7 @@ pub(super) fn emitted(function: &Function) -> usize {
     }
 }
 
-/// The setup, and the bodies of the loops. What other loops there are have one text for all robots.
+/// Operations of the setup and of the loop bodies. All other loops have the same text for all robots.
 fn emitted_in_loops(arrays: &Arrays) -> usize {
     let bodies = arrays.steps.iter().map(|step| match step {
         Step::Map(map) => operations(&map.body),
@@ -184,14 +185,14 @@ pub(super) fn note(model: &Model, left_out: &[TooLarge], callers: &str, most: us
     Diagnostic::note("left-out", message).help(format!("`--max-operations {needed}` generates all of them"))
 }
 
-/// To two digits, with room for the estimate.
+/// Rounds up to two digits, with a margin for the estimate.
 fn rounded_up(operations: usize) -> usize {
     let unit = 10_usize.pow(operations.max(10).ilog10() - 1);
     (operations / unit + 2) * unit
 }
 
-/// Operations of M in the plain formulation: the search for a cheaper one would take minutes where this is
-/// large.
+/// Operations of M in the plain formulation. For large robots the search for a cheaper formulation would take
+/// minutes.
 fn mass_matrix_operations(mechanism: &Mechanism<Number>) -> usize {
     let graph = Graph::new();
     let y = mechanism.positions_on(&graph);

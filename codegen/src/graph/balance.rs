@@ -6,8 +6,9 @@ use super::node::{Edge, Node};
 /// Rebuilds the results so that every sum adds early operands first.
 ///
 /// A recursion over links is a long chain of dependent operations, during which a superscalar processor
-/// waits. Adding the latest term last shortens the chain by the other additions (Huffman's construction on
-/// the terms' depths). The number of operations does not increase; values change by rounding.
+/// waits. If the latest term of a sum is added last, only one addition follows it, so the longest chain has
+/// fewer operations (Huffman's construction on the terms' depths). The number of operations does not
+/// increase. Values change by rounding.
 pub fn balanced(graph: &Graph, results: &[Edge]) -> Vec<Edge> {
     let reachable = graph.reachable(results);
     let mut balance = Balance {
@@ -22,8 +23,8 @@ pub fn balanced(graph: &Graph, results: &[Edge]) -> Vec<Edge> {
     results.iter().map(|&edge| balance.successor(edge)).collect()
 }
 
-/// Marks the sums that are only steps on the way to another sum. What has a name is read by people, and
-/// stays.
+/// Marks the sums that are only operands of another sum. Sums with a name are not marked, because people read
+/// these names.
 fn parts(graph: &Graph, reachable: &[Edge], results: &[Edge]) -> Vec<bool> {
     let mut uses = vec![0_u32; graph.len()];
     let operands = reachable.iter().flat_map(|&edge| graph.node(edge).operands());
@@ -90,7 +91,7 @@ impl Balance<'_> {
         terms.pop().map_or_else(|| self.graph.constant(0.0).edge(), |(_, sum)| sum)
     }
 
-    /// The new terms of a sum, through its parts.
+    /// The new terms of a sum, including the terms of the sums that are its parts.
     fn collect(&self, sum: Edge, terms: &mut Vec<Edge>) {
         let mut pending = vec![sum];
         while let Some(edge) = pending.pop() {

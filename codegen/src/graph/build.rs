@@ -9,7 +9,7 @@ use rustc_hash::FxBuildHasher;
 use super::node::{Edge, Node};
 use gelenk_formula::Function;
 
-/// A growing set of nodes. Equal nodes are stored once; operands precede their users.
+/// A growing set of nodes. Equal nodes are stored once. Operands precede the nodes that use them.
 #[derive(Debug, Default)]
 pub struct Graph {
     nodes: RefCell<IndexSet<Node, FxBuildHasher>>,
@@ -37,7 +37,7 @@ impl Graph {
         self.nodes.borrow()[edge.index()]
     }
 
-    /// Value of an edge to a constant; `None` for other edges.
+    /// Value of a constant with the sign of the edge; `None` if the node is not a constant.
     pub fn value(&self, edge: Edge) -> Option<f64> {
         match self.node(edge) {
             Node::Constant(bits) => {
@@ -48,20 +48,20 @@ impl Graph {
         }
     }
 
-    /// Suggests a name for a node in generated text. The first suggestion is kept; leaves have their own
-    /// names.
+    /// Suggests a name for a node in generated text. The first suggestion is kept. Constants, inputs and
+    /// parameters keep their own names.
     pub fn label(&self, edge: Edge, name: impl FnOnce() -> String) {
         if self.node(edge).operands().next().is_some() {
             self.labels.borrow_mut().entry(edge.index()).or_insert_with(name);
         }
     }
 
-    /// The suggested name of a node.
+    /// The suggested name of a node; `None` without a suggestion.
     pub fn label_of(&self, edge: Edge) -> Option<String> {
         self.labels.borrow().get(&edge.index()).cloned()
     }
 
-    /// The nodes that the results depend on, operands first.
+    /// Nodes on which the results depend. Operands precede the nodes that use them.
     pub fn reachable(&self, results: &[Edge]) -> Vec<Edge> {
         let nodes = self.nodes.borrow();
         let mut needed = vec![false; nodes.len()];
@@ -122,7 +122,7 @@ impl Graph {
         Some(self.add(x, self.folded(c + y)?))
     }
 
-    /// Splits `c · x` into constant and rest; the constant has the sign.
+    /// Splits `c · x` into the constant c and the rest x. The constant has the sign.
     pub(super) fn scaled(&self, edge: Edge) -> (f64, Edge) {
         let sign = if edge.is_negative() { -1.0 } else { 1.0 };
         if let Node::Product(a, b) = self.node(edge) {

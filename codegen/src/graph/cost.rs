@@ -1,10 +1,10 @@
-//! Cost of a set of results.
+//! Number of operations of a set of results.
 
 use super::build::Graph;
 use super::node::{Edge, Node};
 use gelenk_formula::Function;
 
-/// Operations of a computation. A subtraction counts as an addition, a negation as nothing.
+/// Numbers of operations. A subtraction counts as an addition. A negation does not count.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Cost {
     /// Multiplications.
@@ -13,14 +13,14 @@ pub struct Cost {
     pub additions: u64,
     /// Divisions.
     pub divisions: u64,
-    /// Sine and cosine pairs; a pair of the same angle counts once.
+    /// Angles whose sine or cosine is computed. Sine and cosine of the same angle count once.
     pub angles: u64,
     /// Other function calls.
     pub calls: u64,
 }
 
 impl Cost {
-    /// Counts the operations that the results need.
+    /// Counts the operations that the results need. Shared operations count once.
     pub fn of(graph: &Graph, results: &[Edge]) -> Self {
         let mut cost = Self::default();
         let mut angles = std::collections::BTreeSet::new();

@@ -5,9 +5,9 @@ use super::node::{Edge, Node};
 use super::scalar::Scalar;
 use gelenk_formula::Function;
 
-/// Derivatives of `results` by one input entry or parameter, on the same graph.
+/// Derivatives of `results` with respect to `variable`, an input entry or a parameter, on the same graph.
 ///
-/// The value of `sign` is exact and its derivative 0; the derivative of `|x|` is `sign x`.
+/// The derivative of `sign x` is 0, and the derivative of `|x|` is `sign x`.
 pub fn differentiate<'g>(graph: &'g Graph, results: &[Scalar<'g>], variable: Scalar<'g>) -> Vec<Scalar<'g>> {
     let edges: Vec<Edge> = results.iter().map(|x| x.edge()).collect();
     let zero = graph.constant(0.0);
@@ -34,8 +34,9 @@ pub fn differentiate<'g>(graph: &'g Graph, results: &[Scalar<'g>], variable: Sca
         .collect()
 }
 
-/// Derivatives of one result by many inputs on the same graph. They cost as many operations as a few
-/// evaluations of the result. `sign` is treated as in [`differentiate`].
+/// Derivatives of one result with respect to many inputs, by reverse differentiation on the same graph. They
+/// need as many operations as a few evaluations of the result. `sign` and `|x|` are treated as in
+/// [`differentiate`].
 pub fn gradient<'g>(graph: &'g Graph, result: Scalar<'g>, variables: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
     let zero = graph.constant(0.0);
     let mut adjoints = vec![zero; graph.len()];
@@ -75,7 +76,7 @@ pub fn gradient<'g>(graph: &'g Graph, result: Scalar<'g>, variables: &[Scalar<'g
     variables.iter().map(of).collect()
 }
 
-/// `f'(x)`, with `f(x)` at hand.
+/// `f'(x)`, computed from `f(x)` if this is cheaper.
 fn outer<'g>(function: Function, x: Scalar<'g>, value: Scalar<'g>) -> Scalar<'g> {
     match function {
         Function::Sin => x.call(Function::Cos),

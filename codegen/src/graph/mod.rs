@@ -1,7 +1,9 @@
-//! Expression graphs: hash-consed nodes, folded at construction. This folder is independent of robots.
+//! Expression graphs: equal nodes are stored once (hash-consing), and constants are folded at construction.
+//! This folder is independent of robots.
 //!
-//! A [`Graph`] owns the nodes. A [`Scalar`] is a signed reference to a node, so negation costs nothing and `a
-//! − b` shares its node with `b − a`. Nothing is expanded: rules only remove operations.
+//! A [`Graph`] owns the nodes. A [`Scalar`] is a signed reference to a node, so a negation is not an
+//! operation, and `a − b` shares its node with `b − a`. Products of sums are not expanded, because rules only
+//! remove operations.
 
 mod balance;
 mod build;

@@ -7,7 +7,7 @@ use gelenk_formula::Function;
 pub struct Edge(u32);
 
 impl Edge {
-    /// The value of node `index`.
+    /// The edge to node `index`, without negation.
     pub fn plus(index: usize) -> Self {
         Self((index as u32) << 1)
     }
@@ -33,17 +33,21 @@ impl Edge {
     }
 }
 
-/// A node. Its operands precede it in the graph.
+/// A node. The operands of a node precede it in the graph.
 ///
-/// Nodes are canonical: operands of commutative operations are sorted by index; the first operand of a sum is
-/// positive; operands of products, quotients and odd or even functions are positive; constants are positive.
+/// Nodes are canonical:
+///
+/// - operands of commutative operations are sorted by index
+/// - the first operand of a sum is positive
+/// - operands of products, quotients, and odd or even functions are positive
+/// - constants are positive
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Node {
     /// Bits of a finite number ≥ 0.
     Constant(u64),
-    /// Entry of an input array: index of the array, index of the entry.
+    /// Entry of an input array: index of the array, then index of the entry.
     Input(u32, u32),
-    /// Free parameter: index in `Model::parameters`.
+    /// Free parameter: index into `Model::parameters`.
     Parameter(u32),
     /// `a + b`
     Sum(Edge, Edge),

@@ -1,4 +1,4 @@
-//! Nodes without their graph, for values that keep scalars.
+//! Nodes without their graph, for types that store scalars.
 
 use std::fmt;
 
@@ -8,8 +8,9 @@ use super::scalar::Scalar;
 
 /// The nodes of a graph in the order of their creation.
 ///
-/// Intermediate nodes are included. A graph onto which they are copied is therefore the same as if its
-/// scalars had been computed there; the order of nodes determines the order of operands in generated text.
+/// Intermediate nodes are included. A graph with copies of all nodes therefore equals the graph in which the
+/// scalars were computed. This matters because the order of nodes determines the order of operands in
+/// generated text.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Nodes(Vec<Node>);
 
@@ -19,7 +20,7 @@ impl Graph {
         Nodes((0..self.len()).map(|index| self.node(Edge::plus(index))).collect())
     }
 
-    /// Copies the nodes of another graph; the result has the scalar of each node.
+    /// Copies the nodes of another graph. Returns the scalar of each node, in the same order.
     pub fn copied(&self, nodes: &Nodes) -> Vec<Scalar<'_>> {
         let mut copies: Vec<Scalar<'_>> = Vec::with_capacity(nodes.0.len());
         for &node in &nodes.0 {
@@ -28,7 +29,7 @@ impl Graph {
         copies
     }
 
-    /// A node with other operands, folded again.
+    /// Adds a node with other operands. Constants are folded again.
     pub(super) fn rebuilt<'g>(&'g self, node: Node, operand: impl Fn(Edge) -> Scalar<'g>) -> Scalar<'g> {
         match node {
             Node::Constant(bits) => self.constant(f64::from_bits(bits)),
@@ -43,14 +44,14 @@ impl Graph {
 }
 
 impl Edge {
-    /// Scalar of this edge, from the scalars of all nodes.
+    /// Scalar of this edge. `nodes` has the scalars of all nodes.
     pub fn signed<'g>(self, nodes: &[Scalar<'g>]) -> Scalar<'g> {
         let node = nodes[self.index()];
         if self.is_negative() { -node } else { node }
     }
 }
 
-/// Shows parameters and formulas, each with its number; constants stand where they are used.
+/// Shows parameters and formulas with their numbers. Constants are shown inside the formulas.
 impl fmt::Debug for Nodes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let operand = |edge: Edge| {

@@ -43,7 +43,7 @@ impl<'g> Scalar<'g> {
         Self { graph, edge }
     }
 
-    /// The signed reference.
+    /// The edge: a signed reference to the node.
     pub fn edge(self) -> Edge {
         self.edge
     }
@@ -58,7 +58,7 @@ impl<'g> Scalar<'g> {
         self.graph.constant(value)
     }
 
-    /// The value if the scalar is a constant.
+    /// The value of a constant; `None` if the scalar is not a constant.
     pub fn value(self) -> Option<f64> {
         self.graph.value(self.edge)
     }
@@ -68,22 +68,22 @@ impl<'g> Scalar<'g> {
         self.value() == Some(0.0)
     }
 
-    /// `f(self)`
+    /// The function value `f(self)`.
     pub fn call(self, function: Function) -> Self {
         Self::new(self.graph, self.graph.call(function, self.edge))
     }
 
-    /// `self / divisor`
+    /// The quotient `self / divisor`.
     pub fn divided_by(self, divisor: Self) -> Self {
         Self::new(self.graph, self.graph.div(self.edge, divisor.edge))
     }
 
-    /// `self · self`
+    /// The square `self · self`.
     pub fn squared(self) -> Self {
         self * self
     }
 
-    /// `self`, or its negative for a negative `direction`.
+    /// `self`, or `−self` if `direction` is negative.
     pub fn signed(self, direction: f64) -> Self {
         if direction < 0.0 { -self } else { self }
     }
@@ -94,7 +94,7 @@ impl<'g> Scalar<'g> {
         self
     }
 
-    /// 0 if the scalar is a constant smaller than `tolerance`, otherwise the scalar.
+    /// 0 if the scalar is a constant with a magnitude below `tolerance`, otherwise the scalar.
     pub fn cleaned(self, tolerance: f64) -> Self {
         match self.value() {
             Some(value) if value.abs() < tolerance => self.constant(0.0),

@@ -1,4 +1,4 @@
-//! Identified inertial parameters as the bodies of a description.
+//! Identified inertial parameters, written as bodies of a description.
 
 use std::fmt::Write;
 
@@ -9,24 +9,25 @@ use crate::dynamics::parameters::regressor::PER_LINK;
 use crate::model::{Model, Motion};
 use crate::wording::toml_text;
 
-/// A body of a description, about its centre of mass in the frame of its link.
+/// A body of a description. Its axes are those of the link's frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BodyValues {
     /// Name of the body.
     pub name: String,
-    /// Link that carries it, where its name is another.
+    /// Key `link`: name of the link that carries the body; `None` if this key is not written.
     pub link: Option<String>,
     /// Mass \[kg\].
     pub mass: f64,
     /// Centre of mass in the link's frame \[m\].
     pub center_of_mass: [f64; 3],
-    /// Moments about the centre of mass, `xx, yy, zz, xy, xz, yz` [kg m²].
+    /// Entries xx, yy, zz, xy, xz, yz of the inertia matrix about the centre of mass [kg m²].
     pub inertia: [f64; 6],
 }
 
 impl BodyValues {
-    /// A body with the ten parameters of a link: m, m c, and the moments about the origin of its frame, xx, xy,
-    /// yy, xz, yz, zz. Steiner: `I_c = I_o − m (cᵀc 1 − c cᵀ)`.
+    /// A body with the ten inertial parameters of a link: m, m c, and the entries xx, xy, yy, xz, yz, zz of
+    /// the inertia matrix I_o about the origin of the link's frame. The inertia about the centre of mass is
+    /// `I_c = I_o − m (cᵀc 1 − c cᵀ)` (Steiner).
     #[must_use]
     pub fn of_link(name: String, link: Option<String>, parameters: &[f64]) -> Self {
         let &[mass, hx, hy, hz, xx, xy, yy, xz, yz, zz] = parameters else {
@@ -44,7 +45,7 @@ impl BodyValues {
         Self { name, link, mass, center_of_mass: [x, y, z], inertia }
     }
 
-    /// The ten parameters of a link that is this body, as [`Self::of_link`] takes them.
+    /// The ten parameters of a link that consists of this body, in the order of [`Self::of_link`].
     #[must_use]
     pub fn parameters(&self) -> [f64; PER_LINK] {
         let mass = self.mass;
@@ -65,7 +66,7 @@ impl BodyValues {
         ]
     }
 
-    /// The table of a description.
+    /// The table `[[bodies]]` of the description, as TOML.
     #[must_use]
     pub fn toml(&self) -> String {
         let mut text = format!("[[bodies]]\nname = {}\n", toml_text(&self.name));
@@ -82,32 +83,32 @@ impl BodyValues {
     }
 }
 
-/// The bodies of a moving link.
+/// The bodies of a moving link with identified parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinkBodies {
-    /// The first body, which takes all.
+    /// The first body. It takes all identified parameters of the link.
     pub body: BodyValues,
-    /// The others, without mass.
+    /// The other bodies of the link, without mass and inertia.
     pub emptied: Vec<BodyValues>,
-    /// Parameters of the link that are described elsewhere than in bodies: rotors of held joints.
+    /// Part of the link's parameters that comes from rotors of held joints instead of bodies.
     pub fixed: Vec<f64>,
 }
 
 impl LinkBodies {
-    /// The tables of a description.
+    /// The tables `[[bodies]]` of the description, as TOML.
     pub fn toml(&self) -> impl Iterator<Item = String> + '_ {
         std::iter::once(&self.body).chain(&self.emptied).map(BodyValues::toml)
     }
 }
 
-/// The bodies of a description whose moving links have these parameters, ten for each in the order of the
-/// moving joints.
+/// Bodies with which the moving links of a description have the inertial parameters `parameters`: ten for
+/// each link, in the order of the moving joints.
 ///
-/// All that is fixed to a moving link or held on it is one body of the equations of motion. The first body of
-/// the link takes all of it, and the others become massless.
+/// All bodies that are fixed to a moving link or held on it are one rigid body in the equations of motion.
+/// The first body of the link takes all parameters, and the other bodies become massless.
 ///
 /// # Errors
-/// As [`InterpretedRobot::new`](super::InterpretedRobot::new).
+/// Errors of [`InterpretedRobot::new`](super::InterpretedRobot::new).
 pub fn bodies(model: &Model, parameters: &[f64]) -> Result<Vec<LinkBodies>, Diagnostics> {
     let fixed = without_bodies(model)?;
     let carriers: Vec<Option<usize>> = (0..model.links.len()).map(|link| carrier(model, link)).collect();
@@ -134,7 +135,7 @@ pub fn bodies(model: &Model, parameters: &[f64]) -> Result<Vec<LinkBodies>, Diag
     Ok(links.map(of_joint).collect())
 }
 
-/// Parameters of the moving links that are described elsewhere than in bodies: rotors of held joints.
+/// Parameters of the moving links without their bodies: those of the rotors of held joints.
 fn without_bodies(model: &Model) -> Result<Vec<f64>, Diagnostics> {
     let mut model = model.clone();
     model.links.iter_mut().for_each(|link| link.bodies.clear());

@@ -1,4 +1,4 @@
-//! Identified drives as a description writes them.
+//! Identified drives, written as in a description.
 
 use super::words::{number, text, weighted};
 use crate::dynamics::parameters::regressor::drives_with_rotor;
@@ -9,18 +9,20 @@ use gelenk_formula::Formula;
 /// Identified values of a joint's drive.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct IdentifiedDrive {
-    /// Axial inertia of the rotor [kg m²], if the description has one.
+    /// Axial inertia of the rotor [kg m²]; `None` if the rotor is not a parameter of the equations.
     pub rotor: Option<f64>,
-    /// Inertia that the drive adds to its joint [kg m² or kg], if the description has neither a rotor nor a gear.
+    /// Inertia that the drive adds to its joint [kg m² or kg]; `None` if the description has a rotor or a
+    /// gear.
     pub reflected: Option<f64>,
-    /// Motor constant K_M [N m/A].
+    /// Motor constant K_M [N m/A]; `None` if it was not identified.
     pub motor_constant: Option<f64>,
 }
 
-/// The rotor of an identified drive, J_R [kg m²], and how it counts.
+/// Inertia J_R of an identified drive [kg m²], and how it enters the mass matrix.
 ///
-/// - `rotor`: as a parameter of the equations: every drive has it that has a gear or a described rotor
-/// - `added`: what was found in addition to the bodies of a drive without both, so that it is not a body that a carrier turns
+/// - `rotor`: inertia as a parameter of the equations; every drive with a gear or a described rotor has one
+/// - `added`: inertia that was found for a drive without a gear and without a rotor; it is not a body that a
+///   carrier turns, so it enters only the diagonal
 pub(super) fn found_rotor(
     drive: &Drive,
     rotor: Option<f64>,
@@ -30,14 +32,15 @@ pub(super) fn found_rotor(
     (rotor.or(added), coupling)
 }
 
-/// Lines of each joint whose drive was identified, by the joint's name: its key `drive`, and `friction` as described where no
-/// law of the joint was found, because friction that stands at the drive would be lost with it. Drives that are described by
-/// themselves are [`super::drive_table`]'s.
+/// Lines of TOML for each joint whose drive was identified, with the joint's name. The first line is the key
+/// `drive`. If no friction law of the joint was found, the key `friction` of the description follows, because
+/// friction at the drive would otherwise be lost. Drives with a table of their own are written by
+/// [`super::drive_table`].
 ///
-/// - `model`: that of the robot that was identified
-/// - `described`: the model with its friction
-/// - `identified`: by coordinate
-/// - `has_law`: by coordinate, whether a friction law was found
+/// - `model`: model of the identified robot
+/// - `described`: model with the friction of the description
+/// - `identified`: identified values by coordinate
+/// - `has_law`: for each coordinate, whether a friction law was found
 #[must_use]
 pub fn drives(
     model: &Model,
@@ -58,7 +61,8 @@ pub fn drives(
     written.collect()
 }
 
-/// The described friction of a joint, that of a drive's shaft in it, as a line.
+/// Key `friction` of a joint as in the description, including friction at the shaft of its drive. `None`
+/// without friction.
 pub(super) fn joint_friction(described: &Model, name: &str) -> Option<String> {
     let joint = described.joints().find(|joint| joint.name == name)?;
     let names: Vec<&str> = described.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
@@ -70,7 +74,7 @@ pub(super) fn joint_friction(described: &Model, name: &str) -> Option<String> {
     (!keys.is_empty()).then(|| format!("friction = {{ {} }}", keys.join(", ")))
 }
 
-/// For each coordinate, the place of its drive's rotor among the parameters of rotors.
+/// For each coordinate, the index of its drive's rotor among the rotor parameters; `None` without a rotor.
 #[must_use]
 pub fn rotors(model: &Model) -> Vec<Option<usize>> {
     let place = |coordinate| {
@@ -80,9 +84,9 @@ pub fn rotors(model: &Model) -> Vec<Option<usize>> {
     (0..model.coordinates.len()).map(place).collect()
 }
 
-/// Keys of a drive with their values, without those of its friction and of the joints that it acts on.
+/// Keys of a drive with their values, except friction and the joints on which the drive acts.
 ///
-/// - `rotor`: its identified inertia, and how it counts
+/// - `rotor`: inertia of the rotor [kg m²] (`None`: as in the description), and how it enters the mass matrix
 pub(super) fn entries(
     model: &Model,
     drive: &Drive,
@@ -116,7 +120,7 @@ pub(super) fn entries(
     entries
 }
 
-/// Where a rotor sits.
+/// Keys for the place of a rotor: carrier and axis.
 fn mounting(model: &Model, drive: &Drive) -> [String; 2] {
     let [x, y, z] = drive.axis.map(|x| format!("{x:?}"));
     [format!("carrier = {}", toml_text(&model.links[drive.carrier].name)), format!("axis = [{x}, {y}, {z}]")]

@@ -1,7 +1,8 @@
-//! Identification of described robots: their regressors by the interpreter, and estimates as descriptions.
+//! Identification of robots with a description: the robot's functions for the estimator, and the estimates as
+//! a description.
 //!
-//! The estimation is [`gelenk_identification`]'s; here stand the robot that it asks for, and what is written of
-//! its results.
+//! The crate [`gelenk_identification`] makes the estimates. This module gives it the robot
+//! ([`InterpretedRobot`], whose functions are interpreted), and writes the results.
 
 mod bodies;
 mod drives;

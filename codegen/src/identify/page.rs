@@ -1,4 +1,4 @@
-//! The page of an identification.
+//! Page of an identification.
 
 use gelenk_findings::digits;
 use gelenk_findings::{Severity, texts};
@@ -12,7 +12,7 @@ use gelenk_report::{Axis, Block, Cell, Figure, Marks, Plot, Report, Section, Tab
 
 use super::terms;
 
-/// Most points of a curve; of longer ones every k-th is drawn.
+/// Largest number of points of a curve. Only every k-th point of a longer curve is drawn.
 const MOST_POINTS: usize = 1500;
 /// Explanation of the rows if shafts replace joints.
 const SHAFTS: &str = "Efforts at the joints are $\\tau = W(y,\\dot y,\\ddot y)\\,\\pi + \\tau_F(\\dot y) + c$: inertial parameters $\\pi$, \
@@ -21,10 +21,10 @@ const SHAFTS: &str = "Efforts at the joints are $\\tau = W(y,\\dot y,\\ddot y)\\
 /// Points of a friction curve.
 const CURVE: usize = 200;
 
-/// The page: friction curves, efforts measured and predicted, residuals, held-out errors, parameters, and what
-/// was done to the logs.
+/// Makes the page: friction curves, measured and predicted efforts, residuals, held-out errors, parameters,
+/// and the preparation of the logs.
 ///
-/// - `command`: that made the page
+/// - `command`: command line that made the page
 #[must_use]
 pub fn page(name: &str, robot: &dyn Robot, found: &Identification, command: &str) -> Report {
     let findings = found.findings(robot);
@@ -62,25 +62,25 @@ pub fn page(name: &str, robot: &dyn Robot, found: &Identification, command: &str
     report.section(parameters(robot, found)).section(data(found))
 }
 
-/// Noun of the rows of the tables.
+/// Noun for the rows of the tables: joints, or joints and shafts.
 #[must_use]
 pub fn rows_are(found: &Identification) -> &'static str {
     if found.joint_terms().is_some() { "joint or shaft" } else { "joint" }
 }
 
-/// Whether some joint rests in a part of the samples, which the fit leaves out.
+/// Whether some joint rests in a part of the samples. The fit leaves these samples out.
 #[must_use]
 pub fn has_rest(found: &Identification) -> bool {
     found.estimate.joints.iter().any(|joint| joint.rest > 0.0)
 }
 
-/// The report on the law of a row; none if it has no law.
+/// The report on the friction law of a row; `None` if the row has no law.
 pub(crate) fn law_report(found: &Identification, row: usize) -> Option<&FrictionReport> {
     let of_row = found.friction.iter().find(|friction| friction.joint == row);
     of_row.and_then(|friction| friction.report.as_ref().ok())
 }
 
-/// Law of a joint, or a dash.
+/// Formula of the friction law of a joint, or a dash if the joint has no law.
 #[must_use]
 pub fn law(found: &Identification, joint: usize) -> String {
     law_report(found, joint).map_or_else(|| "–".to_owned(), |report| report.result.formula())
@@ -117,7 +117,8 @@ fn summary(found: &Identification) -> Section {
     Section::new("summary", "How well it fits").block(Block::Table(table)).blocks(choices)
 }
 
-/// Offsets of a joint's runs that are not written, from the lowest to the highest.
+/// Lowest and highest offset of a joint in single runs, as text. These offsets are not part of the written
+/// description.
 #[must_use]
 pub fn offsets(joint: &JointEstimate) -> String {
     let error = joint.offset_errors.first().copied();
@@ -132,12 +133,12 @@ pub fn offsets(joint: &JointEstimate) -> String {
     }
 }
 
-/// R² of a joint that moves; none if nothing acts on it.
+/// R² of a joint that moves; empty if nothing acts on the joint.
 fn share(joint: &JointEstimate, r_squared: f64) -> Cell {
     if is_judged(joint) { Cell::Rounded(r_squared, 4) } else { Cell::Empty }
 }
 
-/// Whether R² says something of a joint: it moves, and something acts on it.
+/// Whether R² of a joint is meaningful: the joint moves, and something acts on it.
 #[must_use]
 pub fn is_judged(joint: &JointEstimate) -> bool {
     joint.moves && !joint.held_out_r_squared.is_nan()
@@ -218,7 +219,7 @@ fn efforts(found: &Identification) -> Section {
     Section::new("efforts", "Efforts over time").block(Block::Figure(figure))
 }
 
-/// Times of all runs one after the other, a gap behind each.
+/// Times of all runs one after the other, with a gap after each run.
 fn times(runs: &[PreparedRun]) -> Vec<f64> {
     let mut times = Vec::new();
     let mut start = 0.0;

@@ -1,4 +1,4 @@
-//! Values of a model's functions by the interpreter: its inertial parameters.
+//! Inertial parameters of a model, computed by the interpreter.
 
 use crate::diagnostic::Diagnostics;
 use crate::functions::form::Form;
@@ -8,7 +8,7 @@ use crate::functions::size::MOST_OPERATIONS;
 use crate::model::Model;
 use crate::program::interpret::{Functions, interpret};
 
-/// Described values of a model's inertial parameters.
+/// Inertial parameters of a model with the values of the description.
 pub(super) fn parameters(model: &Model) -> Result<Vec<f64>, Diagnostics> {
     let name = ["inertial_parameters".to_owned()];
     let functions = derive_in_form(model, &name, MOST_OPERATIONS, Form::Straight, &name)?;

@@ -1,4 +1,4 @@
-//! A described robot as identification asks for it: its regressor, evaluated by the interpreter.
+//! The robot model that identification needs. The interpreter evaluates its regressor.
 
 use std::sync::OnceLock;
 
@@ -21,8 +21,8 @@ use crate::model::{
     QuaternionKind,
 };
 
-/// Functions of a described robot that identification calls, evaluated without a compiler. Its parameters are
-/// those of `INERTIAL_PARAMETER_NAMES`.
+/// Functions of a described robot that identification calls. They are interpreted, so no compiler is needed.
+/// The inertial parameters are those of `INERTIAL_PARAMETER_NAMES`.
 #[derive(Debug)]
 pub struct InterpretedRobot {
     model: Model,
@@ -30,46 +30,52 @@ pub struct InterpretedRobot {
     inverse_dynamics: Function,
     parameters: Vec<f64>,
     input_matrix: Vec<f64>,
-    /// W with gravity as three more free parameters, derived if it is asked for.
+    /// W with three additional free parameters for gravity. It is derived at the first use.
     at_rest: OnceLock<Option<Function>>,
-    /// B(y), where inputs act at frames.
+    /// B(y); `None` without inputs at frames.
     input_matrix_at: Option<Function>,
     /// Joints that something else moves.
     unmeasured: Vec<bool>,
     /// The drives whose shafts' friction is identified.
     shafts: Vec<Shaft>,
-    /// Described friction of the joints whose rows they take.
+    /// Described friction of the joints that shafts replace in the fit.
     joint_terms: Vec<(JointTerm, FrictionTerm)>,
-    /// Described friction of each row that is identified.
+    /// Described friction of each row of the fit.
     friction: Vec<Vec<FrictionTerm>>,
     /// Described values of the free parameters.
     free: Vec<f64>,
 }
 
-/// Choices about a described robot before identification.
+/// Choices about a robot before identification.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct RobotChoices {
-    /// Names of joints that something else moves: logs have their motion, and not their forces.
+    /// Names of joints that something else moves. Logs have the motion of these joints, but not their forces.
     pub unmeasured: Vec<String>,
-    /// Friction is looked for on joints alone; that of the shafts of drives on several joints stays as described.
+    /// Identifies friction at joints only. Friction of the shafts of drives that act on several joints stays
+    /// as described.
     pub friction_at_joints: bool,
 }
 
 impl InterpretedRobot {
-    /// The robot with nothing decided, see [`Self::with`].
+    /// The robot with default choices, see [`Self::with`].
     ///
     /// # Errors
-    /// As [`Self::with`].
+    /// Errors of [`Self::with`].
     pub fn new(model: &Model) -> Result<Self, Diagnostics> {
         Self::with(model, &RobotChoices::default())
     }
 
-    /// Derives the functions of a model. Its friction is left out, but for that which is not estimated: of spherical and
-    /// floating joints, of joints that follow others, whose law no file replaces, and of shafts where friction is looked for on
-    /// joints alone or where they take no row.
+    /// Derives the functions of a model without the friction that is identified. They include the friction
+    /// that is not identified:
+    ///
+    /// - friction of spherical and floating joints
+    /// - friction of joints that follow other joints, because no written file replaces their law
+    /// - friction of the shafts of drives, if [`RobotChoices::friction_at_joints`] is set or the shaft
+    ///   replaces no joint in the fit
     ///
     /// # Errors
-    /// As [`derive_in_form`]: a robot whose functions cannot be generated. `driven-joint` where joints are driven.
+    /// Errors of [`derive_in_form`] if a function of the robot cannot be generated; `driven-joint` if joints
+    /// are driven.
     pub fn with(model: &Model, choices: &RobotChoices) -> Result<Self, Diagnostics> {
         IDENTIFICATION.check(model)?;
         let mut model = model.clone();
@@ -118,7 +124,8 @@ impl InterpretedRobot {
         })
     }
 
-    /// Names of the drives on several joints whose shafts take no row: their friction stays as described.
+    /// Names of the drives on several joints whose shafts replace no joint in the fit. Their friction stays
+    /// as described.
     #[must_use]
     pub fn shafts_as_described(&self) -> Vec<&str> {
         let is_shaft = |name: &str| self.shafts.iter().any(|shaft| shaft.name == name);
@@ -126,8 +133,8 @@ impl InterpretedRobot {
         names.filter(|name| !is_shaft(name)).collect()
     }
 
-    /// A joint that follows coordinates, or a motor that moves several, with its limits; `None` for one that follows a driven
-    /// joint.
+    /// Limits of a joint that follows coordinates, or of a motor that moves several joints. `None` if it
+    /// follows a driven joint.
     fn follower(&self, one: &Dependent<'_>) -> Option<FollowerLimits> {
         let (ratios, of_driven) = one.ratios.as_ref()?.split_at(self.model.coordinates.len());
         of_driven.iter().all(|ratio| *ratio == 0.0).then(|| FollowerLimits {
@@ -139,7 +146,7 @@ impl InterpretedRobot {
         })
     }
 
-    /// The model, without the friction that is identified.
+    /// The model without the friction that is identified.
     #[must_use]
     pub fn model(&self) -> &Model {
         &self.model
@@ -156,7 +163,7 @@ fn described_friction(model: &Model, shafts: &[Shaft]) -> Vec<Vec<FrictionTerm>>
     model.joints().enumerate().map(of_row).collect()
 }
 
-/// The regressor of a model whose gravity is three more free parameters.
+/// The regressor of a model with three additional free parameters for gravity.
 fn regressor_under_gravity(model: &Model) -> Option<Function> {
     let mut model = model.clone();
     model.force_inputs.clear();
@@ -300,7 +307,8 @@ impl Robot for InterpretedRobot {
         self.unmeasured.clone()
     }
 
-    /// As the generator takes friction under load: none in robots with couplings or inputs at frames.
+    /// Whether each joint has an input of its own. If the robot has couplings or inputs at frames, no joint
+    /// has one, because the generator does not support friction under load there.
     fn own_inputs(&self) -> Vec<bool> {
         let joints = self.model.joints().len();
         if self.model.is_coupled() || !self.model.force_inputs.is_empty() {
@@ -310,7 +318,8 @@ impl Robot for InterpretedRobot {
         (0..joints).map(driven).collect()
     }
 
-    /// A drive is written with one inertia: that of its rotor where this is a parameter.
+    /// Whether an inertia may be added to each row. A drive is written with one inertia, so the row's rotor
+    /// must not be a parameter.
     fn takes_inertia(&self) -> Vec<bool> {
         let takes = |row: usize| {
             let shaft = self.shafts.iter().find(|shaft| shaft.joint == row);

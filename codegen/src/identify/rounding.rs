@@ -1,8 +1,9 @@
-//! Bodies with the digits that mean something.
+//! Rounding of identified bodies to significant digits.
 //!
-//! A value gets two digits of half its interval's width. What is written still has to be what was found: a body that
-//! could exist still can, and the written bodies explain the data as well. Where they would not, a body gets more digits.
-//! A value that these digits do not tell from the described one is written as it was described.
+//! A value gets two digits of half the width of its interval. Rounding must not change two properties: a body
+//! that is physically possible stays possible, and the written bodies explain the data as well as the
+//! identified bodies. If rounding changes them, a body gets more digits. A value that equals the described
+//! value to these digits is written as in the description.
 
 use gelenk_findings::digits::rounded;
 use gelenk_identification::estimation::Estimate;
@@ -13,11 +14,11 @@ use nalgebra::{DMatrix, DVector};
 use super::bodies::{BodyValues, LinkBodies};
 use crate::dynamics::parameters::regressor::PER_LINK;
 
-/// R² of a joint that the written digits may change.
+/// Largest change of a joint's R² by rounding.
 const MOST_LOST: f64 = 1e-4;
-/// Digits behind those of the interval at which a body is written as it is.
+/// Number of additional digits at which a body is written without rounding.
 const MOST_DIGITS: i32 = 8;
-/// Share of half an interval by which the digits of a load may change a parameter.
+/// Largest change of a parameter of a load by rounding, as a share of half its interval.
 const NOTICED: f64 = 0.1;
 
 /// Rounds the bodies of all links.
@@ -57,11 +58,11 @@ fn lost(estimate: &Estimate, link: usize, change: &[f64]) -> f64 {
 /// A body with the errors of its values, in the order of [`BodyValues::numbers`].
 struct Found<'a> {
     body: &'a BodyValues,
-    /// Parameters of its link that are described elsewhere than in bodies.
+    /// Parameters of the link that come from rotors of held joints instead of bodies.
     fixed: &'a [f64],
     /// The numbers of the described body.
     described: [Option<f64>; PER_LINK],
-    /// Half the width of each value's interval; none if it is not known.
+    /// Half the width of each value's interval; `None` if it is unknown.
     errors: [Option<f64>; PER_LINK],
 }
 
@@ -112,7 +113,8 @@ impl<'a> Found<'a> {
         after.iter().zip(before).map(|(after, before)| after - before).collect()
     }
 
-    /// The least number of digits, from one on, with which a body that can exist still can, and its link too.
+    /// The least number of digits, beginning with `digits`, for which rounding keeps a possible body
+    /// possible, and its link, too.
     fn possible_from(&self, digits: i32) -> i32 {
         let is_kept = |digits: &i32| {
             let [before, after] = [self.body.parameters(), self.written(*digits).parameters()];
@@ -161,8 +163,8 @@ fn slopes(body: &BodyValues) -> DMatrix<f64> {
     slopes
 }
 
-/// A load with the digits of its intervals. No parameter changes by more than a tenth of half its interval: the mass times the
-/// centre may be known better than each of them.
+/// A load with the digits of its intervals. Rounding changes no inertial parameter by more than a tenth of
+/// half its interval, because the mass times the centre may be known better than mass and centre.
 #[must_use]
 pub fn rounded_load(body: &BodyValues, payload: &Payload) -> BodyValues {
     let half =

@@ -1,18 +1,19 @@
-//! Which joints' rows the shafts take.
+//! Choice of the joints that shafts replace. The fit has a row of equations for each joint. The shaft of a
+//! drive on several joints takes the row of one of these joints.
 
 use nalgebra::{DMatrix, RowDVector};
 
 /// Share of a shaft's largest entry below which an entry is rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// For each shaft the joint whose row it takes; `None` if its motion follows from those of rows that are taken, or
-/// that may not be.
+/// For each shaft, the joint whose row in the fit it takes. `None` if the motion of the shaft depends only on
+/// rows that are taken already or may not be taken.
 ///
-/// Shafts choose in their order. Each takes the joint along which it turns most while all other rows keep their motion,
-/// the first of them where several are equal.
+/// Shafts choose in their order. A shaft takes the joint along which it turns most while all other rows keep
+/// their motion. If several joints are equal, it takes the first of these joints.
 ///
-/// - `ratios`: motion of each shaft for a unit of motion of each joint
-/// - `free`: whether the row of a joint may be taken: it has no drive of its own
+/// - `ratios`: for each shaft, its motion for a unit of motion of each joint
+/// - `free`: for each joint, whether its row may be taken
 #[must_use]
 pub(super) fn seats(ratios: &[Vec<f64>], free: &[bool]) -> Vec<Option<usize>> {
     let joints = free.len();

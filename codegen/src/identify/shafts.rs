@@ -1,4 +1,5 @@
-//! Drives on several joints: whose shafts' friction is identified, and as a description writes them.
+//! Drives that act on several joints: the shafts whose friction is identified, and their tables in a
+//! description.
 
 use gelenk_identification::result::FrictionResult;
 use gelenk_identification::result::description::{comment_lines, friction_value};
@@ -11,7 +12,8 @@ use crate::dynamics::parameters::regressor::drives_with_rotor;
 use crate::model::{Drive, FrictionTerm, Model};
 use crate::wording::toml_text;
 
-/// The drives on several coordinates whose shafts take rows of joints ([`gelenk_identification::shafts`]).
+/// The drives on several coordinates whose shafts replace joints in the fit
+/// ([`gelenk_identification::shafts`]).
 ///
 /// - `unmeasured`: names of the joints that something else moves
 pub(super) fn shafts(model: &Model, unmeasured: &[String], free: &[f64]) -> Vec<Shaft> {
@@ -47,7 +49,7 @@ fn ratios(model: &Model, drive: &Drive, free: &[f64]) -> Vec<f64> {
     ratios
 }
 
-/// Terms of the friction of the joints whose rows shafts take.
+/// Terms of the described friction of the joints that shafts replace.
 pub(super) fn joint_terms(model: &Model, shafts: &[Shaft], free: &[f64]) -> Vec<(JointTerm, FrictionTerm)> {
     let names: Vec<&str> = model.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
     let taken = model.joints().enumerate().filter(|(row, _)| shafts.iter().any(|shaft| shaft.joint == *row));
@@ -58,7 +60,7 @@ pub(super) fn joint_terms(model: &Model, shafts: &[Shaft], free: &[f64]) -> Vec<
     taken.flat_map(|(row, joint)| joint.friction.iter().map(move |of_joint| term(row, of_joint))).collect()
 }
 
-/// Tables `[[joints]]` with the estimated factors of such terms.
+/// Tables `[[joints]]` with friction terms and their estimated factors.
 #[must_use]
 pub fn joint_tables(model: &Model, terms: &[(&JointTerm, f64)]) -> Vec<String> {
     let joints = model.joints().enumerate();
@@ -74,8 +76,8 @@ pub fn joint_tables(model: &Model, terms: &[(&JointTerm, f64)]) -> Vec<String> {
     joints.filter_map(table).collect()
 }
 
-/// The table `[[joints]]` with the described friction of the joint that a drive moves alone: friction that stands at the drive is
-/// part of it, and would be lost with the drive.
+/// The table `[[joints]]` with the described friction of the joint that a drive moves alone. `None` without
+/// friction. Friction at the drive is included, because it would be lost if the drive is replaced.
 #[must_use]
 pub fn kept_friction(model: &Model, described: &Model, drive: &Drive) -> Option<String> {
     let joint = model.joints().nth(drive.coordinate()?)?;
@@ -88,29 +90,31 @@ pub fn kept_friction(model: &Model, described: &Model, drive: &Drive) -> Option<
 pub struct IdentifiedShaft<'a> {
     /// Name of the drive.
     pub name: &'a str,
-    /// Friction of its shaft; what is described stays if there is none. Friction of a shaft that moves one joint is part of
-    /// the joint's.
+    /// Friction of the shaft; `None` keeps the friction of the description. If the shaft moves one joint, its
+    /// friction is part of the friction of the joint.
     pub friction: Option<&'a FrictionResult>,
-    /// Axial inertia of its rotor as a parameter of the equations [kg m²], if the description has one.
+    /// Axial inertia of the rotor as a parameter of the equations [kg m²]; `None` if the description has no
+    /// rotor.
     pub rotor: Option<f64>,
-    /// Inertia at the shaft, if the description has no rotor [kg m²].
+    /// Inertia at the shaft [kg m²]; `None` if the description has a rotor.
     pub added: Option<f64>,
-    /// Motor constant K_M [N m/A].
+    /// Motor constant K_M [N m/A]; `None` if it was not identified.
     pub motor_constant: Option<f64>,
 }
 
-/// Place of the rotor of a drive among the parameters of rotors.
+/// Index of a drive's rotor among the rotor parameters; `None` without a rotor.
 #[must_use]
 pub fn shaft_rotor(model: &Model, name: &str) -> Option<usize> {
     drives_with_rotor(model).position(|drive| drive.name == name)
 }
 
-/// The table `[[drives]]` of an identified drive, with all that is described of it; `None` if there is no such drive.
+/// The table `[[drives]]` of an identified drive, with all other keys of its description. `None` if the
+/// description has no table for this drive.
 ///
-/// - `described`: the model with its friction
+/// - `described`: model with the friction of the description
 ///
 /// # Errors
-/// Those of a law that a description cannot hold.
+/// An error if a description cannot express the friction law.
 pub fn drive_table(
     described: &Model,
     found: &IdentifiedShaft,

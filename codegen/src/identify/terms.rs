@@ -1,4 +1,4 @@
-//! Friction terms with the evidence for each, for the page and for JSON.
+//! Friction terms and the evidence for them, for the page and for JSON.
 
 use gelenk_findings::digits::{plain, significant};
 use gelenk_identification::friction::{Candidate, FrictionReport};
@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 /// Digits of numbers whose error is not known.
 const DIGITS: usize = 4;
 
-/// The terms of all laws with intervals, and how sure it is that a law has them.
+/// The terms of all friction laws with their intervals, and the probability that a law has the term.
 pub(super) fn table(found: &Identification) -> Table {
     let mut table = Table::new(
         "friction_terms",
@@ -40,12 +40,13 @@ fn row(joint: &str, candidate: &Candidate) -> Vec<Cell> {
     names.into_iter().chain(numbers).chain([probability]).collect()
 }
 
-/// A number with the digits that its error leaves it.
+/// A number with the digits that its error supports.
 pub(super) fn measured(value: f64, error: Option<f64>) -> Cell {
     Cell::Rounded(value, significant(value, error).unwrap_or(DIGITS))
 }
 
-/// Pareto tables of the choices: joint, number of terms, rms error on left-out data, and the terms; `*` marks the chosen ones.
+/// Pareto tables of the chosen friction laws, with the columns joint, number of terms, rms error on left-out
+/// data, `*` for the chosen row, and terms.
 #[must_use]
 pub fn front(found: &Identification) -> Vec<Vec<String>> {
     let head = ["joint", "terms", "rms error, left out", "", "terms of the law"].map(str::to_owned).to_vec();
@@ -69,7 +70,7 @@ pub fn front(found: &Identification) -> Vec<Vec<String>> {
     table
 }
 
-/// The Pareto table of a law for JSON.
+/// The Pareto table of a friction law, for JSON.
 #[must_use]
 pub fn front_as_json(report: &FrictionReport) -> Value {
     let Some(subsets) = &report.subsets else { return Value::Null };
@@ -84,7 +85,7 @@ pub fn front_as_json(report: &FrictionReport) -> Value {
     subsets.best.iter().enumerate().map(of).collect()
 }
 
-/// The terms of a law for JSON, those that were left out without a coefficient.
+/// The terms of a friction law, for JSON. Terms that were left out have no coefficient.
 #[must_use]
 pub fn terms_as_json(report: &FrictionReport) -> Value {
     let of = |candidate: &Candidate| {

@@ -1,4 +1,4 @@
-//! Conversion of a model to its mechanism, and of the mechanism to the graph of each function.
+//! Conversion of a model to its mechanism, and copies of the mechanism on the graph of each function.
 
 use super::inertia::{RegroupChoice, regroup};
 use super::mechanism::{Body, Mechanism, Rotor};
@@ -10,13 +10,13 @@ use crate::model::Model;
 use crate::spatial::Pose;
 
 impl Mechanism<Number> {
-    /// The mechanism of a model, with inertial constants as described.
+    /// The mechanism of a model, with the inertial constants of the description.
     pub fn new(model: &Model) -> Self {
         let graph = Graph::new();
         frames::assign(&graph, model, &tree::moving_bodies(&graph, model)).by_itself()
     }
 
-    /// This mechanism on a graph.
+    /// A copy of this mechanism on a graph.
     pub fn on<'g>(&self, graph: &'g Graph) -> Mechanism<Scalar<'g>> {
         let nodes = graph.copied(&self.graph);
         self.with(graph, |number| match number {
@@ -27,20 +27,21 @@ impl Mechanism<Number> {
 }
 
 impl Mechanism<Scalar<'_>> {
-    /// Moves inertial constants towards the base; M, k, q and energies do not change.
+    /// Moves inertial constants that act only as sums towards the base (regrouping). M, k, q and energies do
+    /// not change.
     pub fn regrouped(mut self, choices: &[RegroupChoice]) -> Self {
         regroup(&mut self.bodies, &mut self.base_moments, choices);
         self
     }
 
-    /// This mechanism without a graph.
+    /// A copy of this mechanism without a graph.
     pub fn by_itself(&self) -> Mechanism<Number> {
         self.with(self.graph.to_nodes(), Number::from)
     }
 }
 
 impl<S: Numbers> Mechanism<S> {
-    /// The same mechanism of other numbers.
+    /// The same mechanism with another type of numbers.
     fn with<T: Numbers>(&self, graph: T::Graph, to: impl Fn(S) -> T) -> Mechanism<T> {
         Mechanism {
             graph,

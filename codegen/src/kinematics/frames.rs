@@ -1,9 +1,9 @@
 //! Link frames of trees by the modified Denavit–Hartenberg convention.
 //!
-//! z is on the joint's axis, x on the common normal to the axis of the main child, the origin where this
-//! normal meets z (Craig 1986; Khalil and Kleinfinger 1986). Other children of a branching body have an
-//! additional angle γ. Remaining freedom (leaves of the tree, parallel and coincident axes) is used to set
-//! offsets to zero.
+//! The z axis is the joint's axis. The x axis is on the common normal of z and the axis of the main child,
+//! which is the child with the largest subtree. The origin is where this normal meets z (Craig 1986; Khalil
+//! and Kleinfinger 1986). Other children of a branching body have an additional angle γ. If the convention
+//! leaves a choice (leaves of the tree, parallel or coincident axes), offsets are set to zero.
 
 use nalgebra::{Matrix3, Vector3 as Numeric3};
 
@@ -27,7 +27,7 @@ const NEARLY_PARALLEL: f64 = 1e-2;
 /// Lengths below this are rounding (m).
 const ROUNDING: f64 = 1e-14;
 
-/// A frame in the described frame of its body; `None` if the tree leaves it free.
+/// A frame in the described frame of its body. `None` if the tree does not determine this part of the frame.
 #[derive(Clone, Copy)]
 struct Draft<'g> {
     z: Numeric3<f64>,
@@ -97,8 +97,9 @@ pub fn assign<'g>(graph: &'g Graph, model: &Model, tree: &DescribedTree<'g>) -> 
     mechanism
 }
 
-/// The way from the frame of a body's parent to its own: a translation across z, a rotation, then a lift and an angle along z, to
-/// which the joint's position adds.
+/// The displacement from the frame of a body's parent to the frame of the body: a translation perpendicular
+/// to z, a rotation, then a translation along z (lift) and a rotation about z. The joint's position is added
+/// to the lift or to the angle.
 struct Step<'g> {
     translation: Vector3<Scalar<'g>>,
     twist: Twist,
@@ -229,7 +230,7 @@ fn common_normals<'g>(model: &Model, tree: &DescribedTree<'g>, directions: &[f64
     drafts
 }
 
-/// The child with the largest subtree, the first of equals.
+/// For each body the child with the largest subtree (the first child if several subtrees are equally large).
 fn main_children(tree: &DescribedTree<'_>) -> Vec<Option<usize>> {
     let mut sizes = vec![1; tree.bodies.len()];
     let mut main: Vec<Option<usize>> = vec![None; tree.bodies.len()];

@@ -7,19 +7,19 @@ use crate::graph::{Graph, Scalar};
 use crate::model;
 use crate::spatial::{MassMoments, Symmetric3, Vector3};
 
-/// Choice of the mass that is shifted along a joint's axis.
+/// Choice of the mass that is shifted between a body and its parent, at a point on the joint's axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RegroupChoice {
-    /// The body itself becomes massless.
+    /// The body becomes massless.
     Massless,
-    /// The parent's first moment becomes zero along x.
+    /// The parent's first moment of mass becomes zero along x.
     BalanceParent,
-    /// A component of the parent's first moment becomes zero, together with components taken by its other
-    /// children.
+    /// This component of the parent's first moment of mass (0, 1, 2 for x, y, z) becomes zero. The masses of
+    /// all children with this choice are computed together.
     Take(usize),
 }
 
-/// Moments of a described body about its link frame's origin.
+/// Moments of mass of a body about the origin of its link's frame.
 pub fn moments_of_body<'g>(graph: &'g Graph, body: &model::Body) -> MassMoments<Scalar<'g>> {
     let mass = lower(graph, &body.mass);
     let center = Vector3(body.center_of_mass.each_ref().map(|f| lower(graph, f)));
@@ -27,11 +27,11 @@ pub fn moments_of_body<'g>(graph: &'g Graph, body: &model::Body) -> MassMoments<
     MassMoments::of_inertia(mass, center, inertia)
 }
 
-/// Moves masses that act only through their sum from body to parent (base parameters; Gautier and Khalil
-/// 1990): masses on a revolute joint's axis, and the second moment of a prismatic joint's body. M, k and q do
-/// not change.
+/// Moves masses that act only as sums from a body to its parent (base parameters; Gautier and Khalil 1990).
+/// These are the masses on a revolute joint's axis, and the second moment of a prismatic joint's body. M, k
+/// and q do not change.
 ///
-/// `base` receives the moments that arrive there, in the base frame; its second moment is then meaningless.
+/// `base` gets the moments that reach the base, in the base frame. Its second moment is then meaningless.
 pub fn regroup<'g>(
     bodies: &mut [Body<Scalar<'g>>],
     base: &mut MassMoments<Scalar<'g>>,
@@ -75,13 +75,13 @@ fn on_axis(moments: MassMoments<Scalar<'_>>) -> MassMoments<Scalar<'_>> {
     MassMoments { mass: moments.mass, first: Vector3([zero, zero, moments.first[2]]), second }
 }
 
-/// The second moment alone: it depends on the orientation only, which a prismatic joint does not change.
+/// The second moment alone. This moment depends only on the orientation, which a prismatic joint does not change.
 fn second_only(moments: MassMoments<Scalar<'_>>) -> MassMoments<Scalar<'_>> {
     let zero = moments.mass.constant(0.0);
     MassMoments { mass: zero, first: Vector3::zero(zero), second: moments.second }
 }
 
-/// Shortest lever (m) for balancing; shorter ones require masses so large that digits are lost.
+/// Shortest lever arm (m) for balancing. Shorter lever arms require masses so large that digits are lost.
 pub const SHORTEST_LEVER: f64 = 1e-3;
 
 /// A mass at the origin of a child's joint, which belongs to both bodies.
@@ -119,7 +119,7 @@ fn shared_with<'g>(body: &Body<Scalar<'g>>, choice: RegroupChoice, child: usize)
     (body.axis == JointAxis::Revolute).then_some(Shared { child, in_parent, component })
 }
 
-/// The masses that balance a first moment; `None` if levers are not constants, or where digits would be lost.
+/// The masses that balance a first moment; `None` if levers are not constants or digits would be lost.
 fn balancing_masses(shared: &[Shared<'_>], first: Vector3<Scalar<'_>>) -> Option<Vec<f64>> {
     let row = |component: usize| -> Option<Vec<f64>> {
         let levers = shared.iter().map(|each| each.in_parent.first[component].value());

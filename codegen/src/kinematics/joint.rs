@@ -1,11 +1,12 @@
-//! Types of moving joints, as used by the recursions.
+//! Elementary joints of the recursions: rotation and translation.
 
 use crate::graph::Scalar;
 use crate::model::JointKind;
 use crate::spatial::{Force, Motion, Vector3};
 
-/// Motion of a joint's body per unit velocity, in the frame after the joint: a column of the motion subspace
-/// S (Featherstone 2008, section 3.5). z is the axis.
+/// Elementary motion of a joint. It determines the motion subspace S, a column with the motion of the joint's
+/// body per unit velocity, in the frame after the joint (Featherstone 2008, section 3.5). z is the joint's
+/// axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum JointAxis {
     /// Rotation about z.
@@ -15,8 +16,8 @@ pub enum JointAxis {
 }
 
 impl JointAxis {
-    /// Elementary motions of a joint kind from the base outwards, each with its rate per unit of the joint's
-    /// velocity.
+    /// Elementary motions of a kind of joint, from the base outwards. Each has its rate per unit of the
+    /// joint's velocity.
     pub fn of(kind: JointKind) -> Vec<(Self, f64)> {
         match kind {
             JointKind::Revolute | JointKind::Continuous => vec![(Self::Revolute, 1.0)],
@@ -27,7 +28,7 @@ impl JointAxis {
         }
     }
 
-    /// The type's name.
+    /// Name of the motion.
     pub fn name(self) -> &'static str {
         match self {
             Self::Revolute => "revolute",
@@ -35,18 +36,19 @@ impl JointAxis {
         }
     }
 
-    /// Whether the joint's velocity is an angular one.
+    /// Whether the joint's velocity is an angular velocity.
     pub fn turns(self) -> bool {
         self == Self::Revolute
     }
 
-    /// S: unit motion of the joint about the origin of its body.
+    /// S: motion of the joint's body per unit velocity, about the body's origin.
     pub fn unit_motion(self, any: Scalar<'_>) -> Motion<'_> {
         let zero = any.constant(0.0);
         self.along(Vector3([zero, zero, any.constant(1.0)]), Vector3::zero(any))
     }
 
-    /// S with this axis, about a point; the body's origin is at `origin` relative to it.
+    /// S with the direction `axis` about a point. `origin` is the vector from this point to the body's
+    /// origin.
     pub fn along<'g>(self, axis: Vector3<Scalar<'g>>, origin: Vector3<Scalar<'g>>) -> Motion<'g> {
         match self {
             Self::Revolute => Motion { angular: axis, linear: origin.cross(axis) },
@@ -54,7 +56,8 @@ impl JointAxis {
         }
     }
 
-    /// `Sᵀ f`: generalized force of a force on the body, about the body's origin and in its frame.
+    /// `Sᵀ f`: generalized force of a spatial force f on the body. f is about the body's origin and in the
+    /// body's frame.
     pub fn force(self, f: Force<'_>) -> Scalar<'_> {
         match self {
             Self::Revolute => f.moment[2],

@@ -1,4 +1,4 @@
-//! Conversion of described numbers to scalars of a graph.
+//! Conversion of numbers and formulas of a model to scalars of a graph.
 
 use nalgebra::Matrix3;
 
@@ -8,7 +8,7 @@ use crate::model::{self, FollowedCoordinate};
 use crate::spatial::{Pose, Vector3};
 use gelenk_formula::{Formula, Function};
 
-/// A described pose.
+/// A pose of a model, with scalars of the graph.
 pub fn lower_pose<'g>(graph: &'g Graph, pose: &model::Pose) -> Pose<Scalar<'g>> {
     Pose {
         rotation: Matrix3::from_fn(|row, column| pose.rotation[row][column]),
@@ -16,7 +16,7 @@ pub fn lower_pose<'g>(graph: &'g Graph, pose: &model::Pose) -> Pose<Scalar<'g>> 
     }
 }
 
-/// The coordinates that a joint or a drive follows.
+/// The coordinates that a joint or a drive follows, with scalars of the graph as ratios.
 pub fn lower_followed<'g>(graph: &'g Graph, terms: &[FollowedCoordinate]) -> Transmission<Scalar<'g>> {
     let term = |term: &FollowedCoordinate| Followed {
         coordinate: term.coordinate,
@@ -30,7 +30,7 @@ pub fn lower<'g>(graph: &'g Graph, formula: &Formula) -> Scalar<'g> {
     lower_with(graph, formula, graph.constant(0.0), graph.constant(0.0))
 }
 
-/// A formula as a scalar of the graph, with the joint's position `y` and velocity `v`.
+/// A formula as a scalar of the graph. `y` and `v` are the position and the velocity of the joint.
 pub fn lower_with<'g>(graph: &'g Graph, formula: &Formula, y: Scalar<'g>, v: Scalar<'g>) -> Scalar<'g> {
     let go = |part: &Formula| lower_with(graph, part, y, v);
     match formula {

@@ -8,77 +8,82 @@ use crate::graph::{Graph, Scalar};
 use crate::numeric;
 use crate::spatial::{Angle, Attitude, MassMoments, Pose, Twist, Vector3, rotation_about};
 
-/// The moving bodies of a model; parents precede children. Each follows one or several coordinates.
+/// The moving bodies of a model. Parents precede children. Each body follows one or several coordinates.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mechanism<S: Numbers> {
     /// Graph of the scalars, or nodes without a graph.
     pub graph: S::Graph,
-    /// Number of coordinates, including driven ones.
+    /// Number of coordinates, including driven coordinates.
     pub coordinates: usize,
-    /// Number of driven coordinates; these are last.
+    /// Number of driven coordinates. They are the last coordinates.
     pub driven: usize,
-    /// Position entry of each coordinate; `None` if it belongs to a quaternion.
+    /// Position entry of each coordinate; `None` if the position belongs to a quaternion.
     pub positions: Vec<Option<usize>>,
-    /// Bodies, parents first.
+    /// Moving bodies, parents first.
     pub bodies: Vec<Body<S>>,
     /// Gravitational acceleration in the base frame [m/s²].
     pub gravity: Vector3<S>,
     /// Rotors that turn relative to the body that carries them.
     pub rotors: Vec<Rotor<S>>,
-    /// Moments of moving mass that acts as if fixed to the base, in the base frame.
+    /// Moments of the moving mass that acts as if it were fixed to the base, in the base frame.
     pub base_moments: MassMoments<S>,
-    /// For each link of the model the body that carries it (`None`: base), and its pose in that body's frame.
+    /// For each link of the model, the body that carries the link (`None`: base), and the pose of the link in
+    /// the body's frame.
     pub links: Vec<(Option<usize>, Pose<S>)>,
 }
 
-/// A moving body in its own frame; z is along the joint's axis.
+/// A moving body in its own frame. z is along the joint's axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body<S> {
-    /// Described name of the joint; `(slide)` is appended for the slide of a helical joint.
+    /// Name of the joint in the description. For the slide of a helical joint, `(slide)` is appended.
     pub name: String,
     /// Identifier of the joint, for names of values.
     pub identifier: String,
-    /// Index among the moving joints: joints of the coordinates, then followers.
+    /// Index among the moving joints: first the joints of the coordinates, then followers.
     pub joint: usize,
     /// Whether this is the slide of a helical joint: a massless body between the joint's parent and the body
     /// that the joint turns.
     pub is_screw_slide: bool,
-    /// Coordinates that the joint follows.
+    /// Coordinates that the joint follows, with their ratios.
     pub transmission: Transmission<S>,
-    /// Position in the chain of a joint with a quaternion.
+    /// Place of this body in the chain of bodies of a joint with a quaternion; `None` for other joints.
     pub chain: Option<ChainPlace>,
-    /// Rotation by the quaternion, after the twist with its offset and before the body's motion.
+    /// Rotation by the quaternion; `None` except for the first body of a chain. It comes after the twist with
+    /// its offset, and before the body's motion.
     pub attitude: Option<Attitude<S>>,
-    /// Parent body; `None` if the base carries the joint.
+    /// Index of the parent body; `None` if the base carries the joint.
     pub parent: Option<usize>,
     /// Type of the joint.
     pub axis: JointAxis,
     /// Rotation from the parent's frame to the joint's frame before its motion.
     pub twist: Twist,
-    /// Vector from the parent's origin to the joint's axis, in the parent's frame and unit.
+    /// Vector from the parent's origin to the joint's axis, in the parent's frame and unit of length.
     pub translation: Vector3<S>,
-    /// Distance from there along the axis to the origin, in this body's unit.
+    /// Distance along the axis from the end of `translation` to this body's origin, in this body's unit of
+    /// length.
     pub lift: S,
-    /// Angle about z if the coordinate is 0.
+    /// Angle about z at position 0 of the coordinate.
     pub offset: Angle,
     /// Moments of mass, in this body's unit of length.
     pub moments: MassMoments<S>,
-    /// Unit of length (m) for forces, accelerations, masses and the children's translations.
+    /// Unit of length (m) for the forces, accelerations and masses of this body, and for the translations of
+    /// its children.
     pub length_unit: f64,
-    /// Parent's unit of length divided by this one; 1 if the base carries the joint.
+    /// The parent's unit of length divided by this body's unit; 1 if the base carries the joint.
     pub unit_ratio: f64,
 }
 
 /// A rotor: an axisymmetric body that turns about its axis relative to its carrier.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rotor<S> {
-    /// Motion of its drive: a coordinate or a sum of several.
+    /// Motion of the rotor's drive: a coordinate, or a sum of several coordinates.
     pub transmission: Transmission<S>,
-    /// Gear ratio i: turns of the rotor per unit of this motion.
+    /// Gear ratio i: turns of the rotor per unit of the drive's motion.
     pub ratio: S,
-    /// Body whose joint the drive moves; `None` if the drive moves a sum of coordinates.
+    /// Index of the body whose joint the drive moves; `None` if the drive moves a sum of coordinates.
     pub driven: Option<usize>,
-    /// Body that carries the rotor; `None` for the base, and for rotors that only enter the diagonal of M.
+    /// Index of the body that carries the rotor; `None` for the base, and for rotors that only enter the
+    /// diagonal of M.
     pub carrier: Option<usize>,
     /// Axis of the rotor in the carrier's frame.
     pub axis: Vector3<S>,
@@ -87,20 +92,20 @@ pub struct Rotor<S> {
 }
 
 impl<'g> Rotor<Scalar<'g>> {
-    /// `i J_R`
+    /// Coupling inertia `i J_R`.
     pub fn coupling_inertia(&self) -> Scalar<'g> {
         self.ratio * self.inertia
     }
 
-    /// `i² J_R`
+    /// Reflected inertia `i² J_R`.
     pub fn reflected_inertia(&self) -> Scalar<'g> {
         self.ratio * self.coupling_inertia()
     }
 }
 
 impl<S: Numbers> Mechanism<S> {
-    /// Whether bodies follow others: a coordinate moves several joints or a helical joint, or a joint or
-    /// rotor follows several coordinates.
+    /// Whether motions are coupled: a coordinate moves several joints or a helical joint, or a joint or rotor
+    /// follows several coordinates.
     pub fn is_coupled(&self) -> bool {
         self.bodies.len() > self.coordinates || self.rotors.iter().any(|rotor| rotor.driven.is_none())
     }
@@ -115,18 +120,19 @@ impl<S: Numbers> Mechanism<S> {
         self.coordinates - self.driven
     }
 
-    /// Bodies whose joints are coordinates and not driven, each once, parents first.
+    /// Bodies with independent joints that are not driven, parents first. A helical joint has one of these
+    /// bodies.
     pub fn independent(&self) -> impl Iterator<Item = &Body<S>> {
         self.bodies.iter().filter(|body| body.joint < self.free() && !body.is_screw_slide)
     }
 
-    /// Body that a moving joint carries.
+    /// Index of the body that a moving joint carries; `None` if the mechanism has no joint with this index.
     pub fn carried_by(&self, joint: usize) -> Option<usize> {
         self.bodies.iter().position(|body| body.joint == joint && !body.is_screw_slide)
     }
 
-    /// Whether every rotor is on the base or on the parent of the body that it drives. The coupling of other
-    /// rotors reaches beyond neighbours.
+    /// Whether every rotor is on the base or on the parent of the body that it drives. A rotor on another
+    /// body couples bodies that are not neighbours.
     pub fn rotors_are_neighbours(&self) -> bool {
         let sits_near = |rotor: &Rotor<S>| match rotor.driven {
             _ if rotor.carrier.is_none() => true,
@@ -145,12 +151,12 @@ impl<S: Numbers> Mechanism<S> {
         depths.iter().sum()
     }
 
-    /// Whether several bodies carry no other body.
+    /// Whether the tree has more than one leaf (a body without children).
     pub fn branches(&self) -> bool {
         self.children().iter().filter(|children| children.is_empty()).count() > 1
     }
 
-    /// Children of each body.
+    /// Indices of the children of each body.
     pub fn children(&self) -> Vec<Vec<usize>> {
         let mut children = vec![Vec::new(); self.bodies.len()];
         for (index, body) in self.bodies.iter().enumerate() {
@@ -163,8 +169,8 @@ impl<S: Numbers> Mechanism<S> {
 }
 
 impl<S> Body<S> {
-    /// Label of motion and forces: the joint's name, without the velocity's name for a joint with a
-    /// quaternion.
+    /// Label of motions and forces in generated code: the identifier of the joint. For a joint with a
+    /// quaternion, the suffix of the velocity is left out.
     pub fn label(&self) -> &str {
         let whole = self.chain.and(self.identifier.rsplit_once('_'));
         whole.map_or(self.identifier.as_str(), |(joint, _)| joint)
@@ -172,8 +178,8 @@ impl<S> Body<S> {
 }
 
 impl<'g> Body<Scalar<'g>> {
-    /// Origin in the parent's frame, with a prismatic coordinate at 0. If the twist has γ, the translation
-    /// along the axis has a component along the parent's x.
+    /// Origin of this body in the parent's frame, at position 0 of a prismatic joint. If the twist has an
+    /// angle γ, the translation along the axis has a component along the parent's x.
     pub fn origin_in_parent(&self) -> Vector3<Scalar<'g>> {
         let zero = self.lift.constant(0.0);
         self.translation + self.twist.to_parent(Vector3([zero, zero, self.lift]))
@@ -181,7 +187,7 @@ impl<'g> Body<Scalar<'g>> {
 }
 
 impl Body<Number> {
-    /// Component of [`Self::origin_in_parent`] along the parent's x, if it is a constant.
+    /// Component of [`Self::origin_in_parent`] along the parent's x; `None` if it depends on free parameters.
     pub fn lever(&self) -> Option<f64> {
         let share = self.twist.matrix()[(0, 2)];
         let lifted = if share == 0.0 { 0.0 } else { share * self.lift.value()? };
@@ -190,7 +196,7 @@ impl Body<Number> {
 }
 
 impl<S: Numbers> Mechanism<S> {
-    /// Positions on a graph by coordinate: inputs, or 0 if the position belongs to a quaternion.
+    /// Position of each coordinate on a graph: an input, or 0 if the position belongs to a quaternion.
     pub fn positions_on<'g>(&self, graph: &'g Graph) -> Vec<Scalar<'g>> {
         let position = |entry: &Option<usize>| match entry {
             Some(entry) => graph.input(POSITIONS, *entry),
@@ -202,7 +208,7 @@ impl<S: Numbers> Mechanism<S> {
 
 impl<'g> Mechanism<Scalar<'g>> {
     /// Gives each body its own unit of length (m), so that one of its lengths becomes 1. Moments of force
-    /// keep their values; forces and accelerations are scaled. Requires that every joint is revolute.
+    /// keep their values. Forces and accelerations are scaled. All joints must be revolute.
     pub fn in_length_units(mut self, units: &[f64]) -> Self {
         for (body, &unit) in self.bodies.iter_mut().zip(units) {
             let parent_unit = body.parent.map_or(unit, |parent| units[parent]);
@@ -221,7 +227,8 @@ impl<'g> Mechanism<Scalar<'g>> {
         self.gravity.map(|x| scaled_down(x, self.bodies[root].length_unit))
     }
 
-    /// Moves the origin of a revolute body along its axis to the end of the translation from its parent.
+    /// Moves the origin of a revolute body along its axis, so that its lift becomes 0. The lift is added to
+    /// the translations of its children.
     pub fn leave_lift_to_children(&mut self, index: usize) {
         let zero = self.graph.constant(0.0);
         let lift = std::mem::replace(&mut self.bodies[index].lift, zero);
@@ -235,8 +242,8 @@ impl<'g> Mechanism<Scalar<'g>> {
         }
     }
 
-    /// Adds the translation along a revolute body's axis to the translation from its parent. Levers that are
-    /// equal up to rounding to one of a sibling become the same number.
+    /// Adds the lift of a revolute body to the translation from its parent. A lever that equals a sibling's
+    /// lever up to rounding becomes the same number.
     pub fn leave_lift_to_parent(&mut self, index: usize) {
         let origin = self.bodies[index].origin_in_parent();
         let parent = self.bodies[index].parent;
@@ -306,7 +313,7 @@ impl<'g> Mechanism<Scalar<'g>> {
 /// Largest difference of sums of lengths that are equal up to rounding (m).
 const SAME_LEVER: f64 = 1e-15;
 
-/// `x / unit`, exact where both are the same constant.
+/// `x / unit`, exact if both are the same constant.
 fn scaled_down(x: Scalar<'_>, unit: f64) -> Scalar<'_> {
     match x.value() {
         Some(value) => x.constant(value / unit),

@@ -1,7 +1,7 @@
-//! Stage 2: converts a model to a [`Mechanism`]: moving bodies that follow coordinates, in frames that give
-//! short equations. Each function copies it [to its graph](Mechanism::on).
+//! Conversion of a model to a [`Mechanism`]: the moving bodies, in frames that give short equations. Each
+//! function copies the mechanism [to its graph](Mechanism::on).
 //!
-//! Fixed and held links are lumped into the body that carries them. Link frames follow the modified
+//! Fixed and held links are part of the body that carries them. Link frames follow the modified
 //! Denavit–Hartenberg convention (Craig 1986; Khalil and Kleinfinger 1986) independently of the description.
 //! Inertial constants that act only through sums are moved towards the base.
 

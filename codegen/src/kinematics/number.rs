@@ -4,18 +4,18 @@ use std::fmt;
 
 use crate::graph::{Edge, Graph, Nodes, Scalar};
 
-/// A type of numbers for mechanisms.
+/// A type of numbers for mechanisms: [`Scalar`] or [`Number`].
 pub trait Numbers: Copy {
-    /// Owner of the numbers.
+    /// Owner of the formulas.
     type Graph;
 }
 
-/// Scalars stand in a graph.
+/// Scalars belong to a graph.
 impl<'g> Numbers for Scalar<'g> {
     type Graph = &'g Graph;
 }
 
-/// Numbers stand by themselves, formulas among the nodes of the mechanism.
+/// Constants need no graph. Formulas refer to the nodes of the mechanism.
 impl Numbers for Number {
     type Graph = Nodes;
 }
@@ -25,12 +25,12 @@ impl Numbers for Number {
 pub enum Number {
     /// A constant.
     Constant(f64),
-    /// A formula of free parameters: edge among the nodes of the mechanism.
+    /// A formula of free parameters, as an edge to a node of the mechanism.
     Formula(Edge),
 }
 
 impl Number {
-    /// The value if it is a constant.
+    /// The value of a constant; `None` for a formula.
     pub fn value(self) -> Option<f64> {
         match self {
             Self::Constant(value) => Some(value),

@@ -1,8 +1,8 @@
 //! Joints with quaternions in a mechanism.
 //!
-//! Such a joint is a chain of bodies, one per velocity; the last has the mass and carries other bodies. All
-//! joints of the chain are at zero: the pose from the positions comes before the first body, and the
-//! velocities are those of the body in its own frame.
+//! A joint with a quaternion is a chain of bodies, one for each velocity. The last body has the mass and
+//! carries other bodies. All joints of the chain are at position 0, because the pose from the positions comes
+//! before the first body. The velocities are those of the last body in its own frame.
 
 use nalgebra::{Matrix3, Vector3 as Numeric3};
 
@@ -10,18 +10,18 @@ use crate::graph::{Graph, Scalar};
 use crate::model::{Model, QuaternionJoint, QuaternionKind};
 use crate::spatial::{Attitude, Pose, Vector3};
 
-/// Position of a body in the chain of a joint with a quaternion.
+/// Place of a body in the chain of a joint with a quaternion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ChainPlace {
-    /// The first body of the chain.
+    /// Index of the first body of the chain.
     pub first: usize,
-    /// The last body of the chain.
+    /// Index of the last body of the chain.
     pub last: usize,
     /// Axis of the body's motion in the frame of the last body: 0, 1, 2 for x, y, z.
     pub axis: usize,
 }
 
-/// Chain of the joint of a velocity; `None` for joints without a quaternion.
+/// Place in the chain of the body that belongs to a velocity; `None` for joints without a quaternion.
 ///
 /// - `index`: index of the body in a list that contains the chain
 pub(super) fn chain_place(model: &Model, coordinate: usize, index: usize) -> Option<ChainPlace> {
@@ -34,12 +34,12 @@ pub(super) fn chain_place(model: &Model, coordinate: usize, index: usize) -> Opt
 /// Every chain begins with a motion along or about x.
 const FIRST: usize = 0;
 
-/// The axes of the described frame that are x, y, z of the body that moves along this one.
+/// Axes of the described frame that are the axes x, y, z of the body that moves along `axis`.
 fn axes(axis: usize) -> [usize; 3] {
     [(axis + 1) % 3, (axis + 2) % 3, axis]
 }
 
-/// Frame of a body of a chain in the link's frame; z is along the body's motion.
+/// Frame of a body of a chain, in the link's frame. z is along the body's motion.
 pub(super) fn frame(graph: &Graph, place: ChainPlace) -> Pose<Scalar<'_>> {
     let columns =
         axes(place.axis).map(|axis| Numeric3::from_fn(|row, _| if row == axis { 1.0 } else { 0.0 }));
@@ -48,14 +48,14 @@ pub(super) fn frame(graph: &Graph, place: ChainPlace) -> Pose<Scalar<'_>> {
 
 /// Displacement of the first body of a joint's chain by the positions.
 pub(super) struct Displaced<'g> {
-    /// Rotation of this body's frame by the positions.
+    /// Rotation of the first body's frame by the quaternion.
     pub attitude: Attitude<Scalar<'g>>,
     /// Origin in the described frame of the joint; `None` for a spherical joint.
     pub origin: Option<Vector3<Scalar<'g>>>,
 }
 
-/// Displacement of a joint. The positions are entries of the first input array, as in every function with
-/// positions.
+/// Displacement of the first body of a joint's chain. The positions are entries of the first input array, as
+/// in all functions with positions.
 pub(super) fn displaced<'g>(graph: &'g Graph, model: &Model, joint: &QuaternionJoint) -> Displaced<'g> {
     let entries = position_entries(graph, model, joint);
     Displaced {
@@ -64,7 +64,7 @@ pub(super) fn displaced<'g>(graph: &'g Graph, model: &Model, joint: &QuaternionJ
     }
 }
 
-/// Position entries of a joint.
+/// Position entries of a joint with a quaternion.
 pub struct PositionEntries<'g> {
     /// Position of the origin; `None` for a spherical joint.
     pub origin: Option<Vector3<Scalar<'g>>>,
@@ -72,7 +72,7 @@ pub struct PositionEntries<'g> {
     pub quaternion: [Scalar<'g>; 4],
 }
 
-/// Entries of y that belong to a joint.
+/// The entries of y that belong to a joint with a quaternion.
 pub fn position_entries<'g>(graph: &'g Graph, model: &Model, joint: &QuaternionJoint) -> PositionEntries<'g> {
     let first = model.first_position(joint.first);
     let entry = |k: usize| graph.input(POSITIONS, first + k);

@@ -3,9 +3,10 @@
 use crate::graph::Scalar;
 
 /// A joint or rotor that follows coordinates: `position = Σ ratio · y[coordinate]` plus a constant offset,
-/// which is part of the frames. It is a row of G in `y_joint = G y + g₀`.
+/// which is part of the frames. The ratios are a row of G in `y_joint = G y + g₀`.
 ///
-/// A joint whose axis was reversed has the ratio −1. A follower has a term for each coordinate.
+/// A joint whose axis was reversed has the ratio −1. A follower has a term for each coordinate that it
+/// follows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Transmission<S> {
     /// Followed coordinates, each once.
@@ -27,7 +28,7 @@ impl<S: Copy> Transmission<S> {
         Self { terms: vec![Followed { coordinate, ratio }] }
     }
 
-    /// The coordinate if there is only one.
+    /// The coordinate if there is exactly one; otherwise `None`.
     pub fn single(&self) -> Option<Followed<S>> {
         match self.terms[..] {
             [followed] => Some(followed),
@@ -77,7 +78,7 @@ impl<'g> Transmission<Scalar<'g>> {
         moving.fold(zero, |sum, (&ratio, &x)| sum + x * ratio)
     }
 
-    /// `Σ ratio · x[coordinate]`: position, velocity or acceleration from those of all coordinates.
+    /// `Σ ratio · x[coordinate]`. `x` has the positions, velocities or accelerations of all coordinates.
     pub fn motion(&self, x: &[Scalar<'g>]) -> Scalar<'g> {
         let terms = self.terms.iter().map(|term| x[term.coordinate] * term.ratio);
         let sum = terms.reduce(|sum, term| sum + term);
@@ -106,8 +107,8 @@ impl<'g> Transmission<Scalar<'g>> {
         self.add_force(force, &mut matrix[row]);
     }
 
-    /// Adds an entry of a symmetric matrix and its mirror image. If the motion follows the coordinate, both
-    /// are on the diagonal.
+    /// Adds an entry of a symmetric matrix and its mirror image. If the motion follows this coordinate, both
+    /// entries are on the diagonal.
     pub fn add_coupling(&self, coordinate: usize, force: Scalar<'g>, matrix: &mut [Vec<Scalar<'g>>]) {
         self.add_row_entry(coordinate, force, matrix);
         self.add_column_entry(coordinate, force, matrix);

@@ -1,4 +1,5 @@
-//! Moving bodies of a model in the frames of the description. Fixed and held bodies are lumped into them.
+//! Moving bodies of a model in the frames of the description. Fixed and held bodies are part of the moving
+//! body that carries them.
 
 use super::inertia::moments_of_body;
 use super::joint::JointAxis;
@@ -7,31 +8,32 @@ use crate::graph::{Graph, Scalar};
 use crate::model::{Joint, Model, Motion};
 use crate::spatial::{MassMoments, Pose, Vector3, rotate, rotation_about};
 
-/// The tree of moving bodies as described.
+/// The tree of moving bodies, in the frames of the description.
 pub struct DescribedTree<'g> {
     /// Bodies, parents first.
     pub bodies: Vec<DescribedBody<'g>>,
-    /// For each link the body that carries it (`None`: base), and its pose in that body's frame.
+    /// For each link, the body that carries the link (`None`: base), and the pose of the link in the body's
+    /// frame.
     pub links: Vec<(Option<usize>, Pose<Scalar<'g>>)>,
 }
 
-/// A moving body as described.
+/// A moving body in the frame of the description.
 pub struct DescribedBody<'g> {
-    /// Link carried by its joint.
+    /// Index of the link that the joint carries.
     pub link: usize,
-    /// Index of its joint among the model's moving joints.
+    /// Index of the joint among the model's moving joints.
     pub joint: usize,
-    /// Motion relative to the parent.
+    /// Motion of this body relative to its parent.
     pub motion: JointAxis,
     /// Rate of this motion per unit of the joint's velocity.
     pub rate: f64,
     /// Whether this is the slide of a helical joint.
     pub is_screw_slide: bool,
-    /// Parent body; `None` for the base.
+    /// Index of the parent body; `None` for the base.
     pub parent: Option<usize>,
     /// Pose of the joint's frame in the parent body's frame.
     pub pose: Pose<Scalar<'g>>,
-    /// Moments of its mass, including bodies fixed to it.
+    /// Moments of the body's mass, including bodies that are fixed to it.
     pub moments: MassMoments<Scalar<'g>>,
 }
 
@@ -54,8 +56,8 @@ pub fn moving_bodies<'g>(graph: &'g Graph, model: &Model) -> DescribedTree<'g> {
     tree
 }
 
-/// Moments of each moving body in the described frame of its link, including rotors of held joints; in the
-/// order of the joints.
+/// Moments of mass of the link of each carrying joint, in the order of these joints and in the described
+/// frame of the link. Rotors of held joints are included.
 pub fn described_moments<'g>(graph: &'g Graph, model: &Model) -> Vec<MassMoments<Scalar<'g>>> {
     let tree = moving_bodies(graph, model);
     let mut moments = vec![MassMoments::zero(graph); model.moving_joints().len()];
@@ -89,7 +91,7 @@ impl<'g> DescribedTree<'g> {
         self.links.push((carrier, pose.then(displacement(graph, joint, position))));
     }
 
-    /// Adds the body of a joint that moves, and before it a body that slides where the joint is helical.
+    /// Adds the body of a joint that moves, and before it a body that slides if the joint is helical.
     fn attach_moving(
         &mut self,
         graph: &'g Graph,

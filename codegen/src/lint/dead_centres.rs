@@ -1,4 +1,5 @@
-//! Dead centres of cylinders: positions of a joint at which the only cylinder that moves it has no lever.
+//! Dead centres of cylinders: positions of a joint at which the only cylinder that moves it has the lever arm
+//! zero.
 
 use super::distances::{Distances, crossing, places};
 use crate::description::{PointForceDescription, RobotDescription};
@@ -13,11 +14,11 @@ use gelenk_findings::Rule;
 /// Fixture: `a_cylinder_that_alone_moves_a_joint_through_its_dead_centre_is_told` in `codegen/tests/motion_limits.rs`.
 const DEAD_CENTRE: Rule = Rule::warning("dead-centre");
 
-/// Part of the longest lever below which a lever at the end of the range is none.
+/// A lever arm at an end of the range counts as zero below this share of the longest lever arm.
 const NONE: f64 = 1e-6;
 
-/// Warns if an input is the only one on a joint and has a dead centre within the joint's range. Cylinders
-/// over several joints are omitted: if their lever about one joint vanishes, the others determine their
+/// Warns if an input is the only input on a joint and has a dead centre within the joint's range. Cylinders
+/// over several joints are skipped: if their lever about one joint vanishes, the other joints determine their
 /// effect.
 pub(super) fn warn(
     force: &PointForceDescription,
@@ -54,7 +55,8 @@ pub(super) fn warn(
     );
 }
 
-/// Whether a drive or another cylinder moves the joint of a link too. A propeller beyond it seldom holds it.
+/// Whether a drive or another cylinder also moves the joint of a link. A propeller on the link does not
+/// count, because it seldom holds the joint.
 fn others_act_on(link: usize, force: &PointForceDescription, model: &Model) -> bool {
     let mut driven = model.input_drives().flat_map(|drive| &drive.acts_on);
     let pulls = |input: &ForceInput| match &input.effect {

@@ -12,7 +12,7 @@ const SEED: u64 = 0x6469_7374_616e_6365;
 
 /// Number of the closest states from which descents begin.
 const STARTS: usize = 8;
-/// A descent takes a dozen steps, and sixty where the distance only touches zero.
+/// Most steps of a descent: a descent takes about 12 steps, and about 60 if the distance only touches zero.
 const STEPS: usize = 100;
 /// Step of the differences [rad or m].
 const DIFFERENCE: f64 = 1e-6;
@@ -28,7 +28,7 @@ pub(super) fn places([low, high]: [f64; 2]) -> Vec<f64> {
     (0..=INTERVALS).map(|k| low + (high - low) * part(k)).collect()
 }
 
-/// The last position at which a condition is false, and the first position at which it is true.
+/// The last position at which a condition is false, and the first position at which it is true, by bisection.
 pub(super) fn crossing([mut before, mut behind]: [f64; 2], is_so: impl Fn(f64) -> bool) -> [f64; 2] {
     for _ in 0..HALVINGS {
         let middle = 0.5 * (before + behind);
@@ -43,8 +43,8 @@ pub(super) struct Distances<'m> {
     between: &'m [Attachment; 2],
     /// Described values of the free parameters.
     described: Vec<f64>,
-    /// Positions of the links' joints: with all joints at 0, or at the positions closest to it, with all at their lowest, at
-    /// their highest position, and at seeded states.
+    /// Positions of the links' joints. First all joints are at 0 or at the position closest to 0, then at
+    /// their lowest and at their highest position, then at seeded states.
     states: Vec<Vec<f64>>,
 }
 
@@ -64,6 +64,8 @@ impl<'m> Distances<'m> {
         Self::with_parameters(model, between, described)
     }
 
+    /// The distances for other values of the free parameters.
+    ///
     /// - `described`: values of the free parameters
     pub(super) fn with_parameters(
         model: &'m Model,
@@ -107,8 +109,8 @@ impl<'m> Distances<'m> {
         }
     }
 
-    /// Links of the coordinates that change the distance, driven ones included. Other coordinates may move
-    /// both frames together.
+    /// Links of the coordinates that change the distance, including driven coordinates. All other coordinates
+    /// do not move the frames relative to each other.
     pub(super) fn changing(&self) -> Vec<usize> {
         let changes = |link: &usize| {
             let rate = |state: &Vec<f64>| self.gap(state).normalize().dot(&self.rate(state, *link));
@@ -117,24 +119,25 @@ impl<'m> Distances<'m> {
         self.coordinates().filter(changes).collect()
     }
 
-    /// Distance [m] with one coordinate at a position; the others are as close to 0 as their limits allow.
+    /// Distance \[m\] with one coordinate at a position. All other coordinates are as close to 0 as their
+    /// limits allow.
     pub(super) fn with(&self, link: usize, position: f64) -> f64 {
         self.gap(&self.moved(&self.states[0], &[(link, position)])).norm()
     }
 
-    /// Derivative of this distance by the position.
+    /// Derivative of [`Self::with`] with respect to the position.
     pub(super) fn slope(&self, link: usize, position: f64) -> f64 {
         let [forward, backward] = [1.0, -1.0].map(|sign| self.with(link, position + sign * DIFFERENCE));
         (forward - backward) / (2.0 * DIFFERENCE)
     }
 
-    /// From the first frame to the second one.
+    /// Vector from the first frame to the second frame.
     fn gap(&self, state: &[f64]) -> Vector3<f64> {
         let [a, b] = self.between.each_ref().map(|at| origin(self.model, &self.described, state, at));
         Vector3::from(b) - Vector3::from(a)
     }
 
-    /// The links whose joints are coordinates.
+    /// The links with independent joints.
     fn coordinates(&self) -> impl Iterator<Item = usize> {
         let links = self.model.links.iter().enumerate();
         links.filter_map(|(index, link)| match link.joint.as_ref()?.motion {
@@ -152,7 +155,7 @@ impl<'m> Distances<'m> {
         joint.and_then(|joint| joint.limits.position).unwrap_or([f64::NEG_INFINITY, f64::INFINITY])
     }
 
-    /// The state with other positions of coordinates; joints that follow them move too.
+    /// The state with other positions of some coordinates. Joints that follow these coordinates move too.
     fn moved(&self, state: &[f64], changes: &[(usize, f64)]) -> Vec<f64> {
         positions(self.model, &self.described, |link, _| {
             let change = changes.iter().find(|(changed, _)| *changed == link);
@@ -166,7 +169,8 @@ impl<'m> Distances<'m> {
         (at(DIFFERENCE) - at(-DIFFERENCE)) / (2.0 * DIFFERENCE)
     }
 
-    /// A minimum of the distance (Levenberg 1944, Marquardt 1963), with coordinates kept at their limits.
+    /// A minimum of the distance, found by damped least squares (Levenberg 1944, Marquardt 1963). Coordinates
+    /// stay within their limits.
     fn descend(&self, mut state: Vec<f64>) -> Vec<f64> {
         let mut damping = 1e-3;
         let mut rates = self.free_rates(&state);
@@ -195,7 +199,7 @@ impl<'m> Distances<'m> {
         state
     }
 
-    /// Derivatives of the gap along the coordinates that may go where the distance falls.
+    /// Derivatives of the gap along the coordinates whose limits allow a motion that shortens the distance.
     fn free_rates(&self, state: &[f64]) -> Vec<(usize, Vector3<f64>)> {
         let gap = self.gap(state);
         let rates = self.coordinates().map(|link| (link, self.rate(state, link)));

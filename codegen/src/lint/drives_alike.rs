@@ -15,8 +15,8 @@ use gelenk_findings::Rule;
 /// Fixture: `drives_that_act_alike_are_noted` in `codegen/tests/meaning.rs`.
 const DRIVES_ALIKE: Rule = Rule::note("drives-alike");
 
-/// Notes drives with linearly dependent torques on the coordinates: their sum does not determine the single
-/// torques.
+/// Adds a note if the torques of drives on the coordinates are linearly dependent, so that forces at the
+/// joints do not determine the torques.
 pub(super) fn note(robot: &RobotDescription, model: &Model, report: &mut Report) {
     if !model.drives.iter().any(|drive| drive.stands_apart) {
         return;

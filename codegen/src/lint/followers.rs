@@ -15,7 +15,7 @@ use gelenk_findings::Rule;
 /// Fixture: `a_joint_that_undoes_the_motion_below_it_is_noted` in `codegen/tests/meaning.rs`.
 const STANDS_STILL: Rule = Rule::note("follower-stands-still");
 
-/// Notes followers whose link does not move relative to the previous link.
+/// Adds a note about each follower whose link does not move relative to the previous link.
 pub(super) fn note(robot: &RobotDescription, model: &Model, report: &mut Report) {
     let described = model.described_parameters();
     for follower in &model.followers {
@@ -23,7 +23,8 @@ pub(super) fn note(robot: &RobotDescription, model: &Model, report: &mut Report)
     }
 }
 
-/// A joint that undoes the motion of the one which carries it, as fingers do whose `parent` is missing.
+/// A note if a joint undoes the motion of the joint that carries it, as fingers of a gripper do without their
+/// `parent`.
 fn note_stillness(
     robot: &RobotDescription,
     model: &Model,
@@ -51,7 +52,8 @@ fn note_stillness(
     );
 }
 
-/// Whether two motions cancel that follow one coordinate by 1 and by the ratio.
+/// Whether the motions of two joints cancel. Both follow one coordinate: `carrying` with the ratio 1, `joint`
+/// with `ratio`.
 fn undoes(carrying: &Joint, joint: &Joint, ratio: f64, described: &[f64]) -> bool {
     let slides = |joint: &Joint| joint.kind == JointKind::Prismatic;
     let turns = |joint: &Joint| matches!(joint.kind, JointKind::Revolute | JointKind::Continuous);

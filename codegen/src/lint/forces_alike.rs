@@ -13,7 +13,7 @@ use gelenk_formula::Formula;
 /// Fixture: `springs_between_the_same_points_are_noted` in `codegen/tests/doubts.rs`.
 const FORCES_ALIKE: Rule = Rule::note("forces-alike");
 
-/// Notes force laws between the same two points.
+/// Adds a note about force laws between the same two points.
 pub(super) fn note(robot: &RobotDescription, model: &Model, report: &mut Report) {
     let described = model.described_parameters();
     for (index, force) in model.point_forces.iter().enumerate() {

@@ -27,19 +27,19 @@ const DRIVING_FORCE: Rule = Rule::warning("driving-force");
 /// Fixture: `codegen/tests/snapshots/bad/strokes.toml.snap`.
 const DRIVE_BESIDE: Rule = Rule::note("drive-beside-input");
 
-/// Shorter distances are none [m].
+/// Shorter distances count as zero \[m\].
 const SHORTEST: f64 = 1e-9;
-/// Distances whose ends differ by less of the largest stay as they are.
+/// Largest relative difference of the longest and the shortest distance that counts as constant.
 const CONSTANT: f64 = 1e-9;
-/// Rates of a distance at which laws are looked at [m/s], both signs and 0 too.
+/// Rates of a distance at which laws are evaluated [m/s], with both signs. The rate 0 is added.
 const RATES: [f64; 5] = [1e-3, 1e-2, 0.1, 1.0, 10.0];
-/// A law that is larger by this factor between the distances than at any of them has a pole there.
+/// A law that is this many times larger between the distances than at the distances has a pole there.
 const POLE: f64 = 1e6;
-/// Steps towards it.
+/// Steps of the search for a pole.
 const THIRDS: u32 = 80;
 const FINITE: &str =
     "a force law must be finite at every distance within the joints' limits, including standstill";
-/// Distances at which laws are looked at, both ends included.
+/// Number of distances at which laws are evaluated, including both ends.
 const LENGTHS: i32 = 21;
 
 /// Checks forces with the geometry of the whole model.
@@ -68,7 +68,7 @@ pub(super) fn check(robot: &RobotDescription, model: &Model, report: &mut Report
     refuse_load(robot, model, report);
 }
 
-/// Frames of a force.
+/// The frames between which a force acts; `None` if the model has no frames for it.
 pub(super) fn between<'m>(force: &PointForceDescription, model: &'m Model) -> Option<&'m [Attachment; 2]> {
     let frames = force.between.each_ref().map(|name| &name.value);
     pairs(model).find(|between| between.each_ref().map(|at| &at.name) == frames)
@@ -103,7 +103,7 @@ fn has_direction(force: &PointForceDescription, found: &[f64], report: &mut Repo
     shortest >= SHORTEST
 }
 
-/// Looks for the least distance between the states, which is added to theirs.
+/// Adds the least distance between the states to the distances, and reports it if it is zero.
 fn keeps_direction(
     force: &PointForceDescription,
     distances: &Distances<'_>,
@@ -175,7 +175,7 @@ fn check_law(
     }
 }
 
-/// Warns if the part of a law that depends on the rate feeds every motion: a damper with the sign of other conventions.
+/// Warns if the rate-dependent part of a law adds energy in every motion: a damper with the opposite sign.
 fn warn_of_drive(
     force: &PointForceDescription,
     law: &At<Formula>,
@@ -196,7 +196,8 @@ fn warn_of_drive(
     }
 }
 
-/// Where magnitudes have a pole between places at which they are finite: a maximum that grows without end as it is approached.
+/// A place between `places` at which the magnitude has a pole: a maximum that grows without bound as it is
+/// approached. `None` without a pole.
 fn pole(places: &[f64], magnitude: impl Fn(f64) -> f64) -> Option<f64> {
     let largest = places.iter().fold(0.0_f64, |most, place| most.max(magnitude(*place)));
     let around =
@@ -207,7 +208,7 @@ fn pole(places: &[f64], magnitude: impl Fn(f64) -> f64) -> Option<f64> {
     highest.find(|place| largest > 0.0 && magnitude(*place) > POLE * largest)
 }
 
-/// A place of the largest value between two, by thirds.
+/// Place of the largest value between two places, by repeated division into thirds.
 fn maximum([mut low, mut high]: [f64; 2], value: impl Fn(f64) -> f64) -> f64 {
     for _ in 0..THIRDS {
         let third = (high - low) / 3.0;
@@ -217,7 +218,8 @@ fn maximum([mut low, mut high]: [f64; 2], value: impl Fn(f64) -> f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// A cylinder together with a drive on the only joint between its ends usually means that the joint's drive was forgotten.
+/// A note about a cylinder with a drive on the only joint between its ends. Usually the drive of the joint
+/// should have been removed.
 fn note_drive_beside(
     force: &PointForceDescription,
     between: &[Attachment; 2],
@@ -241,7 +243,8 @@ fn note_drive_beside(
     }
 }
 
-/// A joint's load is what its drive exerts: other inputs and wrenches do not pass through its gear.
+/// An error if a joint has load-dependent friction and the robot has inputs at frames or wrenches. The load
+/// of a joint is the force of its drive, and other inputs and wrenches do not pass through its gear.
 fn refuse_load(robot: &RobotDescription, model: &Model, report: &mut Report) {
     if model.force_inputs.is_empty() && model.wrenches.is_empty() {
         return;

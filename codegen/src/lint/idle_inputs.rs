@@ -29,12 +29,12 @@ pub(super) fn check_wrenches(robot: &RobotDescription, model: &Model, report: &m
     }
 }
 
-/// Number of inputs that pull frames together, which stand before the others.
+/// Number of inputs that pull frames together. They precede the other inputs at frames.
 fn pulls(model: &Model) -> usize {
     model.force_inputs.iter().filter(|input| matches!(input.effect, ForceEffect::Pull(_))).count()
 }
 
-/// Whether a coordinate moves a link, by a joint of its own or by one that follows.
+/// Whether a coordinate moves a link, through an independent joint or a follower.
 fn is_moved(link: usize, model: &Model) -> bool {
     let parent = |link: &usize| model.links[*link].joint.as_ref().map(|joint| joint.parent);
     let follows = |link: usize| {
@@ -55,7 +55,7 @@ pub(super) fn refuse_on_driven(name: &Name, model: &Model, report: &mut Report) 
     );
 }
 
-/// A wrench to which joints could give way, and none does: a force along an axis of nothing, or one through the axes of all that turns.
+/// Warns of a wrench that does no work along any joint, although joints carry its frame.
 fn check_levers(
     input: &WrenchInputDescription,
     (at, wrench): (&Attachment, &[Formula; 6]),

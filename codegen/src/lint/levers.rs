@@ -14,12 +14,12 @@ pub(super) const ROUNDING: f64 = 1e-9;
 const STATES: usize = 16;
 const SEED: u64 = 0x6c65_7665_7273;
 
-/// A robot at seeded states.
+/// A robot at seeded states. It gives the columns of B for its inputs.
 pub(super) struct Levers<'m> {
     model: &'m Model,
     /// Values of the free parameters.
     parameters: Vec<f64>,
-    /// For each link the coordinates that its joint follows.
+    /// For each link, the coordinates that its joint follows.
     follows: Vec<Vec<FollowedCoordinate>>,
     /// Positions of the links' joints.
     states: Vec<Vec<f64>>,
@@ -37,7 +37,7 @@ impl<'m> Levers<'m> {
         Self { model, parameters, follows, states }
     }
 
-    /// Whether a wrench fixed in its frame acts on a coordinate that is not driven.
+    /// Whether a wrench that is fixed in its frame acts at some state on a coordinate that is not driven.
     pub(super) fn are_moved_by(&self, at: &Attachment, wrench: &[Formula; 6]) -> bool {
         self.states.iter().any(|state| {
             let (forces, size) = self.forces(state, at.link, self.in_link(at, wrench));
@@ -45,7 +45,7 @@ impl<'m> Levers<'m> {
         })
     }
 
-    /// Columns of B for an input at the states.
+    /// Columns of B for an input, one for each state.
     pub(super) fn columns(&self, input: Actuator<'_>) -> Vec<Vec<f64>> {
         let at = |state: &Vec<f64>| match input {
             Actuator::Drive(drive) => self.of_drive(drive),
@@ -66,7 +66,7 @@ impl<'m> Levers<'m> {
         forces
     }
 
-    /// The forces that pull two frames together.
+    /// Generalized forces of a unit force that pulls two frames together, times their distance.
     fn pull(&self, state: &[f64], between: &[Attachment; 2]) -> Vec<f64> {
         let [from, to] = between.each_ref().map(|at| origin(self.model, &self.parameters, state, at));
         let gap: [f64; 3] = std::array::from_fn(|k| to[k] - from[k]);
@@ -83,7 +83,7 @@ impl<'m> Levers<'m> {
         sum.unwrap_or_default()
     }
 
-    /// A direction of the base in the axes of a link.
+    /// A direction in the base frame, expressed in the axes of a link.
     fn seen_from(&self, state: &[f64], link: usize, direction: [f64; 3]) -> [f64; 3] {
         let joint = |link: usize| self.model.links[link].joint.as_ref();
         let path = std::iter::successors(Some(link), |&link| joint(link).map(|joint| joint.parent));
@@ -97,8 +97,8 @@ impl<'m> Levers<'m> {
         )
     }
 
-    /// The forces that a wrench on a link makes along the coordinates, and the largest size that it has about an origin on its way to
-    /// the base.
+    /// Generalized forces of a wrench on a link, and the largest magnitude of the wrench about the origins of
+    /// the links on the path to the base.
     ///
     /// - `acting`: moment about the origin of the link, then force
     fn forces(&self, state: &[f64], mut link: usize, mut acting: [f64; 6]) -> (Vec<f64>, f64) {

@@ -17,8 +17,8 @@ const NARROWER: Rule = Rule::note("narrower-limits");
 /// Ends of a stroke are rounded inwards to whole multiples of 1/FINENESS rad or m.
 const FINENESS: f64 = 1e6;
 
-/// Narrows limits of coordinates to include limits of motors and cylinders. Motors that move several
-/// coordinates have their own rows ([`Model::dependent`]).
+/// Narrows the limits of coordinates, so that they keep the limits of motors and cylinders. Motors that move
+/// several coordinates have rows of their own ([`Model::dependent`]).
 pub(super) fn narrow(robot: &RobotDescription, model: &mut Model, report: &mut Report) {
     for (name, motor) in robot.motors() {
         if let Some(speed) = &motor.speed {
@@ -60,7 +60,8 @@ fn narrow_by_motor(name: &str, speed: &At<f64>, model: &mut Model, report: &mut 
     narrow_speed(model, link, speed.value / ratio.abs(), (&format!("motor `{name}`"), speed.span), report);
 }
 
-/// The speed of such a motor is listed with the limits of joints that follow, and found by name.
+/// An error if a motor of several coordinates has the name of a follower. The speed limit of the motor and
+/// the limits of followers are found by name.
 fn refuse_name_of_follower(name: &str, span: Span, model: &Model, report: &mut Report) {
     let mut joints = model.links.iter().filter_map(|link| link.joint.as_ref());
     if joints.any(|joint| joint.name == name && matches!(joint.motion, Motion::Follower(_))) {
@@ -72,7 +73,7 @@ fn refuse_name_of_follower(name: &str, span: Span, model: &Model, report: &mut R
     }
 }
 
-/// Lowers the limit of a coordinate's speed, and says so where another one was described.
+/// Lowers the speed limit of a coordinate. Adds a note if the description has a higher limit.
 fn narrow_speed(model: &mut Model, link: usize, limit: f64, (who, span): (&str, Span), report: &mut Report) {
     let Some((joint, limits)) = limits_of(model, link) else { return };
     let described = limits.velocity;
@@ -95,7 +96,7 @@ fn limits_of(model: &mut Model, link: usize) -> Option<(String, &mut Limits)> {
     Some((joint.name.clone(), &mut joint.limits))
 }
 
-/// The coordinate from which the distance of two frames follows.
+/// The only coordinate that changes the distance of two frames.
 struct Path {
     link: usize,
     /// Limits of the coordinate [rad or m].
@@ -103,7 +104,8 @@ struct Path {
 }
 
 impl Path {
-    /// Reports an error if the distance is not that of one coordinate within limits. A distance that does not move is reported elsewhere.
+    /// Reports an error unless exactly one coordinate with limits changes the distance. A constant distance
+    /// is reported elsewhere.
     fn find(
         force: &PointForceDescription,
         between: &[Attachment; 2],
@@ -157,7 +159,7 @@ impl Path {
 const HELP_JOINTS: &str = "`stroke` and `speed` are kept only if a single joint changes the length: limit \
                            the joints by `position` and `velocity`";
 
-/// Whether other parameters put the frames elsewhere.
+/// Whether the distance of the frames depends on free parameters.
 fn depends_on_parameters(model: &Model, between: &[Attachment; 2]) -> bool {
     let described = Distances::new(model, between).at_states();
     (0..model.parameters.len()).any(|changed| {

@@ -21,7 +21,8 @@ const BEYOND_SPEED: Rule = Rule::note("beyond-no-load-speed");
 /// Limits are written numbers.
 const ROUNDING: f64 = 1e-9;
 
-/// Reports lines that are not constants of the module. Motors of held joints are skipped.
+/// Reports torque–speed lines that cannot be constants of the module, and limits that contradict a line.
+/// Motors of held joints are skipped.
 pub(super) fn check(robot: &RobotDescription, model: &Model, report: &mut Report) {
     let described = model.described_parameters();
     let lines = model.limited_inputs(&described);
@@ -48,7 +49,7 @@ pub(super) fn check(robot: &RobotDescription, model: &Model, report: &mut Report
     }
 }
 
-/// Limits of the motor that its line does not let it reach.
+/// Reports limits of a motor that it cannot reach because of its torque–speed line.
 fn doubt_limits(name: &str, motor: &DriveDescription, report: &mut Report) {
     let Some(At { value: TorqueSpeedLine { stall_torque, no_load_speed }, span }) = &motor.line else {
         return;
@@ -83,7 +84,7 @@ fn doubt_limits(name: &str, motor: &DriveDescription, report: &mut Report) {
     }
 }
 
-/// An effort of the joint that its motor does not have.
+/// A note if the effort limit of a joint is larger than its motor allows.
 fn note_effort(name: &str, drive: &Drive, (model, span): (&Model, Span), report: &mut Report) {
     let joint = drive.coordinate().and_then(|coordinate| model.joints().nth(coordinate));
     let effort = joint.and_then(|joint| joint.limits.effort);

@@ -6,16 +6,16 @@ use super::regularity::Pivots;
 /// Signs of the eigenvalues of a mass matrix.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Definiteness {
-    /// All are positive.
+    /// All eigenvalues are positive.
     Positive,
-    /// Some are zero: some motions of joints move nothing with inertia.
+    /// Some eigenvalues are zero, because some motions of joints move no inertia.
     Semidefinite,
-    /// Some are negative: some bodies are not physical.
+    /// Some eigenvalues are negative, because some bodies are not physical.
     Indefinite,
 }
 
 impl Model {
-    /// Definiteness of M at seeded states, at the described free parameters.
+    /// Definiteness of M at seeded states, with the parameter values of the description.
     #[must_use]
     pub fn definiteness(&self) -> Definiteness {
         let pivots = Pivots::of(self);
@@ -26,7 +26,8 @@ impl Model {
         }
     }
 
-    /// Motions without inertia, which make M singular: joints or sums of joints, at the described free parameters.
+    /// Motions that move no inertia and make M singular, with the parameter values of the description. A
+    /// motion is a joint or a sum of joints, as text.
     #[must_use]
     pub fn motions_without_inertia(&self) -> Vec<String> {
         Pivots::of(self).free_motions(self)

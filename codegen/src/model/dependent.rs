@@ -3,13 +3,13 @@
 use super::{FollowedCoordinate, Model};
 use gelenk_formula::Formula;
 
-/// A follower, or the motor with a speed limit of a drive on several coordinates.
+/// A joint that follows coordinates, or a motor with a speed limit whose drive acts on several coordinates.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Dependent<'m> {
     /// Name of the joint or of the drive.
     pub name: &'m str,
     /// Motion per unit of motion of each coordinate, then of each driven joint; `None` if a ratio depends on
-    /// parameters that are not given.
+    /// parameters without a given value.
     pub ratios: Option<Vec<f64>>,
     /// Position if all coordinates are 0 (rad or m); 0 for a motor.
     pub offset: f64,
@@ -22,7 +22,7 @@ pub struct Dependent<'m> {
 const UNLIMITED: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
 impl Model {
-    /// The followers in order, then the motors with a speed limit of drives on several coordinates.
+    /// The followers in order, then the motors with a speed limit whose drives act on several coordinates.
     ///
     /// - `parameters`: values of the free parameters
     #[must_use]
@@ -48,7 +48,7 @@ impl Model {
         joints.chain(motors).collect()
     }
 
-    /// Drives on several coordinates whose motors have a speed limit (rad/s).
+    /// Drives on several coordinates whose motors have a speed limit, with this limit (rad/s).
     pub fn limited_shafts(&self) -> impl Iterator<Item = (&super::Drive, f64)> {
         let shared = self.input_drives().filter(|drive| drive.acts_on.len() > 1);
         shared.filter_map(|drive| Some((drive, drive.speed?)))

@@ -3,50 +3,51 @@
 use super::{FollowedCoordinate, FrictionTerm};
 use gelenk_formula::{Formula, Function};
 
-/// A drive: one input that acts on one coordinate or on a sum of several.
+/// A drive: one input that acts on one coordinate or on a weighted sum of coordinates.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drive {
-    /// Name exactly as described; the joint's name if the drive has none.
+    /// Name exactly as in the description; the joint's name if the drive has no name.
     pub name: String,
     /// The name as a Rust identifier, distinct among the drives.
     pub identifier: String,
-    /// Coordinates whose weighted sum the gear converts to the motor's angle. Empty if its joint is held: the
-    /// drive then has no input, but its rotor stays on the carrier.
+    /// Coordinates with ratios. The gear converts their weighted sum to the motor's angle. Empty if the
+    /// drive's joint is held: the drive then has no input, but its rotor stays on the carrier.
     pub acts_on: Vec<FollowedCoordinate>,
-    /// Gear ratio i: motor angle divided by this sum.
+    /// Gear ratio i: motor angle divided by the weighted sum of the coordinates.
     pub gear_ratio: Formula,
     /// Axial inertia J_R of the rotor (kg m²).
     pub rotor_inertia: Formula,
-    /// Link that carries the rotor.
+    /// Index of the link that carries the rotor.
     pub carrier: usize,
-    /// Rotor axis in the carrier link's frame, unit length.
+    /// Axis of the rotor in the frame of the carrier link, with unit length.
     pub axis: [f64; 3],
     /// Effect of the rotor on M.
     pub coupling: RotorCoupling,
-    /// The kind of the input.
+    /// Kind of the input.
     pub input: Input,
     /// Torque limits of the motor (N m).
     pub torque: MotorTorque,
-    /// Speed limit of the shaft (rad/s). For a drive on one coordinate, that coordinate's limit includes it.
+    /// Speed limit of the shaft (rad/s); `None` without a limit. For a drive on one coordinate, the speed
+    /// limit of the joint is narrowed accordingly.
     pub speed: Option<f64>,
-    /// Torque–speed line of the motor.
+    /// Torque–speed line of the motor; `None` without a line.
     pub line: Option<TorqueSpeedLine>,
-    /// Friction of the shaft as a function of its angle `y` and speed `v`, for a drive on several
-    /// coordinates. For a drive on one coordinate it is part of the joint's friction.
+    /// Friction of the shaft as a function of the shaft's angle `y` and speed `v`, for a drive on several
+    /// coordinates. Empty for a drive on one coordinate, because the joint's friction includes this friction.
     pub friction: Vec<FrictionTerm>,
-    /// Whether the drive is described under `[[drives]]` and not at a joint.
+    /// Whether the description has the drive under `[[drives]]` and not at a joint.
     pub stands_apart: bool,
 }
 
 impl Drive {
-    /// Whether friction of its shaft is discontinuous.
+    /// Whether the friction of the shaft is discontinuous.
     #[must_use]
     pub fn jumps(&self) -> bool {
         let mut terms = self.friction.iter().filter(|term| !term.coefficient.is_zero());
         terms.any(|term| term.basis.calls(Function::Sign))
     }
 
-    /// The coordinate if it moves only one.
+    /// The coordinate if the drive moves exactly one coordinate, with the ratio 1; otherwise `None`.
     #[must_use]
     pub fn coordinate(&self) -> Option<usize> {
         match &self.acts_on[..] {
@@ -56,7 +57,7 @@ impl Drive {
     }
 }
 
-/// Nominal and peak torque of a motor (N m), `None` if not described.
+/// Nominal and peak torque of a motor (N m); `None` without a value in the description.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct MotorTorque {
     /// Continuous torque.
@@ -83,13 +84,13 @@ pub enum RotorCoupling {
     Diagonal,
 }
 
-/// The kind of an input.
+/// Kind of an input.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Input {
-    /// Motor torque (N m); the input matrix holds the gear ratio.
+    /// Motor torque (N m). The input matrix has the gear ratio.
     Torque,
     /// No input: a rotor that moves with joints, or friction of a transmission.
     None,
-    /// Motor current (A); the input matrix holds gear ratio times motor constant K_M (N m/A).
+    /// Motor current (A). The input matrix has the gear ratio times the motor constant K_M (N m/A).
     Current(Formula),
 }

@@ -8,9 +8,9 @@ use gelenk_formula::Formula;
 pub struct Attachment {
     /// Name of the frame or link in the description.
     pub name: String,
-    /// Link that carries the frame.
+    /// Index of the link that carries the frame.
     pub link: usize,
-    /// Pose of the frame in that link's frame.
+    /// Pose of the frame in the link's frame.
     pub pose: Pose,
 }
 
@@ -19,10 +19,10 @@ pub struct Attachment {
 pub struct PointForce {
     /// Name in the description, or the names of the two frames.
     pub name: String,
-    /// The frames.
+    /// The two frames.
     pub between: [Attachment; 2],
-    /// Force (N), positive if it pulls together. The position of the law is the distance of the origins (m),
-    /// the velocity its rate (m/s).
+    /// Force law (N). The force is positive if it pulls the frames together. The position of the law is the
+    /// distance of the origins (m), and the velocity is the rate of the distance (m/s).
     pub law: Formula,
 }
 
@@ -31,7 +31,7 @@ pub struct PointForce {
 pub struct ForceInput {
     /// Name in the description.
     pub name: String,
-    /// Lowest and highest value; `None` if not described.
+    /// Lowest and highest value of the input; `None` without limits.
     pub limits: Option<[f64; 2]>,
     /// Effect of a unit of the input.
     pub effect: ForceEffect,
@@ -47,7 +47,7 @@ impl ForceInput {
     }
 }
 
-/// Effect of an input per unit.
+/// Effect of one unit of an input.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ForceEffect {
     /// A wrench fixed in a frame: force (N), then moment about the frame's origin (N m).

@@ -1,4 +1,4 @@
-//! Check that an inertia is physical.
+//! Check that an inertia is physically possible.
 
 use crate::numeric::length;
 use crate::wording::telling;
@@ -13,14 +13,15 @@ const ARITHMETIC: f64 = 1e-12;
 /// Bodies are taken as at least so large [m], so that rounding of a body at the origin has a measure too.
 const SMALLEST_EXTENT: f64 = 1e-3;
 
-/// A fault of a body.
+/// Reason why a body is physically impossible.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Flaw {
     /// The body has an inertia but no mass.
     Massless,
-    /// A principal moment is negative: the three moments, ascending.
+    /// A principal moment is negative. The field has the three principal moments, ascending.
     NotPositive([f64; 3]),
-    /// The largest principal moment exceeds the sum of the others.
+    /// The largest principal moment exceeds the sum of the other two. The field has the three principal
+    /// moments, ascending.
     Triangle([f64; 3]),
 }
 
@@ -55,13 +56,13 @@ fn largest(moments: &[f64]) -> f64 {
     moments.iter().fold(0.0, |most, moment| most.max(moment.abs()))
 }
 
-/// Checks mass, centre of mass in the link's frame, and the inertia xx, xy, xz, yy, yz, zz about the centre
-/// of mass.
+/// Checks a body: mass (kg), centre of mass in the link's frame (m), and the entries xx, xy, xz, yy, yz, zz
+/// of the inertia about the centre of mass (kg m²). `None` if the body is possible.
 ///
-/// Principal moments are sums of two of the non-negative second moments ∫x², ∫y², ∫z². Therefore none is
-/// negative, and none exceeds the sum of the others. Limiting cases are allowed: a point mass (all zero) or a
-/// thin rod (one zero). Violations below `1e-6 max |Iᵢ| + 1e-12 m l²` are rounding; l is the distance of the
-/// centre of mass from the link's origin, at least 1 mm.
+/// Principal moments are sums of two of the second moments ∫x², ∫y², ∫z², which are not negative. Therefore
+/// no principal moment is negative or exceeds the sum of the other two. Limiting cases are allowed: a point
+/// mass (all moments zero) or a thin rod (one moment zero). Violations below `1e-6 max |Iᵢ| + 1e-12 m l²` are
+/// rounding. Here l is the distance of the centre of mass from the link's origin, at least 1 mm.
 pub(crate) fn check(mass: f64, center: [f64; 3], inertia: [f64; 6]) -> Option<Flaw> {
     let moments = principal_moments(inertia);
     let [low, middle, high] = moments;

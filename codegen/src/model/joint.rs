@@ -6,7 +6,7 @@ use gelenk_formula::{Formula, FrictionTerm, Function};
 /// A joint that follows coordinates: `y_joint = Σ ratio · y[coordinate] + offset`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Follower {
-    /// Link carried by the joint.
+    /// Index of the link that the joint carries.
     pub link: usize,
     /// Followed coordinates, each once.
     pub follows: Vec<FollowedCoordinate>,
@@ -17,59 +17,61 @@ pub struct Follower {
 /// A coordinate that a joint or a drive follows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FollowedCoordinate {
-    /// Followed coordinate.
+    /// Index of the followed coordinate.
     pub coordinate: usize,
-    /// Motion per unit of the coordinate's motion; depends only on parameters.
+    /// Motion per unit of the coordinate's motion. It depends only on parameters.
     pub ratio: Formula,
 }
 
 impl FollowedCoordinate {
-    /// A joint that is a coordinate itself.
+    /// The only term of an independent joint: its own coordinate, with the ratio 1.
     #[must_use]
     pub fn itself(coordinate: usize) -> Self {
         Self { coordinate, ratio: Formula::ONE }
     }
 }
 
-/// A moving joint with its row of G in `y_joint = G y + g₀`.
+/// A moving joint, with its row of G in `y_joint = G y + g₀`.
 #[derive(Debug, Clone)]
 pub struct MovingJoint<'m> {
     /// The joint.
     pub joint: &'m Joint,
-    /// Link carried by the joint.
+    /// Index of the link that the joint carries.
     pub link: usize,
-    /// Coordinates of the joint: its own, or those that it follows.
+    /// Coordinates of the joint: its own coordinate, or the coordinates that it follows.
     pub follows: Vec<FollowedCoordinate>,
     /// Position if all these coordinates are 0 (rad or m).
     pub offset: f64,
 }
 
-/// A joint between a parent link and the link that carries it.
+/// A joint between a parent link and the link that the joint carries.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Joint {
-    /// Name exactly as described.
+    /// Name exactly as in the description.
     pub name: String,
-    /// The name as a Rust identifier, distinct among the joints; names values in generated functions.
+    /// The name as a Rust identifier, distinct among the joints. Values in generated functions have this
+    /// name.
     pub identifier: String,
     /// Index of the parent link.
     pub parent: usize,
     /// Type of the joint.
     pub kind: JointKind,
-    /// Pose of the joint frame in the parent link's frame; the link's frame coincides with it at position 0.
+    /// Pose of the joint frame in the parent link's frame. At position 0 it is the pose of the link's frame.
     pub origin: Pose,
-    /// Axis in the joint frame, unit length.
+    /// Axis in the joint frame, with unit length.
     pub axis: [f64; 3],
     /// Motion of the joint.
     pub motion: Motion,
     /// Limits on position, speed and force.
     pub limits: Limits,
-    /// Forces of springs and dampers on this joint as functions of y and v (N m or N), a part of q.
+    /// Forces of springs and dampers on this joint as functions of y and v (N m or N). They are a part of q.
     pub springs: Vec<Formula>,
-    /// Friction torque τ(v) = Σ coefficient · basis, positive for positive velocity; subtracted from q.
+    /// Terms of the friction torque τ(v) = Σ coefficient · basis. It is positive for positive velocity, and
+    /// is subtracted from q.
     pub friction: Vec<FrictionTerm>,
-    /// Friction s₁(v) = Σ coefficient · basis per unit of the load τ_l; the joint has the friction |τ_l| s₁
-    /// in addition to `friction`. Empty without load-dependent friction. Otherwise the joint has its own
-    /// input, and |s₁| < 1.
+    /// Terms of the friction s₁(v) = Σ coefficient · basis per unit of the load τ_l. The joint has the
+    /// friction |τ_l| s₁ in addition to `friction`. Empty without load-dependent friction. If it is not
+    /// empty, the joint has its own input, and |s₁| < 1.
     pub load_friction: Vec<FrictionTerm>,
 }
 
@@ -77,7 +79,7 @@ pub struct Joint {
 const TURN: f64 = std::f64::consts::PI;
 const SLIDE: f64 = 0.5;
 
-/// Farther positions add nothing but rounding: limits of ±1e9 m stand for none.
+/// Farther positions would only add rounding: limits of ±1e9 m mean that the joint has no limits.
 const FARTHEST: f64 = 20.0;
 
 impl Joint {
@@ -90,7 +92,7 @@ impl Joint {
         laws.any(|law| law.calls(Function::Sign))
     }
 
-    /// Range of positions for seeded states, within any limits.
+    /// Range of positions for seeded states, within the position limits.
     pub(crate) fn seeded_range(&self) -> [f64; 2] {
         let free = match self.kind {
             JointKind::Prismatic => SLIDE,
@@ -172,16 +174,17 @@ impl JointKind {
 pub enum Motion {
     /// A fixed joint.
     Fixed,
-    /// Held at this position (rad or m).
+    /// A joint that is held at this position (rad or m).
     Held(f64),
-    /// A coordinate, by index. Driven coordinates follow the others.
+    /// An independent or driven joint, with the index of its coordinate. Coordinates of driven joints have
+    /// the largest indices.
     Coordinate(usize),
-    /// A follower of coordinates, by its index among the moving joints. Coordinates, driven ones included, have
-    /// smaller indices.
+    /// A follower of coordinates, with its index among the moving joints. All coordinates, including driven
+    /// coordinates, have smaller indices.
     Follower(usize),
 }
 
-/// Limits of a joint; `None` if not described.
+/// Limits of a joint; `None` without a limit in the description.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Limits {
     /// Lowest and highest position (rad or m).

@@ -28,8 +28,9 @@ const LONGEST: usize = 200;
 
 /// The name in snake case of ASCII letters, digits and underscores.
 ///
-/// `ShoulderPan` becomes `shoulder_pan`, `β` `beta`, `a-b` `a_b`, `2nd` `_2nd`, `type` `type_`. If no letter
-/// or digit remains, the name consists of code points: `腕` becomes `u8155`.
+/// `ShoulderPan` becomes `shoulder_pan`, `β` becomes `beta`, `a-b` becomes `a_b`, `2nd` becomes `_2nd`, and
+/// `type` becomes `type_`. If no letter or digit remains, the name consists of code points: `腕` becomes
+/// `u8155`.
 pub(crate) fn identifier(name: &str) -> String {
     let result = snake_case(name);
     if result.chars().any(|c| c.is_ascii_alphanumeric()) { finish(result) } else { code_points(name) }

@@ -7,19 +7,19 @@ use std::f64::consts::FRAC_PI_2;
 /// A rotation matrix, rows first.
 pub(crate) type Rotation = [[f64; 3]; 3];
 
-/// No rotation.
+/// The rotation by 0.
 pub(crate) const IDENTITY: Rotation = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 /// Pose of a frame in another frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pose {
-    /// Origin (m).
+    /// Origin in the other frame (m).
     pub translation: [Formula; 3],
-    /// Rotation matrix, rows first; its columns are the frame's axes.
+    /// Rotation matrix, rows first. Its columns are the frame's axes.
     pub rotation: [[f64; 3]; 3],
 }
 
-/// Parts of a pose that are not described.
+/// Parts of a pose that a description leaves out.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Unsaid {
     pub translation: bool,
@@ -27,7 +27,8 @@ pub(crate) struct Unsaid {
 }
 
 impl Unsaid {
-    /// The pose, with undescribed parts from the pose that it replaces.
+    /// Returns `pose`. The parts that the description leaves out are taken from `known`, the pose that it
+    /// replaces.
     pub fn filled(self, pose: Pose, known: Option<&Pose>) -> Pose {
         let Some(known) = known else { return pose };
         Pose {
@@ -48,7 +49,7 @@ impl Pose {
         self.translation.iter().all(Formula::is_zero) && self.rotation == IDENTITY
     }
 
-    /// `a_x_c = a_x_b · b_x_c`
+    /// Product of two poses: `a_x_c = a_x_b · b_x_c`.
     pub fn then(&self, next: &Self) -> Self {
         Self { translation: self.point(&next.translation), rotation: product(&self.rotation, &next.rotation) }
     }
@@ -62,7 +63,7 @@ impl Pose {
     }
 }
 
-/// `R p`
+/// The rotated point `R p`.
 pub(crate) fn rotate(rotation: &Rotation, point: &[Formula; 3]) -> [Formula; 3] {
     let row = |row: &[f64; 3]| {
         let terms = row.iter().zip(point).map(|(r, p)| Formula::product(Formula::Number(*r), p.clone()));
@@ -71,12 +72,12 @@ pub(crate) fn rotate(rotation: &Rotation, point: &[Formula; 3]) -> [Formula; 3] 
     [row(&rotation[0]), row(&rotation[1]), row(&rotation[2])]
 }
 
-/// `R a` for numbers.
+/// The rotated vector `R a`, for numbers.
 pub(crate) fn rotate_numbers(rotation: &Rotation, a: &[f64; 3]) -> [f64; 3] {
     std::array::from_fn(|i| (0..3).map(|j| rotation[i][j] * a[j]).sum::<f64>() + 0.0)
 }
 
-/// `R I Rᵀ` for the entries xx, xy, xz, yy, yz, zz.
+/// The rotated inertia `R I Rᵀ`, with the entries xx, xy, xz, yy, yz, zz.
 pub(crate) fn rotate_inertia(rotation: &Rotation, inertia: &[Formula; 6]) -> [Formula; 6] {
     if *rotation == IDENTITY {
         return inertia.clone();
@@ -95,12 +96,12 @@ pub(crate) fn rotate_inertia(rotation: &Rotation, inertia: &[Formula; 6]) -> [Fo
     [entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)]
 }
 
-/// `A B`
+/// The product `A B`.
 pub(crate) fn product(a: &Rotation, b: &Rotation) -> Rotation {
     std::array::from_fn(|i| std::array::from_fn(|j| (0..3).map(|k| a[i][k] * b[k][j]).sum::<f64>() + 0.0))
 }
 
-/// `R_z(yaw) R_y(pitch) R_x(roll)`, the convention of URDF.
+/// The rotation `R_z(yaw) R_y(pitch) R_x(roll)`, the convention of URDF.
 pub(crate) fn from_rpy([roll, pitch, yaw]: [f64; 3]) -> Rotation {
     product(&about_z(yaw), &product(&about_y(pitch), &about_x(roll)))
 }
@@ -134,7 +135,8 @@ fn sin_cos(angle: f64) -> (f64, f64) {
     }
 }
 
-/// The number of right angles modulo 4, where the angle is that within a tolerance.
+/// Number of right angles in the angle, modulo 4; `None` if the angle differs from a multiple of 90° by more
+/// than the tolerance.
 fn right_angles(angle: f64, tolerance: f64) -> Option<u8> {
     let count = (angle / FRAC_PI_2).round();
     // Beyond 1e6 turns the remainder is rounding noise; below it the cast is exact.
@@ -142,7 +144,7 @@ fn right_angles(angle: f64, tolerance: f64) -> Option<u8> {
     near.then_some(count.rem_euclid(4.0) as u8)
 }
 
-/// The angle, or the nearest multiple of 90° if that is within the tolerance.
+/// The nearest multiple of 90° if it is within the tolerance, otherwise the angle.
 pub(crate) fn snapped(angle: f64, tolerance: f64) -> f64 {
     match right_angles(angle, tolerance) {
         Some(_) => (angle / FRAC_PI_2).round() * FRAC_PI_2,
@@ -174,14 +176,16 @@ pub(crate) fn from_quaternion([w, x, y, z]: [f64; 4], tolerance: f64) -> Rotatio
 
 /// Standard Denavit–Hartenberg row: pose of frame i in the frame that turns with joint i.
 ///
-/// `T_z(d) T_x(a) R_x(α)`, preceded by the joint's rotation `R_z(θ)` (Denavit and Hartenberg, 1955)
+/// The pose is `T_z(d) T_x(a) R_x(α)`. The joint's rotation `R_z(θ)` precedes it (Denavit and Hartenberg,
+/// 1955).
 pub(crate) fn standard_dh(d: Formula, a: Formula, alpha: f64) -> Pose {
     Pose { translation: [a, Formula::ZERO, d], rotation: about_x(alpha) }
 }
 
 /// Modified Denavit–Hartenberg row: pose of frame i in frame i − 1 at position 0.
 ///
-/// `R_x(α) T_x(a) R_z(θ) T_z(d)` (Khalil and Kleinfinger, 1986; Craig, Introduction to Robotics, 1986)
+/// The pose is `R_x(α) T_x(a) R_z(θ) T_z(d)` (Khalil and Kleinfinger, 1986; Craig, Introduction to Robotics,
+/// 1986).
 pub(crate) fn modified_dh(d: Formula, a: Formula, alpha: f64, theta: f64) -> Pose {
     let tilt = Pose { translation: [a, Formula::ZERO, Formula::ZERO], rotation: about_x(alpha) };
     let lift = Pose { translation: [Formula::ZERO, Formula::ZERO, d], rotation: about_z(theta) };

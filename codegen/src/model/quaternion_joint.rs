@@ -2,19 +2,19 @@
 
 use super::{Model, MovingJoint};
 
-/// A spherical or floating joint. Its attitude is a unit quaternion, so it has one more position entry than
-/// velocities.
+/// A spherical or floating joint. Its orientation is a unit quaternion, so it has one position entry more
+/// than velocities.
 ///
-/// The model describes it as a chain of joints with one degree of freedom each, one per velocity. All joints
-/// of the chain are at zero, after the pose from the positions, so their motions are those of the joint in
-/// its body's frame.
+/// In the model it is a chain of joints, one for each velocity. All joints of the chain are at position 0 and
+/// follow the pose from the positions. Their motions are therefore the motions of the whole joint in the
+/// frame of its body.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct QuaternionJoint {
     /// Name in the description.
     pub name: String,
     /// Spherical or floating.
     pub kind: QuaternionKind,
-    /// Coordinate of its first velocity; the others follow.
+    /// Coordinate of the joint's first velocity. The coordinates of its other velocities follow.
     pub first: usize,
 }
 
@@ -28,18 +28,18 @@ pub enum QuaternionKind {
     Floating,
 }
 
-/// Reason why a velocity has no law of a position.
+/// Help text: why a velocity of a joint with a quaternion has no force law of a position.
 pub(crate) const NO_LAW_OF_POSITION: &str = "a law of such a velocity depends only on `v`, because the \
                                              velocity has no position; for springs in any direction use \
                                              `[[forces]]` between two frames";
 
-/// Reason why a velocity has no rotor.
+/// Help text: why a velocity of a joint with a quaternion has no rotor.
 pub(crate) const NO_ROTOR: &str = "a rotor turns about one axis, this joint about three: use `drive = \
                                    \"ideal\"` for a torque in the body's frame, and a link with its own \
                                    joint for a reaction wheel";
 
 impl QuaternionKind {
-    /// Reason why a velocity has no position limits. Limits of a module are listed by velocity, and
+    /// Help text: why a velocity has no position limits. Limits of a module are listed by velocity, and
     /// controllers use deviations along the velocities.
     pub(crate) fn why_unlimited(self, index: usize) -> &'static str {
         match self {
@@ -53,7 +53,7 @@ impl QuaternionKind {
         }
     }
 
-    /// Help on holding the whole joint; its parts cannot be held.
+    /// Help on holding the whole joint, because a part of the joint cannot be held.
     pub(crate) fn how_to_hold(self) -> &'static str {
         match self {
             Self::Spherical => "a single velocity cannot be held: give the joint the type \"fixed\"",
@@ -73,8 +73,8 @@ impl QuaternionKind {
         }
     }
 
-    /// Number of position entries: a quaternion x y z w, for a floating joint after the position of the
-    /// origin.
+    /// Number of position entries: a quaternion x y z w. For a floating joint, the position of the origin
+    /// precedes it.
     #[must_use]
     pub fn positions(self) -> usize {
         self.velocities() + 1
@@ -89,7 +89,7 @@ impl QuaternionKind {
         }
     }
 
-    /// Index of the quaternion among the joint's position entries.
+    /// Index of the quaternion's first entry among the joint's position entries.
     #[must_use]
     pub fn quaternion(self) -> usize {
         match self {
@@ -115,30 +115,30 @@ impl QuaternionJoint {
         [turn[0] * share, turn[1] * share, turn[2] * share, cosine]
     }
 
-    /// Coordinates of its velocities.
+    /// Coordinates of the joint's velocities.
     #[must_use]
     pub fn coordinates(&self) -> std::ops::Range<usize> {
         self.first..self.first + self.kind.velocities()
     }
 }
 
-/// A joint in the order of the positions.
+/// A joint with its position entries.
 #[derive(Debug, Clone, Copy)]
 pub enum JointPosition<'m> {
-    /// A joint with one position entry, by coordinate.
+    /// A joint with one position entry, given by its coordinate.
     Coordinate(usize),
     /// A joint with a quaternion.
     Quaternion(&'m QuaternionJoint),
 }
 
-/// A joint that carries a described link.
+/// A joint that carries a link of the description.
 #[derive(Debug, Clone)]
 pub struct CarryingJoint<'m> {
     /// Name of the joint.
     pub name: &'m str,
     /// Index among the moving joints.
     pub index: usize,
-    /// The joint, or the last velocity of a joint with a quaternion.
+    /// The joint. For a joint with a quaternion, this is the joint of its last velocity.
     pub moving: MovingJoint<'m>,
 }
 
@@ -149,19 +149,20 @@ impl Model {
         self.coordinates.len() + self.quaternion_joints.len()
     }
 
-    /// The position entry of a coordinate; `None` if it belongs to a quaternion.
+    /// Index of the position entry of a coordinate; `None` if the coordinate belongs to a joint with a
+    /// quaternion.
     #[must_use]
     pub fn position_of(&self, coordinate: usize) -> Option<usize> {
         self.quaternion_joint_of(coordinate).is_none().then(|| self.first_position(coordinate))
     }
 
-    /// First position entry of the joint whose first coordinate this is.
+    /// Index of the first position entry of the joint that begins with this coordinate.
     #[must_use]
     pub fn first_position(&self, coordinate: usize) -> usize {
         coordinate + self.quaternion_joints.iter().filter(|joint| joint.first < coordinate).count()
     }
 
-    /// The joint with a quaternion to which a coordinate belongs.
+    /// The joint with a quaternion to which a coordinate belongs; `None` for other coordinates.
     #[must_use]
     pub fn quaternion_joint_of(&self, coordinate: usize) -> Option<&QuaternionJoint> {
         self.quaternion_joints.iter().find(|joint| joint.coordinates().contains(&coordinate))
@@ -175,8 +176,8 @@ impl Model {
         })
     }
 
-    /// Joints that carry a described link, each once: the moving joints; joints with quaternions as their
-    /// last velocity.
+    /// Joints that carry a link of the description, each once, in the order of the moving joints. A joint
+    /// with a quaternion has the index of its last velocity.
     #[must_use]
     pub fn carrying_joints(&self) -> Vec<CarryingJoint<'_>> {
         let moving = self.moving_joints().into_iter().enumerate();

@@ -2,7 +2,7 @@
 //!
 //! The pivots of M in its factorization along the tree are the divisors of the articulated-body recursion:
 //! `Dᵢ = Sᵢᵀ Iᵢᴬ Sᵢ` (Featherstone, Rigid Body Dynamics Algorithms, 2008, ch. 7). M is positive definite if
-//! and only if all are positive.
+//! and only if all pivots are positive.
 
 mod coupled;
 
@@ -15,19 +15,20 @@ type Matrix = [[f64; 6]; 6];
 /// A pivot below this share of the composite inertia about the same axis is rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// Number of states that are tried: one in general position, the others within the limits.
+/// Number of states that are tried. The first is in general position, the others are within the limits.
 pub(crate) const STATES: usize = 16;
 const SEED: u64 = 0x7069_766f_7473;
 
-/// Messages quote M for robots of at most this many coordinates: its memory grows with their square, its factorization with their cube.
+/// Messages quote M for robots of at most this many coordinates. The memory for M grows with their square,
+/// and the time of its factorization with their cube.
 const LARGEST: usize = 500;
 
 /// Pivots of M at seeded states.
 #[derive(Debug, Default)]
 pub(crate) struct Pivots {
-    /// Links of joints whose pivots are zero at every state: motions of these joints have no inertia.
+    /// Links of the joints whose pivots are zero at every state. Motions of these joints move no inertia.
     pub zero: Vec<usize>,
-    /// Links of joints whose pivots are negative at some state.
+    /// Links of the joints whose pivots are negative at some state.
     pub negative: Vec<usize>,
     /// Number of states with a negative pivot.
     pub indefinite_states: usize,
@@ -39,8 +40,10 @@ impl Pivots {
         self.zero.is_empty() && self.negative.is_empty()
     }
 
-    /// Motions x with M x = 0 at a general position, as text. Each is 1 at one coordinate with a zero pivot
-    /// and 0 at the others. Velocities of joints with quaternions are those of the body with all hinges at 0.
+    /// Motions x with M x = 0 at a general position, as text. There is one motion for each coordinate with a
+    /// zero pivot. Its entry is 1 at this coordinate and 0 at the other coordinates with a zero pivot. Joints
+    /// with a quaternion are at angle 0, so their velocities are those in the body's frame. If there is no
+    /// zero pivot at this position or more than 500 coordinates, the result has the joints' names.
     pub fn free_motions(&self, model: &Model) -> Vec<String> {
         let of_joints =
             || model.joints_of(&self.zero).iter().map(|joint| format!("`{}`", joint.name)).collect();
@@ -64,7 +67,7 @@ impl Pivots {
         zero.iter().map(|&own| sum(&null_vector(&mass, &others, own), &names)).collect()
     }
 
-    /// Pivots at the described free parameters.
+    /// Pivots at seeded states, with the parameter values of the description.
     pub fn of(model: &Model) -> Self {
         let described = model.described_parameters();
         let mut random = Random::new(SEED);
@@ -96,7 +99,7 @@ impl Pivots {
     }
 }
 
-/// Positions of the links' joints; positions of followers are computed.
+/// Positions of the links' joints. Positions of followers are computed.
 ///
 /// - `choose`: maps the index of a link and the range of its joint to a position
 pub(crate) fn positions(
@@ -124,7 +127,8 @@ fn general(link: usize) -> f64 {
     0.4 + (link as f64 * 0.618_033_988_75).fract()
 }
 
-/// `x = −M_oo⁻¹ M_ok` at the other coordinates o, by Gauss's elimination.
+/// `x = −M_oo⁻¹ M_ok` for the coordinates o without a zero pivot and the coordinate k, by Gauss's
+/// elimination.
 fn null_vector(mass: &[Vec<f64>], others: &[usize], own: usize) -> Vec<f64> {
     let row = |&i: &usize| others.iter().map(|&j| mass[i][j]).chain([-mass[i][own]]).collect();
     let mut rows: Vec<Vec<f64>> = others.iter().map(row).collect();
@@ -163,8 +167,8 @@ fn sum(direction: &[f64], names: &[&str]) -> String {
     text
 }
 
-/// Diagonal of M with all coordinates at 0; rotors on moving links only add i² J. Empty for robots with too
-/// many coordinates.
+/// Diagonal of M with all coordinates at 0. Rotors add only i² J, also on moving links. Empty for robots with
+/// more than 500 coordinates.
 pub(crate) fn diagonal_at_zero(model: &Model) -> Vec<f64> {
     if model.coordinates.len() > LARGEST {
         return Vec::new();
@@ -183,7 +187,7 @@ enum Pivot {
     Positive,
 }
 
-/// Each link's pivot; `None` if its joint does not move.
+/// Pivot of each link's joint; `None` if the joint is not independent.
 fn pivots(model: &Model, described: &[f64], positions: &[f64]) -> Vec<Option<Pivot>> {
     let links = model.links.iter();
     let mut articulated: Vec<Matrix> = links.map(|link| link_inertia(link, described)).collect();
@@ -251,7 +255,7 @@ fn link_inertia(link: &Link, defaults: &[f64]) -> Matrix {
     sum
 }
 
-/// Motion axis of a joint in its own frame, rotation first.
+/// Motion axis of a joint in the joint's own frame: rotation, then translation.
 pub(crate) fn motion_axis(joint: &Joint) -> [f64; 6] {
     let [x, y, z] = joint.axis;
     let [turn, slide] = joint.kind.turn_and_slide();
@@ -260,7 +264,7 @@ pub(crate) fn motion_axis(joint: &Joint) -> [f64; 6] {
 
 /// Motion transform from the parent link's frame to this link's frame.
 ///
-/// - `position`: position of the joint, if it is a coordinate
+/// - `position`: position of the joint, if it moves
 pub(crate) fn child_from_parent(joint: &Joint, position: f64, defaults: &[f64]) -> Matrix {
     let position = match joint.motion {
         Motion::Fixed => 0.0,
@@ -300,7 +304,7 @@ fn about_axis(a: &[f64; 3], angle: f64) -> [[f64; 3]; 3] {
     })
 }
 
-/// `R p + r`
+/// The sum `R p + r`.
 pub(crate) fn product_and_sum(rotation: &[[f64; 3]; 3], p: &[f64; 3], r: &[f64; 3]) -> [f64; 3] {
     std::array::from_fn(|i| (0..3).map(|k| rotation[i][k] * p[k]).sum::<f64>() + r[i])
 }

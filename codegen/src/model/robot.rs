@@ -10,46 +10,47 @@ use std::collections::BTreeSet;
 /// A robot: a tree of links with drives, force laws and named frames.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Model {
-    /// Name of the generated module; a Rust identifier in snake case.
+    /// Name of the generated module: a Rust identifier in snake case.
     pub name: String,
-    /// Described text, one line per entry; escaped in documentation.
+    /// Text of the description, one line per entry. It is escaped in documentation.
     pub description: Vec<String>,
     /// Gravitational acceleration in the base frame (m/s²).
     pub gravity: [Formula; 3],
-    /// Free parameters, in the order of their description.
+    /// Free parameters, in the order of the description.
     pub parameters: Vec<Parameter>,
-    /// All links. `links[0]` is the base; parents precede children.
+    /// All links. `links[0]` is the base. Parents precede children.
     pub links: Vec<Link>,
-    /// Link indices of the moving joints, in the order of the coordinates: coordinate `i` moves
+    /// Indices of the links that the joints of the coordinates carry: coordinate `i` moves
     /// `links[coordinates[i]]`.
     pub coordinates: Vec<usize>,
-    /// Link indices of the driven joints. Lists of all moving joints have them after the coordinates: driven
-    /// joint `k` is `Motion::Coordinate(coordinates.len() + k)`.
+    /// Indices of the links that the driven joints carry. In lists of all moving joints, driven joints follow
+    /// the joints of the coordinates: driven joint `k` is `Motion::Coordinate(coordinates.len() + k)`.
     pub driven: Vec<usize>,
-    /// Spherical and floating joints in the order of their coordinates; each has several coordinates.
+    /// Spherical and floating joints, in the order of their coordinates. Each of these joints has several
+    /// coordinates.
     pub quaternion_joints: Vec<QuaternionJoint>,
-    /// Joints that follow coordinates. Lists of all moving joints have them after the coordinates.
+    /// Joints that follow coordinates. In lists of all moving joints they are last.
     pub followers: Vec<Follower>,
-    /// Drives. Those with an input are in the order of the inputs u.
+    /// Drives. Drives with an input are in the order of the inputs u.
     pub drives: Vec<Drive>,
     /// Forces between two frames.
     pub point_forces: Vec<PointForce>,
-    /// Inputs that are forces at frames; they follow the inputs of drives.
+    /// Inputs that are forces at frames. In u they follow the inputs of drives.
     pub force_inputs: Vec<ForceInput>,
     /// Wrenches that are arguments of functions.
     pub wrenches: Vec<Wrench>,
     /// Named frames.
     pub frames: Vec<Frame>,
-    /// Described options of the generator.
+    /// Options of the generator in the description.
     pub options: Options,
 }
 
 /// A free parameter: a field of the generated `Parameters`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameter {
-    /// A Rust identifier.
+    /// Name, a Rust identifier.
     pub name: String,
-    /// Described value.
+    /// Value in the description.
     pub default: f64,
     /// Unit as text, empty if unknown.
     pub unit: String,
@@ -57,14 +58,14 @@ pub struct Parameter {
     pub description: String,
 }
 
-/// A link with the joint that carries it.
+/// A link, and the joint that carries it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Link {
     /// Name in the description.
     pub name: String,
-    /// Joint to the parent; `None` only for the base.
+    /// Joint between the parent link and this link; `None` only for the base.
     pub joint: Option<Joint>,
-    /// Rigid bodies fixed to this link; the kinematics stage lumps them.
+    /// Rigid bodies that are fixed to this link. The kinematics stage combines them.
     pub bodies: Vec<Body>,
 }
 
@@ -82,24 +83,24 @@ pub struct Body {
 }
 
 impl Model {
-    /// The moving joints in the order of the coordinates.
+    /// The joints of the coordinates, in order. Driven joints and followers are not included.
     pub fn joints(&self) -> impl ExactSizeIterator<Item = &Joint> {
         self.coordinates.iter().map(|&link| self.joint_of(link))
     }
 
-    /// Described values of the free parameters.
+    /// Values of the free parameters in the description.
     #[must_use]
     pub fn described_parameters(&self) -> Vec<f64> {
         self.parameters.iter().map(|parameter| parameter.default).collect()
     }
 
-    /// Whether a joint follows others or a drive acts on several coordinates.
+    /// Whether a joint follows coordinates, or a drive acts on several coordinates.
     #[must_use]
     pub fn is_coupled(&self) -> bool {
         !self.followers.is_empty() || self.moving_drives().any(|drive| drive.coordinate().is_none())
     }
 
-    /// Number of coordinates, driven ones included.
+    /// Number of coordinates, including driven coordinates.
     #[must_use]
     pub fn motion_count(&self) -> usize {
         self.coordinates.len() + self.driven.len()
@@ -111,7 +112,8 @@ impl Model {
         self.moving_joints().iter().any(|moving| moving.joint.jumps()) || self.drives.iter().any(Drive::jumps)
     }
 
-    /// Sorted pairs of coordinates (i, j): friction at i is discontinuous at a sign change of velocity j.
+    /// Sorted pairs of coordinates (i, j): the friction at coordinate i jumps where velocity j changes its
+    /// sign.
     #[must_use]
     pub fn friction_jumps(&self) -> Vec<[usize; 2]> {
         let moving = self.moving_joints();
@@ -141,13 +143,14 @@ impl Model {
         joint.unwrap_or_else(|| unreachable!("validation gives every moving link its joint"))
     }
 
-    /// Link moved by a coordinate, driven ones included.
+    /// Index of the link that a coordinate moves, including driven coordinates; `None` if there is no such
+    /// coordinate.
     #[must_use]
     pub fn link_of(&self, coordinate: usize) -> Option<usize> {
         self.coordinates.iter().chain(&self.driven).nth(coordinate).copied()
     }
 
-    /// All moving joints: coordinates in order, driven joints, then followers.
+    /// All moving joints: first the joints of the coordinates in order, then driven joints, then followers.
     #[must_use]
     pub fn moving_joints(&self) -> Vec<MovingJoint<'_>> {
         let links = self.coordinates.iter().chain(&self.driven);
@@ -182,7 +185,7 @@ impl Model {
         self.drives.iter().filter(|drive| !drive.acts_on.is_empty())
     }
 
-    /// Drives of held joints; their rotors are parts of their carriers.
+    /// Drives of held joints whose rotors are parts of their carriers.
     pub(crate) fn held_rotors(&self) -> impl Iterator<Item = &Drive> {
         let drives = self.drives.iter();
         drives.filter(|drive| drive.acts_on.is_empty() && drive.coupling == RotorCoupling::Body)
@@ -199,8 +202,8 @@ impl Model {
         !self.force_inputs.is_empty()
     }
 
-    /// Unit of an input: that of the motor's torque or current; N for a drive without gear on a prismatic
-    /// joint.
+    /// Unit of an input. For a drive it is the unit of the motor's torque or current, or N for a drive
+    /// without gear and rotor on a prismatic joint. For a force at frames it is N or N m.
     pub fn input_unit(&self, input: Actuator<'_>) -> &'static str {
         match input {
             Actuator::Drive(drive) => self.drive_unit(drive),
@@ -220,7 +223,7 @@ impl Model {
         }
     }
 
-    /// The joints of these links.
+    /// The joints that carry these links.
     pub(crate) fn joints_of(&self, links: &[usize]) -> Vec<&Joint> {
         let joints = links.iter().filter_map(|&link| self.links.get(link)?.joint.as_ref());
         joints.collect()
@@ -246,7 +249,7 @@ impl<'m> Actuator<'m> {
         }
     }
 
-    /// The coordinate if the input moves only one.
+    /// The coordinate that the input moves; `None` if it moves several coordinates or acts at frames.
     #[must_use]
     pub fn coordinate(self) -> Option<usize> {
         match self {
@@ -255,7 +258,7 @@ impl<'m> Actuator<'m> {
         }
     }
 
-    /// The drive if the input is one.
+    /// The drive; `None` if the input acts at frames.
     #[must_use]
     pub fn drive(self) -> Option<&'m Drive> {
         match self {
@@ -268,25 +271,26 @@ impl<'m> Actuator<'m> {
 /// A named frame fixed to a link.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frame {
-    /// Name exactly as described.
+    /// Name exactly as in the description.
     pub name: String,
-    /// The name as a Rust identifier, distinct among the frames: its functions are `frame_<identifier>_…`.
+    /// The name as a Rust identifier, distinct among the frames. The frame's functions are
+    /// `frame_<identifier>_…`.
     pub identifier: String,
-    /// Link that carries the frame.
+    /// Index of the link that carries the frame.
     pub link: usize,
-    /// Pose of the frame in that link's frame.
+    /// Pose of the frame in the link's frame.
     pub pose: Pose,
 }
 
-/// Described options of the generator.
+/// Options of the generator in the description.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Options {
-    /// Names of the functions to generate; empty means all.
+    /// Names of the functions to generate; empty for all functions.
     pub functions: Vec<String>,
-    /// Names of the functions also generated for several states at once.
+    /// Names of the functions that are also generated for eight states at once.
     pub lanes: Vec<String>,
-    /// Slope of the `tanh` that replaces exact `sign` in generated code.
+    /// Slope s of `tanh(s v)`, which replaces `sign(v)` in generated code; `None` keeps `sign`.
     pub smooth_sign: Option<f64>,
-    /// Runge–Kutta steps in one period of the generated `step`; 1 if absent.
+    /// Number of Runge–Kutta steps in one period of the generated `step`. `None` means 1.
     pub substeps: Option<usize>,
 }

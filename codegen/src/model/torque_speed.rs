@@ -1,4 +1,4 @@
-//! Torque–speed lines of motors as joint limits of inputs and velocities.
+//! Torque–speed lines of motors as limits on an input together with the velocities.
 
 use super::{Drive, Input, Model};
 
@@ -7,16 +7,17 @@ use super::{Drive, Input, Model};
 pub struct LimitedInput {
     /// Index of the input.
     pub input: usize,
-    /// C, by coordinate.
+    /// C, with one entry for each coordinate.
     pub slopes: Vec<f64>,
-    /// Limit at rest.
+    /// Limit at zero velocity.
     pub limit: f64,
 }
 
 impl Model {
-    /// Limits of inputs whose motors have a torque–speed line: `|K u + c i wᵀ ẏ| ≤ τ₀` with c = τ₀/ω₀,
-    /// divided by the torque K per unit of the input. Lines whose ratio depends on parameters that are not
-    /// given are omitted; descriptions have none.
+    /// Limits of the inputs whose motors have a torque–speed line: `|K u + c i wᵀ ẏ| ≤ τ₀` with c = τ₀/ω₀,
+    /// divided by K. K is the torque per unit of the input, i the gear ratio, w the ratios of the
+    /// coordinates, τ₀ the stall torque and ω₀ the no-load speed. Lines whose ratio depends on parameters
+    /// without a given value are left out; valid descriptions have no line of this kind.
     ///
     /// - `parameters`: values of the free parameters
     #[must_use]

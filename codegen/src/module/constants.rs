@@ -79,7 +79,8 @@ pub(super) fn all(model: &Model) -> Vec<Constant> {
     constants
 }
 
-/// The hash of a robot: it tells which model a controller ran, whatever functions its module has.
+/// The hash of a robot. It identifies the model that a controller ran, independent of the functions in the
+/// module.
 fn hash(model: &Model) -> Constant {
     let options = Options { functions: vec![], lanes: vec![], ..model.options.clone() };
     let text = format!("{} {:?}", env!("CARGO_PKG_VERSION"), Model { options, ..model.clone() });
@@ -92,7 +93,7 @@ pub(super) fn functions<'a>(names: impl Iterator<Item = &'a str>) -> Constant {
     constant("FUNCTIONS", "Names of the functions.", strings(Dimension::Fixed, names))
 }
 
-/// Number of steps of functions over a sample time.
+/// Constant with the number of Runge–Kutta steps in one period.
 pub(super) fn substeps(model: &Model) -> Constant {
     let summary =
         "Runge–Kutta steps in one period of `step` and `step_derivatives`: `substeps` of the description.";
@@ -169,7 +170,8 @@ fn names(model: &Model, joints: &[&Joint], inputs: &[Actuator<'_>]) -> Vec<Const
     constants.chain(wrenches.into_iter().flatten()).chain(driven.into_iter().flatten()).collect()
 }
 
-/// The joints that follow coordinates, and motors that move several, where their ratios are numbers. The others are named.
+/// Constants of the joints that follow coordinates and of the motors that move several coordinates, if their
+/// ratios are numbers.
 fn dependent(model: &Model) -> Vec<Constant> {
     let all = model.dependent(&[]);
     let free = free_followers(model, &all);
@@ -212,7 +214,8 @@ fn dependent(model: &Model) -> Vec<Constant> {
     free.into_iter().chain([names]).chain(ratios).chain(limits).collect()
 }
 
-/// The names of all joints that follow others, if some of them have no row because their ratios depend on free parameters.
+/// Names of all joints that follow coordinates, if some of them have no row because their ratios depend on
+/// free parameters.
 fn free_followers(model: &Model, dependent: &[Dependent<'_>]) -> Option<Constant> {
     let followers = &dependent[..model.followers.len()];
     followers.iter().any(|one| one.ratios.is_none()).then(|| {
@@ -223,7 +226,8 @@ fn free_followers(model: &Model, dependent: &[Dependent<'_>]) -> Option<Constant
     })
 }
 
-/// Ratios of joints that follow, by the coordinates and, where one follows a driven joint, by the driven joints.
+/// Ratios of joints that follow coordinates. If a joint follows a driven joint, the ratios to driven joints
+/// are added.
 fn ratios<'a>(coordinates: usize, rows: impl Iterator<Item = &'a Vec<f64>>) -> Vec<Constant> {
     let (of_coordinates, of_driven): (Vec<_>, Vec<_>) = rows
         .map(|row| row.split_at(coordinates))
@@ -290,7 +294,7 @@ fn joint_limits(joints: &[&Joint]) -> Vec<Constant> {
     limits.into_iter().chain(further.into_iter().flatten()).collect()
 }
 
-/// Limits of the inputs; those of currents take the described motor constant.
+/// Limits of the inputs. Limits of currents use the motor constant of the description.
 fn input_limits(model: &Model, inputs: &[Actuator<'_>]) -> Vec<Constant> {
     let described = model.described_parameters();
     let limits = |torque: fn(&Drive) -> Option<f64>| -> Option<Vec<f64>> {
@@ -326,7 +330,7 @@ fn input_limits(model: &Model, inputs: &[Actuator<'_>]) -> Vec<Constant> {
     nominal.into_iter().chain(peak).chain(ranges).collect()
 }
 
-/// Ranges of inputs, which magnitudes do not determine if inputs act at frames.
+/// Lowest and highest values of the inputs, if inputs act at frames.
 fn ranges(model: &Model, inputs: &[Actuator<'_>], peak: &[f64]) -> Option<Constant> {
     if model.force_inputs.is_empty() {
         return None;
@@ -369,7 +373,7 @@ fn torque_speed_lines(model: &Model) -> Option<[Constant; 2]> {
     ])
 }
 
-/// Constants of the drives. Those that depend on free parameters are left out.
+/// Constants of the drives. Constants that depend on free parameters are left out.
 fn drives(model: &Model) -> Vec<Constant> {
     let count = model.input_drives().count();
     let are_all = model.force_inputs.is_empty();
@@ -397,7 +401,8 @@ fn drives(model: &Model) -> Vec<Constant> {
     number.into_iter().chain(constants.into_iter().flatten()).collect()
 }
 
-/// Where friction jumps, also where nothing does: whoever simulates the robot asks for it.
+/// Pairs of coordinates at which friction jumps. The constant exists even if it is empty, because simulations
+/// need it.
 fn friction_jumps(model: &Model) -> Constant {
     let summary = "Pairs of coordinates i, j: friction at i may jump where velocity j changes its sign, because a law has an \
          exact `sign`.";
@@ -417,7 +422,7 @@ fn torque_per_input(drive: &Drive, described: &[f64]) -> Option<f64> {
     }
 }
 
-/// Gravity, unless it depends on free parameters.
+/// Gravity; `None` if it depends on free parameters.
 fn gravity(model: &Model) -> Option<Constant> {
     let values: Option<Vec<f64>> = model.gravity.iter().map(|g| g.value(&[])).collect();
     Some(constant(

@@ -1,4 +1,4 @@
-//! The module: data between derivation and printing.
+//! The module as data, between derivation and printing.
 //!
 //! A printer uses only a [`Module`] and its own options. It needs no [`Model`] and derives nothing.
 
@@ -12,7 +12,7 @@ use crate::model::{Model, Parameter};
 use crate::program::cost::Cost;
 use crate::self_test::SelfTest;
 
-/// Module of a robot: all contents of its text in order.
+/// Module of a robot: all contents of its text, in order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Module {
     /// Name of the robot.
@@ -21,9 +21,9 @@ pub struct Module {
     pub description: Vec<String>,
     /// Lines added to the documentation of the robot.
     pub remarks: Vec<String>,
-    /// Number of coordinates, which is the number of velocities.
+    /// Number of coordinates. It is also the number of velocities.
     pub coordinates: usize,
-    /// Number of position entries; joints with quaternions have more of them than velocities.
+    /// Number of position entries. A joint with a quaternion has one position entry more than velocities.
     pub positions: usize,
     /// Number of inputs.
     pub inputs: usize,
@@ -31,19 +31,19 @@ pub struct Module {
     pub driven: usize,
     /// Number of position entries of each joint; empty without quaternions.
     pub joint_positions: Vec<usize>,
-    /// Names, units, limits, drives, gravity.
+    /// Constants: names, units, limits, drives and gravity.
     pub constants: Vec<Constant>,
-    /// Free parameters; if there are any, they are an argument of every function.
+    /// Free parameters. If the robot has free parameters, they are an argument of every function.
     pub parameters: Vec<Parameter>,
-    /// Functions with their own program, each after its constants.
+    /// Functions with their own program. Each is printed after its constants.
     pub functions: Vec<Function>,
-    /// Constant for functions of several steps; `None` without such functions.
+    /// Constant with the number of Runge–Kutta steps; `None` if no function has several steps.
     pub substeps: Option<Constant>,
-    /// Functions over a sample time, which call other functions.
+    /// Functions over a sample time. They call other functions of the module.
     pub compositions: Vec<ComposedFunction>,
-    /// Functions also written over eight states at once.
+    /// Names of the functions that also exist in a version for eight states at once (`--lanes`).
     pub lanes: Vec<String>,
-    /// Calls with results for tests in the module; empty without tests.
+    /// Function calls with expected results, for tests in the module; empty without tests.
     pub self_tests: Vec<SelfTest>,
 }
 
@@ -54,11 +54,12 @@ pub struct ComposedFunction {
     pub composition: Composition,
     /// Equation in Unicode.
     pub equation: &'static str,
-    /// Whether joints have quaternions.
+    /// Whether the robot has joints with quaternions.
     pub has_quaternions: bool,
     /// The results of the function.
     pub results: Vec<ComposedResult>,
-    /// Operations; `None` if the module lacks the called function.
+    /// Number of operations; `None` if the module lacks the called function, or the robot has joints with
+    /// quaternions.
     pub cost: Option<Cost>,
     /// Sentence about the operations in the function's documentation.
     pub cost_text: String,
@@ -95,13 +96,14 @@ impl Module {
         }
     }
 
-    /// Whether there are joints with quaternions.
+    /// Whether the robot has joints with quaternions.
     #[must_use]
     pub fn has_quaternions(&self) -> bool {
         self.positions != self.coordinates
     }
 
-    /// Names and operations of all functions in order.
+    /// Names and numbers of operations of all functions, in order. Functions with unknown numbers are left
+    /// out.
     #[must_use]
     pub fn costs(&self) -> Vec<(String, Cost)> {
         let functions = self.functions.iter();

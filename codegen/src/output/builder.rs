@@ -10,8 +10,8 @@ use crate::emit::{Language, Scalar};
 use crate::pipeline::{self, GenerateOptions, Generated};
 use gelenk_files::is_same_file;
 
-/// Generates `$OUT_DIR/<name>.rs` from a description, for `build.rs`. The name is the robot's: the key `name`
-/// of a TOML file or else its file name; the name of `<robot>` in a URDF.
+/// Generates `$OUT_DIR/<name>.rs` from a description, for `build.rs`. `<name>` is the name of the robot. In a
+/// TOML file it is the key `name`, or the file name without this key. In a URDF it is the name of `<robot>`.
 ///
 /// If the description has errors, the build script prints all of them and ends with exit code 1. Cargo watches every
 /// file that was read. The path is relative to the package.
@@ -19,7 +19,7 @@ pub fn build(description: impl AsRef<Path>) {
     Builder::new().description(description).generate();
 }
 
-/// [`build`] with options.
+/// Generates modules as [`build`] does, with options.
 ///
 /// ```no_run
 /// gelenk_codegen::Builder::new()
@@ -44,7 +44,7 @@ impl Builder {
         Self::default()
     }
 
-    /// Adds a TOML, URDF or MJCF description; its path is relative to the package.
+    /// Adds a TOML, URDF or MJCF description. The path is relative to the package.
     #[must_use]
     pub fn description(mut self, path: impl AsRef<Path>) -> Self {
         self.descriptions.push(path.as_ref().to_owned());
@@ -94,7 +94,7 @@ impl Builder {
         self
     }
 
-    /// Makes mimic joints independent coordinates.
+    /// Makes mimic joints independent joints.
     #[must_use]
     pub fn ignore_mimic(mut self) -> Self {
         self.options.ignore_mimic = true;
@@ -108,7 +108,7 @@ impl Builder {
         self
     }
 
-    /// Replaces `sign(v)` by `tanh(slope · v)` in friction and springs; the slope must be positive.
+    /// Replaces `sign(v)` by `tanh(slope · v)` in friction and springs. The slope must be positive.
     #[must_use]
     pub fn smooth_sign(mut self, slope: f64) -> Self {
         self.options.smooth_sign = Some(slope);
@@ -129,8 +129,8 @@ impl Builder {
         self
     }
 
-    /// Also writes these functions over eight states at once; by default as described. Names are checked as in
-    /// [`functions`](Self::functions).
+    /// Also writes these functions over eight states at once. Without this call, the description chooses the
+    /// functions. Names are checked as in [`functions`](Self::functions).
     #[must_use]
     pub fn lanes<S: Into<String>>(mut self, names: impl IntoIterator<Item = S>) -> Self {
         self.options.lanes = names.into_iter().map(Into::into).collect();
@@ -153,7 +153,7 @@ impl Builder {
         self
     }
 
-    /// Sets the largest number of operations of a generated function, by default
+    /// Sets the largest number of operations of a generated function. The default is
     /// [`MOST_OPERATIONS`](crate::functions::size::MOST_OPERATIONS).
     #[must_use]
     pub fn max_operations(mut self, count: usize) -> Self {
@@ -184,10 +184,11 @@ impl Builder {
         }
     }
 
-    /// Generates all descriptions and returns the files. If one has errors, nothing is written.
+    /// Generates all descriptions and returns the written files. If a description has errors, nothing is
+    /// written.
     ///
     /// Generated modules in `$OUT_DIR` that this build script no longer writes are removed, for example after
-    /// renaming a robot. In other folders they are kept.
+    /// renaming a robot. In other folders these modules are kept.
     ///
     /// # Errors
     /// [`BuildError`] with the problems of all descriptions.

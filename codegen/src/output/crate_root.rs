@@ -68,8 +68,8 @@ pub fn documented(folder: &Path) -> io::Result<Vec<(String, String)>> {
     paths.iter().map(entry).collect()
 }
 
-/// Text of the crate's root: one public module per name with its documentation, sorted. Of duplicate names
-/// the first is used.
+/// Text of the crate's root: one public module for each name, with its documentation, sorted by name. If a
+/// name occurs twice, its first entry is used.
 #[must_use]
 pub fn root_text(modules: &[(String, String)]) -> String {
     let mut modules: Vec<&(String, String)> = modules.iter().collect();

@@ -1,4 +1,4 @@
-//! Stage 6: writes source files atomically.
+//! Interface for build scripts, and atomic writing of source files.
 
 mod builder;
 mod cargo;

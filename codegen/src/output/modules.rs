@@ -15,11 +15,11 @@ pub enum BuildError {
     /// Neither `OUT_DIR` nor [`Builder::output_folder`](super::Builder::output_folder) gives the output
     /// folder.
     NoFolder,
-    /// Descriptions with errors.
+    /// Errors in descriptions.
     Descriptions(Vec<Diagnostics>),
     /// A file that could not be written.
     Write(WriteError),
-    /// Two descriptions with the same name.
+    /// Two descriptions have this robot name.
     SameName(String),
 }
 
@@ -50,7 +50,7 @@ pub(super) struct Robot {
     pub(super) generated: Generated,
 }
 
-/// Writes all modules, or none if one must not be written.
+/// Writes all modules and returns their paths. If one module must not be written, no module is written.
 pub(super) fn write(folder: &Path, robots: &[Robot]) -> Result<Vec<PathBuf>, BuildError> {
     let read = robots.iter().flat_map(|robot| robot.generated.files.clone());
     let read: Vec<PathBuf> = read.collect();

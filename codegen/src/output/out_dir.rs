@@ -12,7 +12,7 @@ use super::write::{Planned, Replaces, WriteError};
 use crate::diagnostic::{Diagnostics, Severity};
 use crate::emit::{FIRST_LINE, documentation};
 
-/// The list of modules, for the macro.
+/// File with the list of modules, for the macro.
 const LIST: &str = "gelenk.modules.rs";
 
 /// Names and descriptions of the modules that this process has written, which may be in several steps.
@@ -28,7 +28,7 @@ impl OutDir {
         Self { folder }
     }
 
-    /// Writes modules and their helper files; removes modules of earlier runs.
+    /// Writes modules and their helper files. Removes modules of earlier runs.
     pub(super) fn write(&self, robots: &[Robot], hides_notes: bool) -> Result<Vec<PathBuf>, BuildError> {
         let mut written = WRITTEN.lock().unwrap_or_else(PoisonError::into_inner);
         for robot in robots {
@@ -52,7 +52,7 @@ impl OutDir {
         Ok(paths)
     }
 
-    /// Modules of robots that were renamed, or that no description describes any more.
+    /// Removes modules of robots that were renamed or that have no description any more.
     fn remove_others(&self, names: &[String]) -> Result<(), BuildError> {
         let fault = |path: &Path| {
             let path = path.to_owned();
@@ -74,8 +74,9 @@ impl OutDir {
         Ok(())
     }
 
-    /// Shows notes that were not shown before. Cargo repeats what a build script has said until it runs
-    /// again; so a file that changes while the script runs makes it run once more, with nothing left to say.
+    /// Shows notes that were not shown before. Cargo repeats the output of a build script until the script
+    /// runs again. The shown notes are therefore written to a watched file, so that the script runs once more
+    /// and shows nothing.
     fn tell(&self, name: &str, notes: &Diagnostics) -> Result<(), BuildError> {
         let file = format!("gelenk.{name}.notes");
         let path = self.folder.join(&file);
@@ -98,7 +99,7 @@ impl OutDir {
     }
 }
 
-/// A macro with an arm for each module, and one that says which there are.
+/// A macro with an arm for each module, and an arm that lists the modules in an error.
 fn list(modules: &[(String, PathBuf)]) -> String {
     let arm = |(name, _): &(String, PathBuf)| {
         let file = format!("/{name}.rs");

@@ -17,7 +17,7 @@ pub enum Outcome {
     Unchanged,
 }
 
-/// Files that may be overwritten, by content. Empty files always may.
+/// Kinds of content that may be overwritten. Empty files may always be overwritten.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Replaces {
     /// A generated module.
@@ -26,9 +26,10 @@ pub enum Replaces {
     Root,
     /// An exported robot, written by `gelenk export`.
     Export,
-    /// Any content: only our build scripts write files with this name, in their output folder.
+    /// Any content, because only build scripts of this crate write files with this name, in their output
+    /// folder.
     Helper,
-    /// No content: files written earlier cannot be distinguished from a user's files.
+    /// No content, because files of earlier runs cannot be distinguished from files of the user.
     Nothing,
 }
 
@@ -55,7 +56,7 @@ pub enum WriteError {
     Read {
         /// The file.
         path: PathBuf,
-        /// The name by which it was read.
+        /// Path by which the file was read.
         read: PathBuf,
     },
     /// The target has content that was not generated.
@@ -97,8 +98,8 @@ impl std::error::Error for WriteError {
 }
 
 impl<'t> Planned<'t> {
-    /// Checks that a file may be written: it is new, empty or unchanged, or its content is of the kind
-    /// `replaces`, and it is not in `read`.
+    /// Checks that a file may be written. It must not be one of the files `read`. It must be new, empty or
+    /// unchanged, or have content of the kind `replaces`.
     ///
     /// # Errors
     /// [`WriteError`], also for folders, devices, dangling links and read-only files.
@@ -130,11 +131,11 @@ impl<'t> Planned<'t> {
         &self.path
     }
 
-    /// Writes the text if it differs, through a new file in the same folder that replaces the old one
-    /// atomically. Missing folders are created.
+    /// Writes the text if it differs. A new file in the same folder replaces the old file atomically. Missing
+    /// folders are created.
     ///
     /// # Errors
-    /// [`WriteError::System`]; the old file then stays unchanged.
+    /// [`WriteError::System`]. The old file then stays unchanged.
     pub fn write(&self) -> Result<Outcome, WriteError> {
         if self.outcome == Outcome::Written {
             let prepared = Prepared::new(&self.path, self.text.as_bytes());
@@ -148,7 +149,7 @@ impl<'t> Planned<'t> {
 }
 
 impl Replaces {
-    /// Whether the file at `path` may be removed.
+    /// Whether the file at `path` may be overwritten.
     fn covers(self, path: &Path) -> bool {
         match fs::metadata(path) {
             Err(_) => true,

@@ -6,7 +6,8 @@ use super::{Operand, Operation, Output, Program};
 /// Moves each `SinCos` whose angle depends on no other function to the front, together with the computation
 /// of the angle. Angles of one array keep their order. Operations do not change, so the bits are the same.
 ///
-/// Afterwards these instructions are adjacent, each followed by its cosine if there is one.
+/// Afterwards these instructions are adjacent. Each is followed by its cosine if the program needs the
+/// cosine.
 pub(super) fn angles_first(program: Program) -> Program {
     let early = early_angles(&program);
     let mut is_moved = vec![false; program.instructions.len()];
@@ -28,7 +29,7 @@ pub(super) fn angles_first(program: Program) -> Program {
     reordered(program, &order)
 }
 
-/// Every `SinCos` that depends on no other function, those of input entries first.
+/// Every `SinCos` whose angle depends on no other function. Angles that are input entries are first.
 fn early_angles(program: &Program) -> Vec<usize> {
     let mut needs_function = Vec::with_capacity(program.instructions.len());
     let mut early = Vec::new();
@@ -51,7 +52,7 @@ fn early_angles(program: &Program) -> Vec<usize> {
     early
 }
 
-/// Appends the operands of an instruction, earliest first; short, since an angle is a sum of a few joints.
+/// Appends the operands of an instruction, earliest first. The list is short because an angle is a sum of a few joints.
 fn move_operands(program: &Program, index: usize, is_moved: &mut [bool], order: &mut Vec<usize>) {
     let mut pending: Vec<(usize, bool)> = read_values(program, index);
     while let Some((value, is_ready)) = pending.pop() {
@@ -77,7 +78,7 @@ fn read_values(program: &Program, index: usize) -> Vec<(usize, bool)> {
         .collect()
 }
 
-/// The program with its instructions in this order; operands must precede their users.
+/// The program with its instructions in this order. Operands must precede the instructions that use them.
 pub(super) fn reordered(program: Program, order: &[usize]) -> Program {
     let mut place = vec![0; order.len()];
     for (new, &old) in order.iter().enumerate() {

@@ -1,12 +1,12 @@
-//! Derivatives of a program by the free parameters.
+//! Derivatives of a program with respect to the free parameters.
 
 use super::{GraphOutput, InputArray, Operand, Operation, Output, Program, Shape, lower};
 use crate::graph::{Graph, Scalar, differentiate};
 use crate::layout::{Dimension, Extent};
 use gelenk_formula::Function;
 
-/// Program for the derivatives of all results by the parameters. Each result becomes a matrix with a row per
-/// entry (row-major) and a column per parameter.
+/// Program that computes the derivatives of all results with respect to the parameters. Each result becomes a
+/// matrix with a row for each entry (row-major) and a column for each parameter.
 ///
 /// The derivative of `sign` is 0.
 #[must_use]

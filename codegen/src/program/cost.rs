@@ -7,9 +7,9 @@ use gelenk_formula::Function;
 
 /// Operation counts of a program.
 ///
-/// A subtraction counts as an addition; `x * x` and `2 * x` as one multiplication; a fused multiply-add as
-/// one of both; a negation as nothing. Absolute value and sign are counted separately: they are a bit mask
-/// and a comparison, not calls.
+/// A subtraction counts as an addition. `x * x` and `2 * x` count as one multiplication. A fused multiply-add
+/// counts as one multiplication and one addition. A negation does not count. Absolute value and sign are
+/// counted separately, because they are a bit mask and a comparison instead of calls.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Cost {
     /// Multiplications.
@@ -27,7 +27,7 @@ pub struct Cost {
 }
 
 impl Cost {
-    /// All function calls: `sin_cos` and the others.
+    /// Number of all function calls.
     #[must_use]
     pub fn calls(&self) -> usize {
         self.sin_cos + self.other_calls
@@ -87,7 +87,7 @@ impl fmt::Display for Cost {
     }
 }
 
-/// Counts the operations of `program`, including unused ones.
+/// Counts the operations of `program`, including operations with unused results.
 #[must_use]
 pub fn count(program: &Program) -> Cost {
     let mut cost = Cost::default();

@@ -8,7 +8,7 @@ use super::letters::greek_letter;
 use super::{Operand, Operation, Output, Program, Shape};
 use gelenk_formula::Function;
 
-/// Names for indices of a program.
+/// Names of the parts to which a program refers by index.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Notation {
     /// Names of all free parameters of the program.
@@ -42,7 +42,7 @@ pub fn latex(program: &Program, notation: &Notation) -> String {
 /// A program as LaTeX equations, each with left-hand and right-hand side.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LatexEquations {
-    /// Equations of the intermediate values.
+    /// Equations of the intermediate values, as left-hand and right-hand side.
     pub abbreviations: Vec<(String, String)>,
     /// Results in terms of intermediate values.
     pub results: Vec<LatexResult>,
@@ -53,13 +53,13 @@ pub struct LatexEquations {
 pub struct LatexResult {
     /// Symbol.
     pub name: String,
-    /// Entries by row; one entry for a scalar.
+    /// Entries by row. A scalar has one entry.
     pub rows: Vec<Vec<String>>,
     is_scalar: bool,
 }
 
 impl LatexResult {
-    /// The entry of a scalar, or the matrix.
+    /// The entry of a scalar. For other results, the vector or matrix.
     #[must_use]
     pub fn value(&self) -> String {
         if self.is_scalar {
@@ -94,7 +94,7 @@ struct Printer<'a> {
 }
 
 impl Printer<'_> {
-    /// Each value's name and expression; a sine that only came with its cosine is left out.
+    /// Name and expression of each value. A sine that is computed only together with its cosine is left out.
     fn equations(&self) -> Vec<(String, String)> {
         let is_read = Flow::new(self.program).is_read;
         let read = self.program.instructions.iter().zip(is_read).filter(|(_, is_read)| *is_read);
@@ -322,7 +322,7 @@ fn latex_subscript(stem: &str, index: &str) -> String {
     format!("{stem}_{{{}}}", parts.join(","))
 }
 
-/// Words stand upright, letters and numbers as they are.
+/// The part of an index in LaTeX: words are upright, and letters and numbers remain as they are.
 fn latex_index(part: &str) -> String {
     match greek_letter(part) {
         Some(_) => latex_letter(part),

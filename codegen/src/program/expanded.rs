@@ -5,8 +5,8 @@
 //! becomes 1. The factors a are positions outside of angles, velocities, parameters, and function calls such
 //! as `tanh(20 ẏ₁)`.
 //!
-//! Each coefficient has the sum of the magnitudes of its terms. It is printed with the digits that are not
-//! rounding, and dropped if there are none.
+//! Each coefficient has the sum of the magnitudes that were added to it, which bounds its rounding error. It
+//! is printed with the digits that are certain, and left out if no digit is certain.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +14,8 @@ use super::display::{Notation, latex_letters, latex_number};
 use super::{Operand, Operation, Output, Program, Shape};
 use gelenk_formula::Function;
 
-/// Terms of the longest value. Products of values multiply their terms, and pages of one sum are not read.
+/// Largest number of terms of a value. Products of values multiply the numbers of their terms, and nobody
+/// reads pages of one sum.
 pub(crate) const MOST_TERMS: usize = 1000;
 /// Rounding of a coefficient, relative to the magnitudes that it was added from.
 const ROUNDING: f64 = 1e-12;
@@ -30,8 +31,8 @@ pub struct ExpandedEntry {
     pub value: String,
 }
 
-/// Entries of all results, row-major; the upper half of a symmetric matrix. `None` if a value has more than
-/// 1000 terms.
+/// Entries of all results, row-major. A symmetric matrix has only its upper half. `None` if a value has more
+/// than 1000 terms.
 #[must_use]
 pub fn expanded(program: &Program, notation: &Notation, is_symmetric: bool) -> Option<Vec<ExpandedEntry>> {
     let mut expansion = Expansion { program, notation, factors: Vec::new(), values: Vec::new() };

@@ -7,9 +7,9 @@ use super::{Operand, Operation, Program};
 pub(crate) struct Flow {
     /// Whether each value is used by name and a result depends on it.
     pub(crate) is_read: Vec<bool>,
-    /// For a `SinCos` the value of its cosine, if used.
+    /// For a `SinCos`, the value of its cosine; `None` if the cosine is not used.
     pub(crate) cosine: Vec<Option<usize>>,
-    /// Index of the instruction that computes the value; for a cosine that of its `SinCos`.
+    /// Index of the instruction that computes the value. For a cosine it is the index of the `SinCos`.
     pub(crate) made_at: Vec<usize>,
 }
 

@@ -1,8 +1,8 @@
 //! Optional contraction of products and sums to fused multiply-adds: fewer instructions, different bits.
 //!
 //! The contraction is done here and not by a compiler, so interpreter and compiled function agree bit for
-//! bit. Each fused operation saves one rounding; results differ from the unfused ones only by roundings of
-//! the replaced products.
+//! bit. Each fused operation saves one rounding. Results therefore differ from results without fusing only by
+//! the roundings of the replaced products.
 
 use std::collections::BTreeSet;
 
@@ -10,11 +10,11 @@ use super::flow::operands;
 use super::{Instruction, Operand, Operation, Output, Program};
 use crate::distinct::Distinct;
 
-/// Replaces each product whose only users are sums and differences by `a · b + c` in these, with one
-/// rounding.
+/// Replaces products that are used only by sums and differences. Each of these sums and differences becomes
+/// `a · b + c` with one rounding.
 ///
-/// Of two products in one sum the later one is fused, which shortens the longest chain. A product with other
-/// users is kept, because fusing would not save its multiplication.
+/// If a sum has two products, the later product is fused, because this shortens the longest chain. A product
+/// with other users is kept, because fusing would not save its multiplication.
 #[must_use]
 pub fn fuse_multiply_adds(program: &Program) -> Program {
     let fused = choose(program);
@@ -48,7 +48,7 @@ pub fn fuse_multiply_adds(program: &Program) -> Program {
     }
 }
 
-/// For each sum: the product that becomes part of it.
+/// For each sum, the product that becomes part of it; `None` without a product.
 fn choose(program: &Program) -> Vec<Option<usize>> {
     let count = program.instructions.len();
     let mut readers: Vec<Vec<usize>> = vec![Vec::new(); count];

@@ -1,4 +1,4 @@
-//! Interpreter of programs: the reference for emitted code, bit for bit.
+//! Interpreter of programs. Its results are the reference for generated code, bit for bit.
 //!
 //! Interpreter and compiled function do the same operations in the same order with the same [`Functions`],
 //! and each operation is rounded once, so all bits agree. Only sign and payload of a NaN are not specified by
@@ -22,10 +22,11 @@ pub struct Functions {
 }
 
 impl Functions {
-    /// Our own functions, the default of emitted code; the same on every platform.
+    /// Functions of `gelenk-kernels`, the default in generated code. Their results have the same bits on
+    /// every platform.
     pub const EMBEDDED: Self = Self { sin_cos: math::sin_cos, tanh: math::tanh, exp: math::exp };
 
-    /// Functions of std, used by [`crate::emit::Math::Std`].
+    /// Functions of std, for modules with [`crate::emit::Math::Std`].
     #[expect(clippy::disallowed_methods, reason = "a module with the functions of std computes these")]
     pub const STD: Self = Self { sin_cos: f64::sin_cos, tanh: f64::tanh, exp: f64::exp };
 }
@@ -33,9 +34,9 @@ impl Functions {
 /// Errors of running a program.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum InterpretError {
-    /// Wrong number of input arrays: expected, given.
+    /// Wrong number of input arrays: expected number, given number.
     InputCount(usize, usize),
-    /// Wrong length of an input array: name, expected, given.
+    /// Wrong length of an input array: name, expected length, given length.
     InputLength(String, usize, usize),
     /// The operation at this instruction has an invalid operand: a later value, or an entry or parameter out
     /// of range.
@@ -60,7 +61,7 @@ impl fmt::Display for InterpretError {
 
 impl core::error::Error for InterpretError {}
 
-/// Evaluates `program`; each result is flat and row-major.
+/// Evaluates `program`. Each result is flat and row-major.
 ///
 /// # Errors
 /// [`InterpretError`] if inputs do not fit the program or an operand does not exist.

@@ -1,4 +1,5 @@
-//! Division of a function for lanes: its angles, then runs of statements without sines and cosines.
+//! Division of a function over lanes (several states at once): first its angles, then parts without sines and
+//! cosines.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -7,15 +8,16 @@ use super::flow::{Flow, operands};
 use super::split::{self, Part};
 use super::{Operand, Operation, Program};
 
-/// Division of a function over lanes into separate parts.
+/// Division of a function over lanes (several states at once) into parts.
 pub(crate) struct Plan {
-    /// Instructions of the angles, including each `SinCos`.
+    /// Instructions that compute the angles, and each `SinCos`.
     pub(crate) angles: Vec<usize>,
-    /// Each `SinCos` of the angles.
+    /// Each `SinCos`.
     pub(crate) pairs: Vec<usize>,
-    /// Whether each instruction is in a part; sines and cosines, and values used only by them, are not.
+    /// Whether each instruction is in a part. Sines and cosines, and values that only they use, are in no
+    /// part.
     pub(crate) is_in_part: Vec<bool>,
-    /// The other instructions in order.
+    /// Parts with all other instructions, in order.
     pub(crate) parts: Vec<Part>,
 }
 
@@ -47,7 +49,7 @@ impl Plan {
     }
 }
 
-/// Reason why a program has no form over lanes.
+/// Reason why a program cannot be written over lanes; `None` if it can.
 pub(crate) fn obstacle(program: &Program) -> Option<&'static str> {
     if program.inputs.iter().all(|input| input.extent.len == 0) {
         return Some("it has no argument, so its result is the same for all states");
@@ -81,7 +83,8 @@ fn parts(program: &Program, flow: &Flow, longest: usize, is_in_part: &[bool]) ->
     parts
 }
 
-/// A part; entries of large results are written where they are made, all others at the end.
+/// A part. Entries of large results are written where they are computed. All other entries are written at the
+/// end.
 fn part(program: &Program, flow: &Flow, is_in_part: &[bool], range: Range<usize>, is_last: bool) -> Part {
     let is_own = |value: usize| is_in_part[value] && range.contains(&value);
     let in_place = program.has_large_results();

@@ -1,6 +1,6 @@
 //! Greek letters and their names.
 
-/// Greek letters by name: what a formula may call `ω` is `omega` in code.
+/// Greek letters and their names. A formula may call `ω` what code calls `omega`.
 const GREEK: [(char, &str); 34] = [
     ('α', "alpha"),
     ('β', "beta"),
@@ -38,12 +38,12 @@ const GREEK: [(char, &str); 34] = [
     ('Ω', "Omega"),
 ];
 
-/// Name of a Greek letter.
+/// Name of a Greek letter; `None` for other letters.
 pub(crate) fn greek_name(letter: char) -> Option<&'static str> {
     GREEK.iter().find(|(greek, _)| *greek == letter).map(|&(_, word)| word)
 }
 
-/// Greek letter with this name.
+/// Greek letter with this name; `None` for other names.
 pub(crate) fn greek_letter(name: &str) -> Option<char> {
     GREEK.iter().find(|(_, word)| *word == name).map(|&(letter, _)| letter)
 }

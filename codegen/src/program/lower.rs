@@ -31,13 +31,14 @@ pub fn lower(graph: &Graph, inputs: Vec<InputArray>, outputs: &[GraphOutput]) ->
     lowered(graph, inputs, outputs, |results| results.to_vec())
 }
 
-/// [`lower`] for a tree with several branches.
+/// Converts results as [`lower`] does, for a tree with several branches.
 ///
 /// If there are many values, results are computed from the last velocity to the first. A leaf of the tree
 /// depends only on its own branch, so values of a branch are computed together and used while they are in
-/// registers: Jacobians of a quadruped's inverse dynamics take 0.8 of the time, M and the inverse dynamics of
-/// a humanoid 0.7 to 0.8. With divisions, as in forward dynamics, each value waits for the previous one, and
-/// branches in parallel fill the time.
+/// registers. In this order, Jacobians of a quadruped's inverse dynamics take 0.8 of the time. M and the
+/// inverse dynamics of a humanoid take 0.7 to 0.8 of the time. Functions with divisions, such as the forward
+/// dynamics, keep the other order: there each value waits for the previous one, and branches in parallel fill
+/// the time.
 pub fn lower_branches(graph: &Graph, inputs: Vec<InputArray>, outputs: &[GraphOutput]) -> Program {
     lowered(graph, inputs, outputs, |results| {
         let reachable = graph.reachable(results);
@@ -49,12 +50,12 @@ pub fn lower_branches(graph: &Graph, inputs: Vec<InputArray>, outputs: &[GraphOu
     })
 }
 
-/// [`lower`] with results computed from the last velocity to the first.
+/// Converts results as [`lower`] does, but computes them from the last velocity to the first.
 pub fn lower_from_leaves(graph: &Graph, inputs: Vec<InputArray>, outputs: &[GraphOutput]) -> Program {
     lowered(graph, inputs, outputs, |results| from_leaves(outputs, results))
 }
 
-/// Fewer values than these are read well in any order.
+/// Programs with fewer values than this number are fast in any order.
 const MANY_VALUES: usize = 300;
 
 fn lowered(
@@ -91,7 +92,8 @@ fn from_leaves(outputs: &[GraphOutput], results: &[Edge]) -> Vec<Edge> {
     ordered.into_iter().map(|(_, &edge)| edge).collect()
 }
 
-/// The last velocity that an entry of a result belongs to, by its row or its column; 0 if there is none.
+/// The last velocity that an entry of a result belongs to, by its row or its column; 0 if the result is not
+/// by velocities.
 fn last_velocity(shape: Shape, entry: usize) -> usize {
     let of = |extent: Extent, index| if extent.dimension == Dimension::Velocities { index } else { 0 };
     match shape {
@@ -104,7 +106,7 @@ fn last_velocity(shape: Shape, entry: usize) -> usize {
     }
 }
 
-/// Makes names unique; values without a label get numbers.
+/// Makes names unique. Values without a label get numbers.
 pub(super) fn give_names(program: &mut Program) {
     let inputs = program.inputs.iter().map(|input| input.name.clone());
     let mut taken: Distinct = inputs.chain(["p".to_owned()]).collect();
@@ -205,7 +207,7 @@ impl<'g> Lowering<'g> {
         self.values[edge.index()] = Some(value);
     }
 
-    /// Our function makes both at the price of one, so one alone has no function.
+    /// Computes sine and cosine together, because one call costs as much as one of them.
     fn sine_and_cosine(&mut self, angle: Edge) {
         let operand = self.signed(angle);
         let pair = self.instructions.len();

@@ -1,7 +1,7 @@
-//! Stage 4: a straight-line program, the last form before text.
+//! Straight-line programs: the last form of functions before text.
 //!
 //! Each instruction defines one value from earlier values, inputs, parameters or constants. Names, order,
-//! signs and fused operations are final: the emitter only prints.
+//! signs and fused operations are final, because the emitter only prints.
 
 mod angles;
 pub mod arrays;

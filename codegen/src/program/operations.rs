@@ -8,13 +8,13 @@ use gelenk_formula::Function;
 pub struct Program {
     /// Input arrays in argument order.
     pub inputs: Vec<InputArray>,
-    /// Instructions in execution order; instruction `k` defines value `k`.
+    /// Instructions in execution order. Instruction `k` defines value `k`.
     pub instructions: Vec<Instruction>,
     /// Results in order.
     pub outputs: Vec<Output>,
 }
 
-/// Results of more entries than this are written where the caller wants them.
+/// Results with more entries than this number are written to memory of the caller.
 ///
 /// A matrix that is returned passes through memory once or twice more: its entries are stored one by one and
 /// copied as vectors at once, which a processor cannot forward from its store buffer. M and bias forces of a
@@ -28,7 +28,7 @@ impl Program {
         outputs.flat_map(|output| output.entries.iter().copied())
     }
 
-    /// A program with the same inputs and result shapes, but without instructions.
+    /// A program with the same inputs and result shapes, but without instructions and with zeros as results.
     pub(crate) fn face(&self) -> Self {
         let outputs = self.outputs.iter().map(|output| Output {
             entries: vec![Operand::Constant(0.0); output.entries.len()],
@@ -37,7 +37,7 @@ impl Program {
         Self { inputs: self.inputs.clone(), instructions: Vec::new(), outputs: outputs.collect() }
     }
 
-    /// Whether results are written in place, which is faster for large results.
+    /// Whether results are written to memory of the caller, which is faster for large results.
     pub(crate) fn has_large_results(&self) -> bool {
         self.entries().count() > LARGEST_RETURNED
     }
@@ -52,7 +52,7 @@ pub struct InputArray {
     pub extent: Extent,
 }
 
-/// Defines one value.
+/// An instruction. It defines one value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Instruction {
     /// Name of the value: a Rust identifier, unique within the program.
@@ -66,9 +66,9 @@ pub struct Instruction {
 pub enum Operand {
     /// Value of an earlier instruction, by index.
     Value(usize),
-    /// Entry of an input array: index of the array, index of the entry.
+    /// Entry of an input array: index of the array, then index of the entry.
     Input(usize, usize),
-    /// Free parameter: index in `Model::parameters`.
+    /// Free parameter: index into `Model::parameters`.
     Parameter(usize),
     /// A finite number.
     Constant(f64),
@@ -87,9 +87,10 @@ pub enum Operation {
     Divide(Operand, Operand),
     /// `-a`
     Negate(Operand),
-    /// `a * b + c` with one rounding (opt-in).
+    /// `a * b + c` with one rounding. Programs have it only on request.
     MultiplyAdd(Operand, Operand, Operand),
-    /// `sin a`; its cosine is [`Operation::CosineOf`] of this value. One call computes both.
+    /// `sin a`. The same call computes the cosine, which is [`Operation::CosineOf`] with the index of this
+    /// instruction.
     SinCos(Operand),
     /// The cosine computed by the [`Operation::SinCos`] at this index.
     CosineOf(usize),
@@ -98,7 +99,7 @@ pub enum Operation {
 }
 
 impl Operation {
-    /// The same operation with other operands; the pair of a `CosineOf` is kept.
+    /// The same operation with other operands. The pair of a `CosineOf` is kept.
     pub(crate) fn map(self, mut change: impl FnMut(Operand) -> Operand) -> Self {
         match self {
             Self::Add(a, b) => Self::Add(change(a), change(b)),
@@ -128,11 +129,11 @@ pub struct Output {
 /// Shape of a result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shape {
-    /// `f64`
+    /// A number: `f64`.
     Scalar,
-    /// `[f64; n]`
+    /// A vector: `[f64; n]`.
     Vector(Extent),
-    /// `[[f64; columns]; rows]`
+    /// A matrix: `[[f64; columns]; rows]`.
     Matrix(Extent, Extent),
 }
 
@@ -154,7 +155,7 @@ impl Shape {
         }
     }
 
-    /// Lengths, rows first.
+    /// Lengths of the dimensions, rows first.
     #[must_use]
     pub fn extents(self) -> Vec<Extent> {
         match self {

@@ -1,8 +1,8 @@
 //! Division of long programs into parts, because compile time grows faster than the length of a function.
 //!
 //! Parts follow one another in the order of the program. No operation moves, so all bits of the results are
-//! kept. Each part can become a function whose arguments are the values that it uses and whose results are
-//! the values used later.
+//! kept. Each part can become a function. Its arguments are the values that the part uses, and its results
+//! are the values that later parts use.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -10,20 +10,21 @@ use std::ops::Range;
 use super::flow::{Flow, operands};
 use super::{Operand, Program};
 
-/// A run of instructions, and the values it exchanges with others.
+/// A run of instructions, and the values that it exchanges with other parts.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Part {
     /// Range of the part in the program.
     pub(crate) range: Range<usize>,
-    /// Earlier values that it uses.
+    /// Earlier values that the part uses.
     pub(crate) takes: Vec<usize>,
-    /// Values for later parts; also results, unless the part writes them.
+    /// Values that later parts use, and results, unless the part writes the results.
     pub(crate) returns: Vec<usize>,
-    /// Input arrays that it uses.
+    /// Input arrays that the part uses.
     pub(crate) inputs: Vec<usize>,
     /// Whether the part uses parameters.
     pub(crate) reads_parameters: bool,
-    /// Results that it writes, with the entries; empty if results are written after all parts.
+    /// Results that the part writes, each with the indices of the written entries. Empty if results are
+    /// written after all parts.
     pub(crate) results: Vec<(usize, Vec<usize>)>,
 }
 
@@ -50,7 +51,7 @@ impl Part {
     }
 }
 
-/// Parts of a program; one if it has at most `longest` statements.
+/// Parts of a program. A program with at most `longest` statements has one part.
 pub(crate) fn parts(program: &Program, flow: &Flow, longest: usize) -> Vec<Part> {
     let cuts = cuts(program, flow, longest.max(1));
     let parts = cuts.windows(2).map(|cut| {
@@ -66,7 +67,7 @@ pub(crate) fn parts(program: &Program, flow: &Flow, longest: usize) -> Vec<Part>
     parts
 }
 
-/// Sets the results of each part: its values that later parts or `read_later` use.
+/// Sets the results of each part: values that later parts use, or that are in `read_later`.
 pub(super) fn hand_on(
     parts: &mut [Part],
     mut read_later: BTreeSet<usize>,
@@ -113,8 +114,8 @@ impl Reads {
     }
 }
 
-/// Boundaries of the parts, first 0 and last the number of instructions. Each part has at most `longest`
-/// statements and ends, within its second half, where the fewest values are alive.
+/// Boundaries of the parts. The first is 0, and the last is the number of instructions. Each part has at most
+/// `longest` statements. It ends in its second half, at the place with the fewest values that are used later.
 fn cuts(program: &Program, flow: &Flow, longest: usize) -> Vec<usize> {
     let len = program.instructions.len();
     let alive = alive_before(program, flow);
@@ -131,7 +132,8 @@ fn cuts(program: &Program, flow: &Flow, longest: usize) -> Vec<usize> {
     cuts
 }
 
-/// For each instruction and for the end, how many values made before it are read by it or later.
+/// For each instruction and for the end, the number of values that are computed before it and used by it or
+/// later.
 fn alive_before(program: &Program, flow: &Flow) -> Vec<usize> {
     let len = program.instructions.len();
     let mut last_read: Vec<Option<usize>> = vec![None; len];
@@ -157,7 +159,7 @@ fn alive_before(program: &Program, flow: &Flow) -> Vec<usize> {
     running.take(len + 1).collect()
 }
 
-/// Largest number of values that are alive at once; results are alive to the end.
+/// Largest number of values that are in use at once. Results are in use until the end.
 pub(crate) fn most_alive(program: &Program, flow: &Flow) -> usize {
     alive_before(program, flow).into_iter().max().unwrap_or(0)
 }

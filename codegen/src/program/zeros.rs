@@ -1,8 +1,9 @@
-//! Values that are zero in every state.
+//! Entries of results that are zero in every state.
 
 use super::{Operand, Operation, Program};
 
-/// For each entry of each output, whether it is non-zero in some state.
+/// For each entry of each output, `false` if constants of the program make it zero in every state, and `true`
+/// otherwise.
 pub fn nonzero_entries(program: &Program) -> Vec<Vec<bool>> {
     let mut is_zero: Vec<bool> = Vec::with_capacity(program.instructions.len());
     for instruction in &program.instructions {

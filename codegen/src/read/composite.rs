@@ -9,15 +9,15 @@ use crate::model::{JointKind, Pose, QuaternionKind};
 pub(crate) enum Composite {
     /// Rotation about the axis and translation along it.
     Cylindrical,
-    /// Rotation about the x axis of its frame, then about the y axis.
+    /// Rotation about the x axis of the joint's frame, then about the y axis.
     Universal,
     /// Translation along two directions of a plane, then rotation about its normal.
     Planar,
-    /// A joint with a quaternion; its parts are the velocities in the body's own frame.
+    /// A joint with a quaternion. Its parts are the velocities in the body's own frame.
     Quaternion(QuaternionKind),
 }
 
-/// A part of such a joint.
+/// A part of a [`Composite`] joint.
 #[derive(Debug)]
 pub(crate) struct Part {
     /// Suffix of the part's name, and key of its values.
@@ -26,7 +26,7 @@ pub(crate) struct Part {
     axis: PartAxis,
 }
 
-/// The axis of a part in the frame whose z axis is that of the joint.
+/// The axis of a part, in the frame whose z axis is the axis of the joint.
 #[derive(Debug, Clone, Copy)]
 enum PartAxis {
     X,
@@ -68,7 +68,7 @@ impl Composite {
     /// A floating joint.
     pub const FLOATING: Self = Self::Quaternion(QuaternionKind::Floating);
 
-    /// Type of the joint with a quaternion, if it is one.
+    /// Type of the joint with a quaternion; `None` for other joints.
     pub fn quaternion(self) -> Option<QuaternionKind> {
         match self {
             Self::Quaternion(kind) => Some(kind),
@@ -76,7 +76,7 @@ impl Composite {
         }
     }
 
-    /// Composite joint with this type name.
+    /// Composite joint with this type name; `None` if the name belongs to no composite joint.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|composite| composite.name() == name)
     }
@@ -117,9 +117,10 @@ pub(crate) struct Place {
     pub axis: [f64; 3],
 }
 
-/// The chain of joints of a composite joint. The first has its pose, the last carries its link.
+/// The chain of joints of a composite joint. The first joint of the chain has the pose of the composite
+/// joint. The last joint carries its link.
 ///
-/// - `values`: returns the joint of a part by name, with limits, drive, friction and spring
+/// - `values`: returns the joint of a part with this name, with limits, drive, friction and spring
 pub(crate) fn expand(
     composite: Composite,
     name: &Name,
@@ -153,8 +154,8 @@ pub(crate) fn expand(
 }
 
 impl PartAxis {
-    /// In the joint's frame, where `z` is the joint's axis. x and y are those of the joint's frame, taken there by the
-    /// shortest rotation of z (half a turn about x where it is opposite):
+    /// The axis in the joint's frame. `z` is the axis of the joint. The axes x and y of the joint's frame are
+    /// rotated by the shortest rotation from e_z to z, or by 180° about x if z is opposite to e_z:
     /// `R = 1 + [w]ₓ + [w]ₓ² / (1 + c)` with w = e_z × z, c = e_z · z.
     fn along(self, z: [f64; 3]) -> [f64; 3] {
         let [a, b, c] = z;
@@ -170,7 +171,7 @@ impl PartAxis {
     }
 }
 
-/// Where 1 + cos is smaller, an axis points against z but for rounding.
+/// If 1 + cos is smaller than this value, the axis is opposite to e_z up to rounding.
 const OPPOSITE: f64 = 1e-12;
 
 #[cfg(test)]

@@ -8,33 +8,35 @@ use super::options::ReadOptions;
 use super::{Loaded, file_kind, from_xml, is_xml, toml_with};
 use crate::diagnostic::{Diagnostic, Diagnostics, Report, Span};
 
-/// Larger files are refused [bytes].
+/// Larger files are refused \[bytes\].
 const LARGEST: u64 = 256 << 20;
 
-/// A description and the files that it extends, with their contents at the first reading. Repeated
-/// interpretation with any options uses the same contents.
+/// A description and the files that it extends, with their contents at the first reading. Every later
+/// interpretation, also with other options, uses the same contents.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DescriptionFiles {
-    /// Path and content of each file, the description first.
+    /// Path and content of each file. The description is the first.
     files: Vec<(PathBuf, Vec<u8>)>,
     description: PathBuf,
 }
 
 impl DescriptionFiles {
-    /// Files of the description at `path`; nothing is read yet.
+    /// Files of the description at `path`. Nothing is read yet.
     pub fn of(path: &Path) -> Self {
         Self { files: Vec::new(), description: path.to_owned() }
     }
 
-    /// Files that were read, with contents: the description, and files that it extends or includes.
+    /// Path and content of the files that were read: the description, and the files that it extends or
+    /// includes.
     pub fn contents(&self) -> impl Iterator<Item = (&Path, &[u8])> {
         self.files.iter().map(|(path, content)| (path.as_path(), content.as_slice()))
     }
 
-    /// Whether the description is XML, from its file name or else its content.
+    /// Whether the description is XML. The extension of the file name decides, or without a known extension
+    /// the content.
     ///
     /// # Errors
-    /// The file cannot be read or is not a description.
+    /// An error if the file cannot be read or is not a description.
     pub fn is_xml(&mut self) -> Result<bool, Diagnostics> {
         let path = self.description.clone();
         let (name, text) = self.text(&path)?;
@@ -44,18 +46,18 @@ impl DescriptionFiles {
     /// Whether the description is an MJCF.
     ///
     /// # Errors
-    /// The file cannot be read or is not a description.
+    /// An error if the file cannot be read or is not a description.
     pub fn is_mjcf(&mut self) -> Result<bool, Diagnostics> {
         let path = self.description.clone();
         let (name, text) = self.text(&path)?;
         Ok(is_xml(&name, &text) && file_kind::is_mjcf(&text))
     }
 
-    /// Interprets a TOML, URDF or MJCF description. The format is known from the file name extension or else
-    /// the content.
+    /// Interprets a TOML, URDF or MJCF description. The extension of the file name determines the format, or
+    /// without a known extension the content.
     ///
     /// # Errors
-    /// All problems of the description, or a file that cannot be read.
+    /// All problems of the description, or an error if a file cannot be read.
     pub fn load(&mut self, options: &ReadOptions) -> Result<Loaded, Diagnostics> {
         let path = self.description.clone();
         let (name, text) = self.text(&path)?;
@@ -109,11 +111,11 @@ impl Fetch for FromFolder<'_> {
     }
 }
 
-/// Reads a TOML, URDF or MJCF description. The format is known from the file name extension or else the
-/// content.
+/// Reads a TOML, URDF or MJCF description. The extension of the file name determines the format, or without a
+/// known extension the content.
 ///
 /// # Errors
-/// All problems of the description, or a file that cannot be read.
+/// All problems of the description, or an error if a file cannot be read.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, Diagnostics> {
     DescriptionFiles::of(path).load(options)
 }
@@ -138,8 +140,8 @@ fn read_file(path: &Path) -> Result<Vec<u8>, Diagnostics> {
     Ok(bytes)
 }
 
-/// XML that says another encoding, as CAD programs write it. Latin-1 has a character for each byte, so names
-/// stay distinct.
+/// Text of an XML file with another encoding, as CAD programs write it. Latin-1 has a character for each
+/// byte, so names stay distinct.
 fn decoded(name: &str, why: std::string::FromUtf8Error) -> Result<String, Diagnostics> {
     let start: Vec<u8> = why.as_bytes().iter().take(200).copied().collect();
     let start = String::from_utf8_lossy(&start).to_lowercase();

@@ -1,13 +1,13 @@
-//! Frames of a description that extends another one.
+//! Frames of a description that extends another description.
 
 use crate::description::{FrameDescription, RobotDescription};
 use crate::function_names::FrameKind;
 use crate::model::name::identifier;
 
-/// Replaces the frames of the base description by those of the extension. Base frames that the whole
-/// description uses by name are kept.
+/// Replaces the frames of the base description by the frames of the extension. Frames of the base to which a
+/// name in the whole description refers are kept.
 ///
-/// - `whole`: base with the extension, except its frames
+/// - `whole`: base description with the extension, except the frames of the extension
 pub(super) fn replace(whole: &mut RobotDescription, frames: Vec<FrameDescription>) {
     if frames.is_empty() {
         return;
@@ -20,13 +20,13 @@ pub(super) fn replace(whole: &mut RobotDescription, frames: Vec<FrameDescription
     whole.frames = kept.collect::<Vec<_>>().into_iter().chain(frames).collect();
 }
 
-/// Whether a force, an input or a wrench names a frame, and means no link by that.
+/// Whether a force, an input or a wrench names the frame and does not mean a link by this name.
 fn is_needed(frame: &FrameDescription, whole: &RobotDescription) -> bool {
     let is_own = frame.link.value == frame.name.value && frame.pose.is_identity();
     !is_own && whole.names_at_frames().any(|name| name.value == frame.name.value)
 }
 
-/// Whether a function of a frame is asked for by name.
+/// Whether a function of the frame is requested by name.
 fn is_asked_for(frame: &FrameDescription, whole: &RobotDescription) -> bool {
     let functions = whole.options.iter().flat_map(|options| &options.functions);
     let own = FrameKind::ALL.map(|kind| kind.function(&identifier(&frame.name.value)));

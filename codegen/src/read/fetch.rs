@@ -2,11 +2,12 @@
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 
-/// Loads a text that a description names: its name in diagnostics, and the text. The path is relative to the
-/// folder of the first description, even if another description names it.
+/// Function that loads a text that a description names. It returns the name of the text in diagnostics, and
+/// the text. The path is relative to the folder of the first description, even if another description names
+/// it.
 pub type Load<'l> = dyn FnMut(&str) -> Result<(String, String), Diagnostics> + 'l;
 
-/// Loads texts, as [`Load`], and other files.
+/// Loads texts as [`Load`] does, and other files.
 pub(super) trait Fetch {
     /// Name of a text in diagnostics, and the text.
     fn text(&mut self, path: &str) -> Result<(String, String), Diagnostics>;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-/// Kind of a file that is not a description, and help text.
+/// Message about a file that is not a description, and help text.
 pub(super) type Foreign = (String, &'static str);
 
 const MESH: &str = "a mesh has no joints: give the URDF that uses it, or describe the robot in TOML";
@@ -31,7 +31,7 @@ const ROOTS: [(&str, &str, &str); 3] = [
     ("launch", "a launch file of ROS", "give the URDF that it loads"),
 ];
 
-/// Recognizes files that cannot be descriptions; returns message and help.
+/// Recognizes files that cannot be descriptions. Returns message and help text; `None` for other files.
 pub(super) fn foreign(name: &str, bytes: &[u8]) -> Option<Foreign> {
     let found = |what: &str, help: &'static str| {
         Some((format!("{name} is {what}; gelenk reads robots in TOML, URDF and MJCF"), help))
@@ -80,13 +80,14 @@ pub(super) fn is_mjcf(text: &str) -> bool {
     root(text.trim_start_matches('\u{feff}').trim_start()) == Some("mujoco")
 }
 
-/// Whether some bytes occur near the beginning.
+/// Whether the bytes occur near the beginning of a file.
 fn holds(bytes: &[u8], expected: &[u8]) -> bool {
     let near = &bytes[..bytes.len().min(1000)];
     near.windows(expected.len()).any(|part| part == expected)
 }
 
-/// 80 bytes of anything, the number of triangles, and 50 bytes for each.
+/// Whether the file has the structure of a binary STL: 80 arbitrary bytes, the number of triangles, and 50
+/// bytes for each triangle.
 fn is_binary_stl(bytes: &[u8]) -> bool {
     let count = bytes.get(80..84).and_then(|count| count.try_into().ok());
     let Some(count) = count.map(u32::from_le_bytes) else {

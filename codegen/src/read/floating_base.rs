@@ -7,13 +7,15 @@ use crate::diagnostic::{At, Report, Span};
 use crate::model::QuaternionKind;
 use std::collections::BTreeSet;
 
-/// Name of the floating joint, which the names of its velocities begin with; the second where the first is taken.
+/// Names of the floating joint. Names of its velocities begin with it. The second name is used if the first
+/// is taken.
 const JOINT: [&str; 2] = ["base", "floating_base"];
 
-/// The link before it.
+/// Names of the link before the floating joint.
 const WORLD: [&str; 2] = ["world", "inertial_frame"];
 
-/// Links with these names, in large or small letters, are the ground: links that are fixed to them do not move.
+/// Links with these names, in large or small letters, are the ground. Links that are fixed to the ground do
+/// not move.
 const GROUND: [&str; 5] = ["world", "world_link", "map", "odom", "ground"];
 
 /// Makes the base floating if the description asks for it.
@@ -39,7 +41,7 @@ pub(super) fn free(robot: &mut RobotDescription, report: &mut Report) {
 
 /// Puts a floating joint under the base.
 ///
-/// - `told`: keys of its velocities, which are removed
+/// - `told`: keys of the joint's velocities, which are removed
 fn put_joint(robot: &mut RobotDescription, root: &str, span: Span, told: &mut Vec<JointDescription>) {
     let world = unused(WORLD, |name| links(robot).any(|link| link == name));
     let place = Place {
@@ -65,12 +67,12 @@ fn put_joint(robot: &mut RobotDescription, root: &str, span: Span, told: &mut Ve
     robot.joints = joints.into_iter().chain(described).collect();
 }
 
-/// The name of the joint by which a base floats that is freed.
+/// Name of the floating joint that makes the base floating.
 fn base_joint(robot: &RobotDescription) -> String {
     unused(JOINT, |name| robot.joints.iter().any(|joint| joint.name.value == name))
 }
 
-/// Names that an extending description can refer to.
+/// Names to which an extending description can refer.
 ///
 /// - `asked`: whether an option makes the base floating
 pub(super) fn extended(robot: &RobotDescription, asked: bool) -> Extended {
@@ -100,12 +102,13 @@ fn carried<'d>(robot: &'d RobotDescription, link: &str) -> impl Iterator<Item = 
     robot.joints.iter().filter(move |joint| joint.parent.as_ref().is_some_and(|parent| parent.value == link))
 }
 
-/// Whether a joint is a velocity of a floating one.
+/// Whether a joint is a velocity of a floating joint.
 fn floats(joint: &JointDescription) -> bool {
     joint.part_of.as_ref().is_some_and(|part| part.kind == QuaternionKind::Floating)
 }
 
-/// The joint on the ground says what becomes of the wish that the base floats: nothing is left to do where it does.
+/// Handles a base link that is the ground. If the robot already floats on the ground, the option has no
+/// effect. Otherwise an error is reported.
 fn stand_on_ground(robot: &mut RobotDescription, ground: &str, span: Span, report: &mut Report) {
     let floating = carried(robot, ground).find(|joint| floats(joint));
     let Some(joint) = floating.and_then(|joint| joint.part_of.as_ref()).map(|part| part.joint.clone()) else {
@@ -126,19 +129,20 @@ fn is_part_of(part: &JointDescription, joint: &str) -> bool {
     part.part_of.as_ref().is_some_and(|part| part.joint.value == joint)
 }
 
-/// The first name that is not taken. Where both are, the last one is reported as a duplicate.
+/// The first name that is not taken. If both names are taken, the second is returned and reported as a
+/// duplicate.
 fn unused([first, second]: [&str; 2], is_taken: impl Fn(&str) -> bool) -> String {
     if is_taken(first) { second } else { first }.to_owned()
 }
 
-/// Names of all links, some of them several times.
+/// Names of all links. Some names occur several times.
 fn links(robot: &RobotDescription) -> impl Iterator<Item = &str> {
     let ends = robot.joints.iter().flat_map(|joint| [&joint.parent, &joint.child]).flatten();
     let bodies = robot.bodies.iter().map(|body| &body.link);
     robot.links.iter().chain(&robot.base).chain(ends).chain(bodies).map(|name| name.value.as_str())
 }
 
-/// The only link that no joint carries.
+/// The only link that no joint carries; `None` if there is not exactly one link without a joint.
 fn root(robot: &RobotDescription) -> Option<String> {
     let children = robot.joints.iter().filter_map(|joint| joint.child.as_ref());
     let children: BTreeSet<&str> = children.map(|name| name.value.as_str()).collect();

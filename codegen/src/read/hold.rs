@@ -6,7 +6,8 @@ use crate::wording::list;
 use gelenk_formula::Hold;
 use std::collections::BTreeMap;
 
-/// Holds the joints whose names match. Followers keep following, and must be at rest in the end.
+/// Holds the joints whose names match a pattern. A follower whose name matches must follow only joints at
+/// rest.
 pub(super) fn apply(robot: &mut RobotDescription, holds: &[At<Hold>], report: &mut Report) {
     for At { value: hold, span } in holds {
         let mut is_unknown = true;
@@ -38,7 +39,7 @@ pub(super) fn apply(robot: &mut RobotDescription, holds: &[At<Hold>], report: &m
     }
 }
 
-/// Holds joints that follow only joints at rest, at Σ ratio · position + offset.
+/// Holds joints that follow only joints at rest. Their position is Σ ratio · position + offset.
 pub(super) fn settle(robot: &mut RobotDescription, report: &mut Report) {
     let defaults: Vec<f64> = robot.parameters.iter().map(|parameter| parameter.value.default).collect();
     let at_rest = robot.joints.iter().filter_map(|joint| Some((joint.name.value.clone(), joint.held?)));
@@ -71,7 +72,7 @@ pub(super) fn settle(robot: &mut RobotDescription, report: &mut Report) {
     }
 }
 
-/// `ratio · position` of a joint at rest. A free ratio to another position than 0 is not a constant.
+/// The product `ratio · position` for a joint at rest; `None` if it is not a constant.
 fn part(term: &FollowsDescription, positions: &BTreeMap<String, f64>, defaults: &[f64]) -> Option<f64> {
     let position = *positions.get(&term.joint.value)?;
     let ratio = &term.ratio.value;

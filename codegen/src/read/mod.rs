@@ -1,6 +1,6 @@
-//! Stage 1: converts a description to a valid [`Model`].
+//! Conversion of a description to a valid [`Model`].
 //!
-//! The readers of TOML, URDF and MJCF make a `RobotDescription`; `check/` converts it to a model or reports
+//! The readers of TOML, URDF and MJCF make a `RobotDescription`. `check/` converts it to a model or reports
 //! all problems.
 
 mod composite;
@@ -33,18 +33,18 @@ use gelenk_formula::Hold;
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 
-/// A description that was read.
+/// A robot that was read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Loaded {
     /// The robot.
     pub model: Model,
     /// Notes about skipped or changed elements.
     pub notes: Diagnostics,
-    /// Files that were read; the description is the first.
+    /// Files that were read. The description is the first.
     pub files: Vec<PathBuf>,
 }
 
-/// Whether a file is XML, by its name, else by its content.
+/// Whether a file is XML. The extension of its name decides, or without a known extension its content.
 fn is_xml(name: &str, text: &str) -> bool {
     match Path::new(name).extension().and_then(|end| end.to_str()) {
         Some("toml") => false,
@@ -60,8 +60,9 @@ fn without_mark(text: &str) -> &str {
 
 /// Reads a TOML description.
 ///
-/// - `text`, `name`: text, and its name in messages; the file stem is the model's name if the text has none
-/// - `load`: loads the URDF or TOML that the description extends
+/// - `text`, `name`: text of the description, and its name in messages; the file stem is the name of the
+///   model if the text has no name
+/// - `load`: loads the TOML, URDF or MJCF that the description extends
 ///
 /// # Errors
 /// All problems of the description.
@@ -74,7 +75,7 @@ pub fn from_toml(
     toml_with(text, name, options, &mut Texts(load))
 }
 
-/// Reads a TOML description, as [`from_toml`].
+/// Reads a TOML description as [`from_toml`] does.
 fn toml_with(
     text: &str,
     name: &str,
@@ -102,7 +103,7 @@ pub fn from_urdf(text: &str, name: &str, options: &ReadOptions) -> Result<(Model
 
 /// Reads an MJCF.
 ///
-/// - `load`: loads included files; meshes have no mass here
+/// - `load`: loads included files, but no meshes, so geoms with meshes have no mass
 ///
 /// # Errors
 /// All problems of the description.
@@ -127,7 +128,7 @@ fn mjcf_with(
     finish(reader, robot, options)
 }
 
-/// Reads XML: an MJCF where its root says so, else a URDF.
+/// Reads XML: an MJCF if its root is `mujoco`, otherwise a URDF.
 fn from_xml(
     text: &str,
     name: &str,
@@ -140,7 +141,7 @@ fn from_xml(
     }
 }
 
-/// Applies the caller's options in addition to the description.
+/// Applies the options of the caller, in addition to the options in the description.
 fn apply(options: &ReadOptions, model: &mut Model) {
     model.options.smooth_sign = match options.exact_sign {
         true => None,
@@ -220,14 +221,14 @@ fn finish(
     }
 }
 
-/// The first parameter that no formula uses, and the names of all.
+/// The first parameter that no formula uses, and the names of all unused parameters; `None` if all are used.
 fn unused(reader: &Reader) -> Option<(Span, String)> {
     let parameters: Vec<_> = reader.unused.iter().filter_map(|&index| reader.parameters.get(index)).collect();
     let names = listed(parameters.iter().map(|parameter| format!("`{}`", parameter.value.name)));
     Some((parameters.first()?.span, names))
 }
 
-/// Joints that follow although the caller frees those of a URDF or MJCF: a TOML file says so.
+/// Notes joints that follow because of `follows` in a TOML file, although the caller frees mimic joints.
 fn note_followers(robot: &RobotDescription, report: &mut Report) {
     let follows = robot.joints.iter().filter_map(|joint| Some((joint, joint.follows.as_ref()?)));
     let found: Vec<_> = follows.collect();
@@ -241,7 +242,7 @@ fn note_followers(robot: &RobotDescription, report: &mut Report) {
     );
 }
 
-/// Driven joints as coordinates without a drive.
+/// Makes driven joints independent joints without a drive.
 fn free_driven(robot: &mut RobotDescription) {
     for joint in robot.joints.iter_mut().filter(|joint| joint.is_driven()) {
         let span = joint.driven.take().map_or(joint.name.span, |driven| driven.span);
@@ -261,7 +262,7 @@ fn read_urdf(reader: &mut Reader, text: &str, name: &str, options: &ReadOptions)
     urdf::description(report, angles, text, source, name, options)
 }
 
-/// - `path`: from which those of included files begin
+/// - `path`: path of the file, in whose folder paths of included files begin
 fn read_mjcf(
     reader: &mut Reader,
     (text, name): (&str, &str),
@@ -275,18 +276,18 @@ fn read_mjcf(
     mjcf::description((report, angles), (text, source), path, options, load)
 }
 
-/// A description may extend one that extends another; more than this is hardly meant.
+/// Largest number of descriptions that extend each other.
 const DEEPEST: usize = 8;
 
-/// Descriptions that extend each other, and how to fetch the next.
+/// Descriptions that extend each other, and the loader of the next.
 struct Chain<'l> {
     load: &'l mut dyn Fetch,
-    /// Paths of the descriptions from the folder of the first one.
+    /// Paths of the descriptions, relative to the folder of the first description.
     files: Vec<PathBuf>,
 }
 
 impl Chain<'_> {
-    /// The path of a file that the last description names.
+    /// Path of a file that the last description names.
     fn path_of(&self, file: &str) -> PathBuf {
         let folder = self.files.last().and_then(|file| file.parent());
         folder.unwrap_or(Path::new("")).join(file)
@@ -297,7 +298,7 @@ impl Chain<'_> {
     }
 }
 
-/// A path without detours, for comparisons: `./a/../b` is `b`.
+/// A path without detours, for comparisons: `./a/../b` becomes `b`.
 fn plain(path: &Path) -> PathBuf {
     let mut plain = PathBuf::new();
     for part in path.components() {
@@ -352,7 +353,7 @@ fn read_toml(
 
 const BODY_OF_MJCF: &str = "`body` chooses a body of an MJCF scene, but the description extends no MJCF";
 
-/// Reports a body that is chosen in a file without a scene.
+/// Reports a chosen body if the description extends no MJCF.
 ///
 /// - `is_chosen`: whether a body is chosen
 fn require_mjcf(robot: &Option<RobotDescription>, is_chosen: bool, report: &mut Report) {
@@ -361,7 +362,7 @@ fn require_mjcf(robot: &Option<RobotDescription>, is_chosen: bool, report: &mut 
     }
 }
 
-/// The robot with the joints held that its description names.
+/// Holds the joints that the description names.
 fn held(mut robot: RobotDescription, holds: &[At<Hold>], report: &mut Report) -> RobotDescription {
     hold::apply(&mut robot, holds, report);
     robot
@@ -402,7 +403,7 @@ fn read_base(
     }
 }
 
-/// The base with everything that the extension says instead or besides.
+/// The base description, changed by the extension.
 fn extend(mut base: RobotDescription, extension: RobotDescription, report: &mut Report) -> RobotDescription {
     let joints = index(base.joints.iter().map(|joint| &joint.name));
     for joint in extension.joints {
@@ -435,7 +436,8 @@ fn extend(mut base: RobotDescription, extension: RobotDescription, report: &mut 
     whole
 }
 
-/// A base that moves freely has its joint before the rest of the extension, so that this can speak of it.
+/// Extends a base description. If the base link is freed, its floating joint is added first, so that the
+/// extension can refer to the joint.
 fn extend_freed(
     mut base: RobotDescription,
     mut extension: RobotDescription,
@@ -450,7 +452,7 @@ fn extend_freed(
     extend(base, extension, report)
 }
 
-/// Entries of an extension take the place of those of the same name.
+/// Adds the entries of an extension. An entry replaces the entry of the base with the same name.
 fn replace_or_add<T>(base: &mut Vec<T>, extension: Vec<T>, name: fn(&T) -> &Name) {
     for entry in extension {
         match base.iter_mut().find(|known| name(known).value == name(&entry).value) {
@@ -464,8 +466,8 @@ fn index<'n>(names: impl Iterator<Item = &'n Name>) -> BTreeMap<String, usize> {
     names.enumerate().map(|(at, name)| (name.value.clone(), at)).collect()
 }
 
-/// Mass, centre and inertia replace each other one by one; a new centre or inertia counts in the link's own
-/// frame unless a new origin comes with it.
+/// Mass, centre and inertia are replaced separately. A new centre or inertia is in the frame of the link,
+/// unless the extension has a new origin.
 fn extend_body(known: &mut BodyDescription, body: BodyDescription) {
     let moved = body.center_of_mass.is_some() || body.inertia.is_some();
     let replaced = moved || body.mass.is_some();

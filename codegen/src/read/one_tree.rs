@@ -1,13 +1,13 @@
-//! Selection of one tree of a scene.
+//! Selection of one kinematic tree of a scene.
 
 use crate::description::{Name, RobotDescription};
 use crate::diagnostic::{Report, Span, nearest};
 use std::collections::BTreeSet;
 
-/// Keeps the tree that contains a link, from the base on, and removes other robots and objects.
+/// Keeps the tree that contains a link, from the base outwards. Removes other robots and objects.
 ///
 /// - `base`: link that carries all trees
-/// - `wanted`: the link, with the place of the request
+/// - `wanted`: name of the link, with the place of the request
 pub(super) fn keep(
     robot: &mut RobotDescription,
     base: &str,
@@ -28,7 +28,7 @@ pub(super) fn keep(
     cut(robot, base, root);
 }
 
-/// Parents and children of joints.
+/// Parent and child of each joint.
 fn edges(robot: &RobotDescription) -> Vec<(String, String)> {
     let ends = |joint: &crate::description::JointDescription| {
         Some((joint.parent.as_ref()?.value.clone(), joint.child.as_ref()?.value.clone()))
@@ -36,7 +36,7 @@ fn edges(robot: &RobotDescription) -> Vec<(String, String)> {
     robot.joints.iter().filter_map(ends).collect()
 }
 
-/// Keeps a link with everything that it carries, and the frames of the base.
+/// Keeps a link, the links that it carries, and the frames of the base.
 pub(super) fn cut(robot: &mut RobotDescription, base: &str, root: String) {
     // Parents are described before their children.
     let mut kept = BTreeSet::from([root]);

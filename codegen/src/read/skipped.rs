@@ -1,11 +1,11 @@
-//! Notes about skipped or changed parts of a file, one note per kind.
+//! Notes about skipped or changed parts of a file, with one note for each kind.
 
 use std::collections::BTreeMap;
 
 use crate::diagnostic::{Diagnostic, Report, Severity, Span};
 use crate::wording::listed;
 
-/// A kind of remark about a description. It gives one note, however often it occurs.
+/// A kind of remark about a description. A kind gives one note for all its occurrences.
 pub(super) trait Remark: Copy + Ord {
     fn code(self) -> &'static str;
     fn severity(self) -> Severity;
@@ -15,9 +15,9 @@ pub(super) trait Remark: Copy + Ord {
 /// Collects the remarks of a format during the reading of a file.
 #[derive(Debug)]
 pub(super) struct Notes<R> {
-    /// Skipped elements and attributes: first place and count.
+    /// Skipped elements and attributes, each with its first place and the number of its occurrences.
     skipped: BTreeMap<String, (Span, usize)>,
-    /// First place and owners.
+    /// Remarks, each with its first place and the names of the parts that it concerns.
     remarks: BTreeMap<R, (Span, Vec<String>)>,
 }
 
@@ -35,7 +35,7 @@ impl<R: Remark> Notes<R> {
         entry.or_insert_with(|| (span, Vec::new())).1.push(owner);
     }
 
-    /// Reports the collected elements. Elements that may affect the dynamics get a note of their own.
+    /// Reports the collected elements. Elements that may affect the dynamics have a separate note.
     pub(super) fn report(self, is_harmless: impl Fn(&str) -> bool, report: &mut Report) {
         let (harmless, unknown): (Vec<_>, Vec<_>) =
             self.skipped.into_iter().partition(|(what, _)| is_harmless(what));

@@ -8,14 +8,14 @@ use crate::model::Model;
 use crate::program::display::{self, LatexResult, Notation};
 use crate::program::expanded::{MOST_TERMS, expanded};
 
-/// Closed forms in LaTeX, independent of the computer algebra.
+/// Closed forms in LaTeX.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct ClosedForm {
-    /// Entries of M, k, q and B.
+    /// Entries of M, k, q and B as equations.
     pub equations: Vec<String>,
-    /// Lumped constants.
+    /// Lumped constants as equations.
     pub constants: Vec<String>,
-    /// Symbols.
+    /// Symbols in the equations.
     pub symbols: Vec<Symbol>,
 }
 
@@ -24,22 +24,23 @@ pub struct ClosedForm {
 pub struct Symbol {
     /// Symbol in LaTeX.
     pub name: String,
-    /// Value in LaTeX.
+    /// Value of the symbol in LaTeX.
     pub value: String,
-    /// Meaning.
+    /// Meaning of the symbol.
     pub meaning: String,
 }
 
-/// Largest number of abbreviations shown at once; more are folded away.
+/// Largest number of abbreviations (intermediate values) that are shown at first. More abbreviations are
+/// folded away.
 const MOST_OPEN: usize = 60;
-/// Largest number of typeset abbreviations; a browser needs seconds for tens of thousands.
+/// Largest number of typeset abbreviations. A browser needs seconds for tens of thousands.
 const MOST: usize = 1_500;
 /// Letters on one line of a printed page.
 const LETTERS: usize = 85;
 /// Letters of the space between two columns of a matrix.
 const COLUMN_GAP: usize = 3;
 
-/// Equations of motion, and the meaning of their symbols.
+/// The equations of motion, and the meaning of their symbols.
 pub(super) fn legend(robot: &Robot<'_>) -> Result<Vec<Block>, ReportError> {
     let equation = Equation::new(motion(robot))?;
     Ok(vec![
@@ -53,7 +54,7 @@ pub(super) fn legend(robot: &Robot<'_>) -> Result<Vec<Block>, ReportError> {
     ])
 }
 
-/// The equations of motion.
+/// The equations of motion in LaTeX.
 pub(super) fn motion(robot: &Robot<'_>) -> String {
     let input_matrix = if robot.model.inputs_depend_on_position() { "B(y)" } else { "B" };
     let motion = format!(r"M(y)\,\ddot{{y}} + k(y,\dot{{y}}) = q(y,\dot{{y}}) + {input_matrix}\,u");
@@ -63,16 +64,16 @@ pub(super) fn motion(robot: &Robot<'_>) -> String {
     }
 }
 
-/// Functions that compute M, k, q and B.
+/// Names of the functions that compute M, k, q and B.
 pub(crate) const EQUATIONS: [&str; 4] = ["mass_matrix", "coriolis_forces", "applied_forces", "input_matrix"];
-/// Coordinates of the largest robot whose equations are written as sums.
+/// Largest number of coordinates for which equations are written as sums.
 const MOST_COORDINATES: usize = 3;
 
-/// Entries of M, k, q and B as sums without intermediate values in LaTeX, with the numbers of the
+/// Entries of M, k, q and B as sums without intermediate values, in LaTeX and with the numbers of the
 /// description. M is symmetric, so only its upper half is given.
 ///
 /// # Errors
-/// The robot has more than three coordinates, or an entry has more than 1000 terms.
+/// A text, if the robot has more than three coordinates or an entry has more than 1000 terms.
 pub fn sums(model: &Model, functions: &[Function]) -> Result<Vec<String>, String> {
     let coordinates = model.coordinates.len();
     if coordinates > MOST_COORDINATES {
@@ -92,10 +93,10 @@ pub fn sums(model: &Model, functions: &[Function]) -> Result<Vec<String>, String
     Ok(sums)
 }
 
-/// The sums as a document of LaTeX (amsmath).
+/// The sums of [`sums`] as a LaTeX document (amsmath).
 ///
 /// # Errors
-/// See [`sums`]; [`ReportError`] as text if a sum cannot be typeset.
+/// Errors of [`sums`], and [`ReportError`] as text if a sum cannot be typeset.
 pub fn sums_document(model: &Model, functions: &[Function]) -> Result<String, String> {
     let mut lines = Vec::new();
     for sum in sums(model, functions)? {
@@ -115,7 +116,7 @@ pub fn sums_document(model: &Model, functions: &[Function]) -> Result<String, St
     ))
 }
 
-/// A function with its intermediate values.
+/// A function as equations of its intermediate values and its results.
 pub(super) fn program(robot: &Robot<'_>, function: &Function) -> Vec<Block> {
     let heading = Block::Heading(vec![
         Inline::Text(function.summary.replace('`', "").trim_end_matches('.').to_owned()),
@@ -153,7 +154,8 @@ pub(super) fn program(robot: &Robot<'_>, function: &Function) -> Vec<Block> {
     blocks
 }
 
-/// A result as one equation; a matrix that is too wide for paper as its entries that are not 0.
+/// A result as one equation. If a matrix is too wide for paper, the equations are those of its entries that
+/// are not 0.
 fn result_lines(result: &LatexResult) -> Vec<String> {
     let width = |entry: &String| Equation::new(entry.as_str()).map_or(0, |equation| equation.width());
     let columns = result.rows.first().map_or(0, Vec::len);
@@ -181,7 +183,7 @@ fn all(latex: &[String]) -> Result<Vec<Equation>, ReportError> {
     latex.iter().map(Equation::new).collect()
 }
 
-/// On lines that paper can hold.
+/// Equations that are broken into lines with the width of paper.
 fn broken(latex: &[String]) -> Result<Vec<Equation>, ReportError> {
     let lines: Result<Vec<Vec<Equation>>, ReportError> =
         latex.iter().map(|one| Equation::broken(one, LETTERS)).collect();
@@ -196,7 +198,7 @@ pub(super) fn set(latex: &[String]) -> Block {
     }
 }
 
-/// Closed forms as blocks.
+/// Closed forms as blocks of the page.
 pub(super) struct ClosedFormText<'a>(pub &'a ClosedForm);
 
 impl ClosedFormText<'_> {

@@ -7,7 +7,8 @@ use super::robot::Robot;
 use crate::model::{FollowedCoordinate, FrictionTerm};
 use gelenk_formula::Formula;
 
-/// A follower, or the shaft of a motor that moves several coordinates.
+/// A joint that follows coordinates, or the shaft of a motor that moves several coordinates. Its position has
+/// the symbol z.
 pub(super) struct Following<'a> {
     name: &'a str,
     what: &'static str,
@@ -16,12 +17,12 @@ pub(super) struct Following<'a> {
     offset: f64,
     pub(super) friction: &'a [FrictionTerm],
     pub(super) springs: &'a [Formula],
-    /// Index of its z, from 1.
+    /// Index of the symbol z, from 1.
     pub(super) number: usize,
 }
 
 impl Following<'_> {
-    /// Followers and shafts of a robot with friction or springs.
+    /// Joints that follow coordinates, and shafts of a robot, if they have friction or springs.
     pub(super) fn all<'a>(robot: &Robot<'a>) -> Vec<Following<'a>> {
         let model = robot.model;
         let joints = model.moving_joints().into_iter().skip(model.motion_count()).map(|moving| Following {
@@ -57,15 +58,15 @@ impl Following<'_> {
         self.follows.iter().any(|term| term.coordinate == coordinate)
     }
 
-    /// Symbols of position and velocity.
+    /// Symbols of the position and the velocity.
     pub(super) fn motion(&self) -> Motion {
         Motion::numbered('z', self.number)
     }
 }
 
-/// Names and positions of the followers.
+/// Table of names and positions of joints and shafts that follow coordinates.
 ///
-/// - `what`: their property
+/// - `what`: friction or springs, which these joints and shafts have
 pub(super) fn table(robot: &Robot<'_>, following: &[Following<'_>], what: &str) -> Table {
     let math = |latex: String| Cell::Line(vec![Inline::Math(latex)]);
     let rows = following.iter().map(|one| {

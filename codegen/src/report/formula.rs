@@ -3,8 +3,8 @@
 use crate::program::display::{latex_letters, latex_number};
 use gelenk_formula::{Formula, Function};
 
-/// Position and velocity of a formula, for example y₂ and ẏ₂. After joints with quaternions their indices
-/// differ.
+/// Symbols of position and velocity in a formula, for example y₂ and ẏ₂. The indices differ after joints with
+/// quaternions.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Motion {
     pub letter: char,
@@ -27,7 +27,7 @@ pub(super) fn latex(formula: &Formula, parameters: &[String], motion: Motion) ->
     Printer { parameters, motion }.print(formula, Binding::Sum)
 }
 
-/// Like [`latex`], in brackets unless it is a factor.
+/// A formula in LaTeX as [`latex`] writes it, but in brackets unless it is a factor.
 pub(super) fn factor(formula: &Formula, parameters: &[String], motion: Motion) -> String {
     Printer { parameters, motion }.print(formula, Binding::Product)
 }
@@ -38,7 +38,7 @@ pub(super) fn sum(formulas: &[Formula], parameters: &[String], motion: Motion) -
     summands.reduce(|sum, summand| join(&sum, &summand)).unwrap_or_default()
 }
 
-/// Binding strength of a formula, and of its place; a looser formula gets brackets.
+/// Binding strength of a formula, and of its place. A formula that binds less than its place gets brackets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Binding {
     /// A sum, or a text that begins with a sign.
@@ -88,7 +88,7 @@ impl Printer<'_> {
     }
 }
 
-/// A sum of two sums: the sign in front of the second is kept.
+/// The sum of two sums. The sign at the beginning of the second sum is kept.
 fn join(a: &str, b: &str) -> String {
     match b.strip_prefix('-') {
         Some(subtracted) => format!("{a} - {subtracted}"),

@@ -9,7 +9,7 @@ use super::robot::Robot;
 use crate::model::{FrictionTerm, Joint, JointKind};
 use gelenk_formula::Formula;
 
-/// Joints in one plot.
+/// Largest number of joints in a plot.
 const CURVES: usize = 6;
 
 /// Section on friction; `None` without friction.
@@ -43,7 +43,7 @@ pub(super) fn section(robot: &Robot<'_>) -> Result<Option<Section>, ReportError>
     Ok(Some(section))
 }
 
-/// Joints and shafts that follow and have friction, with their laws.
+/// Laws of the joints and shafts that follow coordinates and have friction.
 fn following_blocks(robot: &Robot<'_>, following: &[Following<'_>]) -> Vec<Block> {
     let laws = following
         .iter()
@@ -59,7 +59,7 @@ fn following_blocks(robot: &Robot<'_>, following: &[Following<'_>]) -> Vec<Block
     ]
 }
 
-/// Friction laws of the joints that have one.
+/// Friction laws of the joints with friction, in LaTeX.
 pub(super) fn friction_laws(robot: &Robot<'_>) -> Vec<String> {
     let joints = robot.joints().into_iter().enumerate();
     let rubbing = joints.filter(|(_, joint)| !joint.friction.is_empty());
@@ -70,7 +70,7 @@ pub(super) fn friction_laws(robot: &Robot<'_>) -> Vec<String> {
         .collect()
 }
 
-/// Friction over load of the joints that have such friction.
+/// Friction per unit of load, in LaTeX, for the joints with load-dependent friction.
 fn load_friction_laws(robot: &Robot<'_>) -> Vec<String> {
     let joints = robot.joints().into_iter().enumerate();
     let loaded = joints.filter(|(_, joint)| !joint.load_friction.is_empty());
@@ -97,7 +97,7 @@ const CAPTION: &str = "Friction over velocity up to the velocity limit (1 if the
                        joints at rest. Friction that depends on the position is drawn at both limits and \
                        midway.";
 
-/// Friction over velocity, as the generated function computes it.
+/// Plots of friction over velocity, computed by the generated function.
 pub(super) fn friction_figure(robot: &Robot<'_>, following: &[Following<'_>]) -> Option<Figure> {
     let joints = robot.joints().into_iter().enumerate();
     let drags = |index: usize| following.iter().any(|one| one.moves_with(index));
@@ -141,8 +141,8 @@ fn friction_plot(
     Some(plot)
 }
 
-/// Positions at which a joint's friction is drawn, with the names of the curves: 0 alone, or both limits and
-/// their mean (−1, 0 and 1 without limits) where the law depends on the position.
+/// Positions at which the friction of a joint is drawn, with the names of the curves. If the law depends on
+/// the position, these are both limits and their mean (−1, 0 and 1 without limits), otherwise only 0.
 fn friction_positions(joint: &Joint, index: usize, following: &[Following<'_>]) -> Vec<(String, f64)> {
     let added = following.iter().filter(|one| one.moves_with(index)).flat_map(|one| one.friction);
     if !joint.friction.iter().chain(added).any(|term| term.basis.depends_on_position()) {
@@ -153,7 +153,8 @@ fn friction_positions(joint: &Joint, index: usize, following: &[Following<'_>]) 
     [low, 0.5 * (low + high), high].map(named).to_vec()
 }
 
-/// Velocities are spaced more closely around 0, where laws are steep.
+/// Points of a friction curve. Velocities are closer together around 0, because friction laws are steep
+/// there.
 fn friction_curve(robot: &Robot<'_>, index: usize, joint: &Joint, position: f64) -> Option<Vec<[f64; 2]>> {
     const HALF: i32 = 200;
     let most = joint.limits.velocity.unwrap_or(1.0);

@@ -1,6 +1,7 @@
-//! Page of a robot: parts, equations, operation counts, and self-check.
+//! Page of a robot: its parts, equations, operation counts, and self-check.
 //!
-//! [`gelenk_report`] writes the page, like those of the runtime's examples; this module has its contents.
+//! [`gelenk_report`] writes the page, as it does for the runtime's examples. This module has the contents of
+//! the page.
 
 mod equations;
 mod following;
@@ -34,9 +35,9 @@ pub struct Contents<'a> {
     pub functions: &'a [Function],
     /// Notes on the description.
     pub notes: &'a Diagnostics,
-    /// Closed forms, or the reason why there are none, as text with markup.
+    /// Closed forms. If there are no closed forms, the reason as text with markup.
     pub closed_form: Result<&'a ClosedForm, &'a str>,
-    /// Command that makes the page.
+    /// Command line that makes the page.
     pub command: &'a str,
 }
 
@@ -100,7 +101,7 @@ fn robot_section(robot: &Robot<'_>) -> Section {
         .block(Block::Tree(scene))
 }
 
-/// Meaning of the argument of driven joints.
+/// Sentence on the argument d with the motion of driven joints; `None` without driven joints.
 fn driven(robot: &Robot<'_>) -> Option<String> {
     let joints = robot.model.driven_joints().enumerate();
     let names: Vec<String> =
@@ -183,7 +184,7 @@ fn self_check_section(robot: &Robot<'_>) -> Section {
         .block(Block::Claims(self_check::claims(robot)))
 }
 
-/// Meaning of the rows and sliders of a joint with a quaternion.
+/// Sentences on the positions, velocities and sliders of joints with quaternions.
 fn quaternions(robot: &Robot<'_>) -> Vec<String> {
     let joint = |joint: &QuaternionJoint| {
         let Range { start, end } = joint.coordinates();

@@ -1,4 +1,4 @@
-//! A robot with its functions, evaluated by the interpreter.
+//! A robot whose functions are evaluated by the interpreter.
 
 use super::formula::Motion;
 use crate::dynamics::load_friction;
@@ -9,12 +9,12 @@ use crate::program::interpret::{Functions, interpret};
 use gelenk_formula::Formula;
 use gelenk_report::SceneSymbol;
 
-/// A robot with its functions at the described parameters.
+/// A robot with its functions. Free parameters have the values of the description.
 #[derive(Debug)]
 pub(super) struct Robot<'a> {
     pub model: &'a Model,
     pub functions: &'a [Function],
-    /// Described values of the free parameters.
+    /// Values of the free parameters in the description.
     pub parameters: Vec<f64>,
     /// Names of the free parameters.
     pub parameter_names: Vec<String>,
@@ -34,8 +34,8 @@ impl<'a> Robot<'a> {
         }
     }
 
-    /// Symbol of a coordinate: position of its joint, or velocity for a joint with a quaternion. Driven
-    /// joints follow the coordinates.
+    /// Symbol of a coordinate: the position of its joint, or the velocity for a joint with a quaternion.
+    /// Indices of driven joints follow the indices of the coordinates.
     pub(super) fn named(&self, coordinate: usize) -> SceneSymbol {
         match coordinate.checked_sub(self.n()) {
             Some(driven) => SceneSymbol::Driven(driven),
@@ -46,7 +46,7 @@ impl<'a> Robot<'a> {
         }
     }
 
-    /// This symbol as a formula.
+    /// Symbol of a coordinate in LaTeX.
     pub(super) fn symbol(&self, coordinate: usize) -> String {
         match self.named(coordinate) {
             SceneSymbol::Position(index) => format!("y_{{{}}}", index + 1),
@@ -60,7 +60,7 @@ impl<'a> Robot<'a> {
         Motion { letter: 'y', position: self.model.first_position(coordinate) + 1, velocity: coordinate + 1 }
     }
 
-    /// `\sum ratio y_i + offset` as a formula.
+    /// The sum `\sum ratio y_i + offset` in LaTeX.
     pub(super) fn followed(&self, terms: &[FollowedCoordinate], offset: f64) -> String {
         let mut sum = String::new();
         let signed = terms.iter().map(|term| {
@@ -86,7 +86,7 @@ impl<'a> Robot<'a> {
         self.model.coordinates.len()
     }
 
-    /// Joints in the order of the coordinates.
+    /// Joints of the coordinates, in order.
     pub fn joints(&self) -> Vec<&'a Joint> {
         self.model.joints().collect()
     }
@@ -102,7 +102,7 @@ impl<'a> Robot<'a> {
         links.flat_map(|link| link.bodies.iter().map(move |body| (link, body))).collect()
     }
 
-    /// Value of a formula of parameters.
+    /// Value of a formula that depends only on parameters.
     pub fn value(&self, formula: &Formula) -> f64 {
         formula.evaluate(&self.parameters, 0.0, 0.0)
     }
@@ -112,7 +112,7 @@ impl<'a> Robot<'a> {
         formulas.each_ref().map(|formula| self.value(formula))
     }
 
-    /// A function by name.
+    /// The function with this name; `None` if the robot lacks it.
     pub fn function(&self, name: &str) -> Option<&'a Function> {
         self.functions.iter().find(|function| function.name == name)
     }
@@ -122,7 +122,7 @@ impl<'a> Robot<'a> {
         load_friction::is_there(self.model)
     }
 
-    /// Friction torques at positions and velocities.
+    /// Friction torques at positions and velocities; `None` if the robot lacks the function.
     pub fn friction_torques(&self, positions: &[f64], velocities: &[f64]) -> Option<Vec<f64>> {
         let name = "friction_torques";
         let takes_driven = usize::from(self.takes_driven(self.function(name)?));
@@ -137,7 +137,7 @@ impl<'a> Robot<'a> {
         self.results(self.function(name)?, inputs)
     }
 
-    /// Whether the motion of the driven joints is an argument of a function, behind the others.
+    /// Whether the motion of the driven joints is the last argument of a function.
     fn takes_driven(&self, function: &Function) -> bool {
         let last = function.program.inputs.last();
         !self.driven.is_empty() && last.is_some_and(|input| input.extent.dimension == Dimension::Driven)
@@ -149,7 +149,8 @@ impl<'a> Robot<'a> {
         interpret(&function.program, &inputs, &self.parameters, &Functions::EMBEDDED).ok()
     }
 
-    /// First result of a function.
+    /// First result of a function, flat and row-major; `None` if no function has this name or inputs do not
+    /// fit.
     pub fn first(&self, name: &str, inputs: &[&[f64]]) -> Option<Vec<f64>> {
         self.call(name, inputs)?.into_iter().next()
     }

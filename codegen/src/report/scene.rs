@@ -38,7 +38,7 @@ pub(super) fn scene(robot: &Robot<'_>) -> Scene {
     }
 }
 
-/// Force elements between two frames; a cylinder with a law of its own is drawn once.
+/// Forces between two frames. A cylinder that also has a force law is drawn once.
 fn rods(robot: &Robot<'_>) -> Vec<SceneRod> {
     let model = robot.model;
     let pulls = model.force_inputs.iter().filter_map(|input| match &input.effect {
@@ -53,12 +53,12 @@ fn rods(robot: &Robot<'_>) -> Vec<SceneRod> {
     springs.map(|between| rod(between, false)).chain(pulls.iter().map(|between| rod(between, true))).collect()
 }
 
-/// Every link but the base has one joint, so that joints are counted from the second link.
+/// Index of the joint of a link; `None` for the base. Every link except the base has one joint.
 fn joint_of(link: usize) -> Option<usize> {
     link.checked_sub(1)
 }
 
-/// The coordinates that a joint follows, at the page's values of free parameters.
+/// The coordinates that a joint follows, with the values of the free parameters on the page.
 fn follower(robot: &Robot<'_>, index: usize) -> SceneMotion {
     let moving = robot.model.moving_joints();
     let terms = moving[index].follows.iter().map(|term| (term.coordinate, robot.value(&term.ratio)));

@@ -1,5 +1,5 @@
-//! Self-check: every function compared with an independent evaluation of the model, and eigenvalues of the
-//! mass matrix.
+//! Self-check: comparison of every function with an independent evaluation of the model, and eigenvalues of
+//! the mass matrix.
 
 use gelenk_report::{Claim, Criterion};
 use nalgebra::{DMatrix, SymmetricEigen};
@@ -12,7 +12,7 @@ use crate::program::interpret::{Functions, interpret};
 use crate::self_test;
 use crate::verify;
 
-/// States at which the mass matrix is examined.
+/// Number of states at which the mass matrix is examined.
 pub(super) const STATES: u64 = 25;
 
 /// Rows of the self-check: the mass matrix, each function, and all functions of frames together.
@@ -62,11 +62,11 @@ fn definiteness(robot: &Robot<'_>) -> Option<Claim> {
     )
 }
 
-/// Eigenvalues of a scaled mass matrix below this are rounding.
+/// Eigenvalues of a scaled mass matrix below this value are rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// The smallest eigenvalue of `M_ij / √(M_ii M_jj)` at a seeded state, a number without unit: masses and inertias may differ
-/// by any factor.
+/// The smallest eigenvalue of `M_ij / √(M_ii M_jj)` at a seeded state. The scaling removes the units, because
+/// masses and inertias may differ by any factor.
 #[expect(clippy::disallowed_methods, reason = "the matrix is finite, and of a robot with joints")]
 fn least_eigenvalue(robot: &Robot<'_>, function: &Function, seed: u64) -> Option<f64> {
     let arguments = self_test::arguments(robot.model, function, seed);

@@ -28,7 +28,7 @@ pub(super) fn section(robot: &Robot<'_>) -> Option<Section> {
     Some(section)
 }
 
-/// Forces on the joints that are coordinates.
+/// Laws of the springs of independent joints, in LaTeX.
 fn laws(robot: &Robot<'_>) -> Vec<String> {
     let joints = robot.joints().into_iter().enumerate();
     let sprung = joints.filter(|(_, joint)| !joint.springs.is_empty());
@@ -39,7 +39,7 @@ fn laws(robot: &Robot<'_>) -> Vec<String> {
     sprung.map(law).collect()
 }
 
-/// Joints and shafts that follow and have springs, with their laws.
+/// Laws of the joints and shafts that follow coordinates and have springs.
 fn following_blocks(robot: &Robot<'_>, following: &[Following<'_>]) -> Vec<Block> {
     let law = |one: &Following<'_>| {
         let forces = formula::sum(one.springs, &robot.parameter_names, one.motion());

@@ -1,4 +1,4 @@
-//! The numbers of a robot, with their units.
+//! Tables of the numbers of a robot, with their units.
 
 use gelenk_report::{Cell, Inline, SceneSymbol, Table};
 
@@ -14,7 +14,7 @@ use crate::numeric::{atan2, length};
 use crate::program::cost;
 use gelenk_formula::Formula;
 
-/// Table of joints that are coordinates, with limits.
+/// Table of independent and driven joints, with limits.
 pub(super) fn coordinates(robot: &Robot<'_>) -> Table {
     let mut table = Table::new(
         "coordinates",
@@ -64,7 +64,7 @@ fn math(latex: String) -> Cell {
     Cell::Line(vec![Inline::Math(latex)])
 }
 
-/// The type of a coordinate's joint, or the joint with a quaternion of which it is a velocity.
+/// Type of a coordinate's joint. For a velocity of a joint with a quaternion, the name of this joint.
 fn role(robot: &Robot<'_>, coordinate: usize, joint: &Joint) -> String {
     match (robot.named(coordinate), robot.model.quaternion_joint_of(coordinate)) {
         (SceneSymbol::Driven(_), _) => format!("{}, motion given", kind(joint.kind)),
@@ -73,7 +73,7 @@ fn role(robot: &Robot<'_>, coordinate: usize, joint: &Joint) -> String {
     }
 }
 
-/// The type, with its data beyond an axis.
+/// Type of a joint. A helical joint has its pitch.
 fn kind(kind: JointKind) -> String {
     match kind {
         JointKind::Helical { pitch } => format!("{}, {pitch:?} m/rad", kind.name()),
@@ -100,7 +100,7 @@ fn link_name(robot: &Robot<'_>, link: usize) -> Cell {
     Cell::text(robot.model.links[link].name.as_str())
 }
 
-/// Table of motors and gears.
+/// Table of motors and gears; `None` without drives.
 pub(super) fn drives(robot: &Robot<'_>) -> Option<Table> {
     let drives = &robot.model.drives;
     if drives.is_empty() {
@@ -146,7 +146,8 @@ pub(super) fn drives(robot: &Robot<'_>) -> Option<Table> {
     Some(table.rows(rows))
 }
 
-/// Table of forces between frames, and of inputs and wrenches at frames.
+/// Table of forces between frames, and of inputs and wrenches at frames; `None` if there are none of these
+/// forces.
 pub(super) fn forces_at_frames(robot: &Robot<'_>) -> Option<Table> {
     let model = robot.model;
     let parameters: Vec<&str> = robot.parameter_names.iter().map(String::as_str).collect();
@@ -190,7 +191,7 @@ pub(super) fn forces_at_frames(robot: &Robot<'_>) -> Option<Table> {
     Some(table.rows(rows.into_iter().map(|row| row.into_iter().map(Cell::Text).collect())))
 }
 
-/// Table of limits of followers, and of motors that move several joints.
+/// Table of the limits of followers, and of motors that move several joints; `None` without limits.
 pub(super) fn dependent(robot: &Robot<'_>) -> Option<Table> {
     let all = robot.model.dependent(&robot.parameters).into_iter();
     let limited = all.filter(|one| one.velocity.is_finite() || one.position.iter().any(|x| x.is_finite()));
@@ -262,7 +263,7 @@ fn drive_row(robot: &Robot<'_>, drive: &Drive) -> Vec<Cell> {
     ]
 }
 
-/// Masses and centres of mass.
+/// Table of masses and centres of mass; `None` without bodies.
 pub(super) fn bodies(robot: &Robot<'_>) -> Option<Table> {
     let caption = "Bodies: mass, and centre of mass in the frame of the link.";
     let mut table = Table::new("bodies", caption)
@@ -282,7 +283,7 @@ pub(super) fn bodies(robot: &Robot<'_>) -> Option<Table> {
     (!bodies.is_empty()).then(|| table.rows(rows))
 }
 
-/// Inertias.
+/// Table of inertias; `None` without bodies.
 pub(super) fn inertias(robot: &Robot<'_>) -> Option<Table> {
     let caption = "Inertia of the bodies about their centres of mass, in axes of the links ($I_{xy} = -\\int x\\,y\\,\\mathrm{d}m$).";
     let mut table = Table::new("inertias", caption).column("body", "body", "");
@@ -298,7 +299,7 @@ pub(super) fn inertias(robot: &Robot<'_>) -> Option<Table> {
     (!bodies.is_empty()).then(|| table.rows(rows))
 }
 
-/// Table of poses and axes of joints.
+/// Table of poses and axes of joints; `None` without joints.
 pub(super) fn geometry(robot: &Robot<'_>) -> Option<Table> {
     let joints: Vec<&Joint> = robot.model.links.iter().filter_map(|link| link.joint.as_ref()).collect();
     if joints.is_empty() {
@@ -335,7 +336,7 @@ pub(super) fn geometry(robot: &Robot<'_>) -> Option<Table> {
     })))
 }
 
-/// Named frames.
+/// Table of named frames; `None` without frames.
 pub(super) fn frames(robot: &Robot<'_>) -> Option<Table> {
     let frames = &robot.model.frames;
     if frames.is_empty() {
@@ -363,7 +364,7 @@ fn pose_cells(robot: &Robot<'_>, pose: &Pose) -> Vec<Cell> {
     row
 }
 
-/// `R = R_z(yaw) R_y(pitch) R_x(roll)`; where pitch is ±90° roll is taken as 0.
+/// Roll, pitch and yaw of `R = R_z(yaw) R_y(pitch) R_x(roll)`. If pitch is ±90°, roll is 0.
 fn roll_pitch_yaw(r: &[[f64; 3]; 3]) -> [f64; 3] {
     let cosine = length([r[0][0], r[1][0]]);
     let pitch = atan2(-r[2][0], cosine);
@@ -373,14 +374,14 @@ fn roll_pitch_yaw(r: &[[f64; 3]; 3]) -> [f64; 3] {
     [atan2(r[2][1], r[2][2]), pitch, atan2(r[1][0], r[0][0])]
 }
 
-/// Nine decimals: digits beyond them are the rounding of rotation matrices.
+/// Rounds to nine decimals, because further digits are rounding errors of rotation matrices.
 fn short(value: f64) -> f64 {
     let rounded = (value * 1e9).round() / 1e9;
     // No negative zero.
     rounded + 0.0
 }
 
-/// Free parameters.
+/// Table of free parameters; `None` without free parameters.
 pub(super) fn parameters(robot: &Robot<'_>) -> Option<Table> {
     let parameters = &robot.model.parameters;
     if parameters.is_empty() {
@@ -404,13 +405,13 @@ pub(super) fn parameters(robot: &Robot<'_>) -> Option<Table> {
     })))
 }
 
-/// `(0, 0, −9.81) m/s²`
+/// Gravity as text, for example `(0, 0, −9.81) m/s²`.
 pub(super) fn gravity(robot: &Robot<'_>) -> String {
     let numbers = robot.vector(&robot.model.gravity).map(|x| short(x).to_string());
     format!("({}) m/s²", numbers.join(", ").replace('-', "−"))
 }
 
-/// Operation counts of all functions.
+/// Table of the operation counts of all functions.
 pub(super) fn counts(functions: &[Function]) -> Table {
     let table = Table::new(
         "operations",
@@ -440,7 +441,7 @@ pub(super) fn counts(functions: &[Function]) -> Table {
     }))
 }
 
-/// Notes on the description.
+/// Table of notes on the description.
 pub(super) fn notes(notes: &Diagnostics) -> Table {
     let table = Table::new(
         "description-notes",

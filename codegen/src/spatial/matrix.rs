@@ -21,7 +21,7 @@ impl<'g> Matrix3<'g> {
         Self([[any.constant(0.0); 3]; 3])
     }
 
-    /// `factor · 1`
+    /// `factor · 1`: a multiple of the identity.
     pub fn diagonal(factor: Scalar<'g>) -> Self {
         let zero = factor.constant(0.0);
         Self::from_fn(|row, column| if row == column { factor } else { zero })
@@ -33,7 +33,7 @@ impl<'g> Matrix3<'g> {
         Self([[zero, -v[2], v[1]], [v[2], zero, -v[0]], [-v[1], v[0], zero]])
     }
 
-    /// `ω× Σ`
+    /// `ω× Σ`: the cross product of ω with each column.
     pub fn cross_of(omega: Vector3<Scalar<'g>>, second: Symmetric3<Scalar<'g>>) -> Self {
         let columns = second.columns().map(|column| omega.cross(column));
         Self::from_fn(|row, column| columns[column][row])
@@ -44,27 +44,27 @@ impl<'g> Matrix3<'g> {
         Vector3([self[0][k], self[1][k], self[2][k]])
     }
 
-    /// `Aᵀ`
+    /// The transpose `Aᵀ`.
     pub fn transposed(&self) -> Self {
         Self([0, 1, 2].map(|k| self.column(k).0))
     }
 
-    /// `A v`
+    /// The product `A v`.
     pub fn times(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         Vector3(self.0.map(|row| Vector3(row).dot(v)))
     }
 
-    /// `Aᵀ v`
+    /// The product `Aᵀ v`.
     pub fn transposed_times(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         Vector3([0, 1, 2].map(|k| self.column(k).dot(v)))
     }
 
-    /// `A B`
+    /// The product `A B`.
     pub fn product(&self, other: &Self) -> Self {
         Self(self.0.map(|row| other.transposed_times(Vector3(row)).0))
     }
 
-    /// `(tr A − A) v`
+    /// The product `(tr A − A) v`.
     pub fn complement_times(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         let a = self;
         Vector3([
@@ -74,8 +74,9 @@ impl<'g> Matrix3<'g> {
         ])
     }
 
-    /// `R_z(φ) A R_z(φ)ᵀ` with sine and cosine of φ in 12 multiplications and 11 additions: the antisymmetric
-    /// part and the trace of the block across z do not change.
+    /// `R_z(φ) A R_z(φ)ᵀ` from the sine and the cosine of φ. It needs only 12 multiplications and 11
+    /// additions, because the rotation changes neither the trace nor the antisymmetric part of the block of x
+    /// and y.
     pub fn turned(&self, (s, c): (Scalar<'g>, Scalar<'g>)) -> Self {
         let a = self;
         let across = s * (a[0][0] - a[1][1]) + c * (a[0][1] + a[1][0]);
@@ -89,7 +90,7 @@ impl<'g> Matrix3<'g> {
         ])
     }
 
-    /// `R A Rᵀ` for a constant rotation to the parent's axes.
+    /// `R A Rᵀ` with the constant rotation R to the parent's axes.
     pub fn twisted(&self, twist: &Twist) -> Self {
         let columns = [0, 1, 2].map(|k| twist.to_parent(self.column(k)));
         let row = |i: usize| Vector3([columns[0][i], columns[1][i], columns[2][i]]);

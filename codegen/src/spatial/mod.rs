@@ -1,7 +1,8 @@
-//! Spatial vectors, motions, forces and masses over scalars of a graph; those of a mechanism also over plain
-//! numbers.
+//! Spatial vectors, motions, forces and moments of mass over scalars of a graph. The types that a mechanism
+//! uses can also have plain numbers as entries.
 //!
-//! A motion has an angular and a linear part, a force a moment and a force. The angular part is always first.
+//! A motion has an angular and a linear part. A force has a moment and a force. The angular part or the
+//! moment is always first.
 
 mod attitude;
 mod matrix;

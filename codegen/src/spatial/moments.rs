@@ -1,4 +1,4 @@
-//! Zeroth, first and second moments of mass.
+//! Moments of mass: mass, first moment and second moment.
 
 use nalgebra::Matrix3;
 
@@ -8,10 +8,10 @@ use super::twist::Twist;
 use super::vector::{Symmetric3, Vector3};
 use crate::graph::{Graph, Scalar};
 
-/// Moments of the mass distribution of a body about its frame's origin: m, ∫ r dm, ∫ r rᵀ dm.
+/// Moments of the mass distribution of a body about the origin of its frame: m, ∫ r dm, ∫ r rᵀ dm.
 ///
-/// Second moments Σ replace the inertia tensor I = tr(Σ) 1 − Σ. They are shifted by `Σ + h pᵀ + p hᵀ + m p
-/// pᵀ`, and the three moments of mass on a joint's axis are simply m, h_z and Σ_zz.
+/// The second moment Σ is used instead of the inertia tensor I = tr(Σ) 1 − Σ. A displacement by p changes it
+/// to `Σ + h pᵀ + p hᵀ + m p pᵀ`. The three moments of masses on a joint's axis are simply m, h_z and Σ_zz.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MassMoments<S> {
     /// Mass m (kg).
@@ -41,7 +41,8 @@ impl<'g> MassMoments<Scalar<'g>> {
         Self { mass: zero, first: Vector3::zero(zero), second: Symmetric3::zero(zero) }
     }
 
-    /// Moments of a body with this centre of mass and inertia about it: xx, xy, xz, yy, yz, zz.
+    /// Moments of a body with this centre of mass, and the inertia xx, xy, xz, yy, yz, zz about the centre of
+    /// mass.
     pub fn of_inertia(mass: Scalar<'g>, center: Vector3<Scalar<'g>>, inertia: [Scalar<'g>; 6]) -> Self {
         let central =
             Self { mass, first: Vector3::zero(mass), second: second_moments(Symmetric3::new(inertia)) };
@@ -54,7 +55,7 @@ impl<'g> MassMoments<Scalar<'g>> {
         Self { mass: j.constant(0.0), first: Vector3::zero(j), second: second_moments(inertia) }
     }
 
-    /// Moments after a displacement by `p`.
+    /// Moments after a displacement of the body by `p`.
     pub fn shifted(self, p: Vector3<Scalar<'g>>) -> Self {
         Self {
             mass: self.mass,
@@ -65,7 +66,7 @@ impl<'g> MassMoments<Scalar<'g>> {
         }
     }
 
-    /// Moments in another frame; `pose` is the pose of this frame there.
+    /// Moments in another frame. `pose` is the pose of the present frame in the other frame.
     pub fn moved(self, pose: &Pose<Scalar<'g>>) -> Self {
         let rotated = Self {
             mass: self.mass,
@@ -75,24 +76,24 @@ impl<'g> MassMoments<Scalar<'g>> {
         rotated.shifted(pose.translation)
     }
 
-    /// Moments after a rotation about z.
+    /// Moments after a rotation of the body about z. `turn` is the sine and the cosine of the angle.
     pub fn turned(self, turn: (Scalar<'g>, Scalar<'g>)) -> Self {
         Self { mass: self.mass, first: self.first.turned(turn), second: self.second.turned(turn) }
     }
 
-    /// Moments in the parent's frame, from the joint's frame before its motion.
+    /// Moments in the parent's frame. The present frame is the joint's frame before its motion.
     pub fn to_parent(self, twist: &Twist, translation: Vector3<Scalar<'g>>) -> Self {
         let rotation = twist.matrix();
         self.moved(&Pose { rotation, translation })
     }
 
-    /// Moments after a displacement along z.
+    /// Moments after a displacement of the body along z.
     pub fn lifted(self, length: Scalar<'g>) -> Self {
         let zero = length.constant(0.0);
         self.shifted(Vector3([zero, zero, length]))
     }
 
-    /// `I s`: force that accelerates the masses by `s`, about the point of reference.
+    /// `I s`: spatial force that gives the masses the acceleration `s`, about the point of reference.
     pub fn times(&self, Motion { angular, linear }: Motion<'g>) -> Force<'g> {
         let s = self.second;
         let tensor = Vector3([

@@ -1,4 +1,4 @@
-//! Motions and forces: vectors of six entries; the angular part is first.
+//! Spatial motions and forces, with six entries each. The angular part is first.
 
 use std::ops::Add;
 
@@ -10,7 +10,7 @@ use crate::graph::Scalar;
 pub struct Motion<'g> {
     /// Angular part.
     pub angular: Vector3<Scalar<'g>>,
-    /// Linear part, of the point of reference.
+    /// Linear part: velocity or acceleration of the point of reference.
     pub linear: Vector3<Scalar<'g>>,
 }
 
@@ -57,7 +57,7 @@ impl<'g> Motion<'g> {
         }
     }
 
-    /// The six entries.
+    /// The six entries, angular part first.
     pub fn entries(self) -> [Scalar<'g>; 6] {
         let ([a, b, c], [d, e, f]) = (self.angular.0, self.linear.0);
         [a, b, c, d, e, f]
@@ -65,7 +65,7 @@ impl<'g> Motion<'g> {
 }
 
 impl<'g> Force<'g> {
-    /// A force from six entries: force, then moment.
+    /// A force from six entries: first the force, then the moment.
     pub fn of_wrench(entries: &[Scalar<'g>]) -> Self {
         let part = |start: usize| Vector3(std::array::from_fn(|k| entries[start + k]));
         Self { force: part(0), moment: part(3) }
@@ -83,7 +83,7 @@ impl<'g> Force<'g> {
         Self { moment: self.moment.map(&f), force }
     }
 
-    /// The six entries.
+    /// The six entries, moment first.
     pub fn entries(self) -> [Scalar<'g>; 6] {
         let ([a, b, c], [d, e, f]) = (self.moment.0, self.force.0);
         [a, b, c, d, e, f]

@@ -9,12 +9,12 @@ use crate::numeric;
 /// Entries of a rotation matrix closer than this to 0 or ±1 are meant to be exactly that.
 const ROTATION_ROUNDING: f64 = 1e-14;
 
-/// A pose: constant rotation, translation over scalars.
+/// A pose: a constant rotation, and a translation over scalars.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pose<S> {
-    /// Rotation matrix; its columns are the frame's axes.
+    /// Rotation matrix. Its columns are the frame's axes.
     pub rotation: Matrix3<f64>,
-    /// Origin (m).
+    /// Origin in the other frame (m).
     pub translation: Vector3<S>,
 }
 
@@ -24,7 +24,7 @@ impl<'g> Pose<Scalar<'g>> {
         Self { rotation: Matrix3::identity(), translation: Vector3([graph.constant(0.0); 3]) }
     }
 
-    /// `self · other`
+    /// Product of two poses, `self · other`.
     pub fn then(self, other: Self) -> Self {
         Self {
             rotation: cleaned(self.rotation * other.rotation),
@@ -39,14 +39,14 @@ impl<'g> Pose<Scalar<'g>> {
     }
 }
 
-/// `rotation · v`
+/// The rotated vector `rotation · v`.
 pub fn rotate<'g>(rotation: &Matrix3<f64>, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
     Vector3(std::array::from_fn(|row| {
         v[0] * rotation[(row, 0)] + v[1] * rotation[(row, 1)] + v[2] * rotation[(row, 2)]
     }))
 }
 
-/// Rounds entries that are intended to be 0 or ±1.
+/// Rounds entries that differ from 0 or ±1 only by rounding errors.
 pub fn cleaned(rotation: Matrix3<f64>) -> Matrix3<f64> {
     rotation.map(|entry| {
         let nearest = entry.round();

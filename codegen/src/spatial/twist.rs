@@ -6,10 +6,10 @@ use super::vector::Vector3;
 use crate::graph::{Graph, Scalar};
 use crate::numeric;
 
-/// An angle as quarter turns and remainder, so multiples of 90° cost no operations.
+/// An angle as quarter turns plus a remainder. Multiples of 90° need no operations.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Angle {
-    /// Quarter turns, 0 to 3.
+    /// Number of quarter turns, 0 to 3.
     pub quarters: u8,
     /// Remainder (rad).
     pub remainder: f64,
@@ -18,9 +18,9 @@ pub struct Angle {
 /// A constant rotation `R_z(γ) R_x(α)`, stored as sines and cosines.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Twist {
-    /// sin γ, cos γ
+    /// Sine and cosine of γ.
     pub gamma: (f64, f64),
-    /// sin α, cos α
+    /// Sine and cosine of α.
     pub alpha: (f64, f64),
 }
 
@@ -39,14 +39,14 @@ impl Twist {
         Matrix3::new(cg, -sg * ca, sg * sa, sg, cg * ca, -cg * sa, 0.0, sa, ca)
     }
 
-    /// Transforms from the joint's frame before its motion to the parent's frame.
+    /// Transforms a vector from the joint's frame before its motion to the parent's frame.
     pub fn to_parent<'g>(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         let ((sg, cg), (sa, ca)) = (self.gamma, self.alpha);
         let (x, y, z) = (v[0], v[1] * ca - v[2] * sa, v[1] * sa + v[2] * ca);
         Vector3([x * cg - y * sg, x * sg + y * cg, z])
     }
 
-    /// Transforms from the parent's frame to the joint's frame before its motion.
+    /// Transforms a vector from the parent's frame to the joint's frame before its motion.
     pub fn to_child<'g>(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         let ((sg, cg), (sa, ca)) = (self.gamma, self.alpha);
         let (x, y, z) = (v[0] * cg + v[1] * sg, v[1] * cg - v[0] * sg, v[2]);
@@ -55,7 +55,7 @@ impl Twist {
 }
 
 impl Angle {
-    /// Angle from radians; remainders below 1e-13 are rounding and become 0.
+    /// Angle from radians. A remainder below 1e-13 is rounding and becomes 0.
     pub fn new(radians: f64) -> Self {
         let quarters = (radians / std::f64::consts::FRAC_PI_2).round();
         let remainder = radians - quarters * std::f64::consts::FRAC_PI_2;
@@ -70,7 +70,8 @@ impl Angle {
         f64::from(self.quarters) * std::f64::consts::FRAC_PI_2 + self.remainder
     }
 
-    /// Sine and cosine of the angle, by which a prismatic joint's frame is rotated; `None` for 0.
+    /// Sine and cosine of the angle, by which the frame of a prismatic joint is rotated; `None` for the angle
+    /// 0.
     pub fn constant_turn(self, graph: &Graph) -> Option<(Scalar<'_>, Scalar<'_>)> {
         if self == Self::default() {
             return None;
@@ -79,7 +80,8 @@ impl Angle {
         Some(self.advance((graph.constant(sine), graph.constant(cosine))))
     }
 
-    /// Sine and cosine of an angle plus the quarter turns.
+    /// Sine and cosine of a variable angle plus the quarter turns. The arguments are sine and cosine of the
+    /// variable angle.
     pub fn advance<'g>(self, (s, c): (Scalar<'g>, Scalar<'g>)) -> (Scalar<'g>, Scalar<'g>) {
         match self.quarters {
             0 => (s, c),

@@ -22,18 +22,18 @@ impl<'g> Vector3<Scalar<'g>> {
         Self([any.constant(0.0); 3])
     }
 
-    /// `self · other`
+    /// The dot product `self · other`.
     pub fn dot(self, other: Self) -> Scalar<'g> {
         self[0] * other[0] + self[1] * other[1] + self[2] * other[2]
     }
 
-    /// `self × other`
+    /// The cross product `self × other`.
     pub fn cross(self, other: Self) -> Self {
         let component = |i: usize, j: usize| self[i] * other[j] - self[j] * other[i];
         Self([component(1, 2), component(2, 0), component(0, 1)])
     }
 
-    /// `factor · self`
+    /// The multiple `factor · self`.
     pub fn scaled(self, factor: Scalar<'g>) -> Self {
         Self(self.0.map(|x| x * factor))
     }
@@ -43,12 +43,12 @@ impl<'g> Vector3<Scalar<'g>> {
         self.0.iter().all(|x| x.is_zero())
     }
 
-    /// The values, if all components are constants.
+    /// The values of the components; `None` if a component is not a constant.
     pub fn values(self) -> Option<[f64; 3]> {
         Some([self[0].value()?, self[1].value()?, self[2].value()?])
     }
 
-    /// Rotation about z: `R_z(φ) · self` with sine and cosine of φ.
+    /// Rotation about z: `R_z(φ) · self`. The arguments are sine and cosine of φ.
     pub fn turned(self, (s, c): (Scalar<'g>, Scalar<'g>)) -> Self {
         Self([c * self[0] - s * self[1], s * self[0] + c * self[1], self[2]])
     }
@@ -58,7 +58,7 @@ impl<'g> Vector3<Scalar<'g>> {
         self.turned((-s, c))
     }
 
-    /// Suggests names `stem_x`, `stem_y`, `stem_z`.
+    /// Suggests the names `stem_x`, `stem_y`, `stem_z` in generated code.
     pub fn named(self, stem: &str) -> Self {
         for (component, axis) in self.0.iter().zip(["x", "y", "z"]) {
             component.named(|| format!("{stem}_{axis}"));
@@ -103,7 +103,7 @@ impl Neg for Vector3<Scalar<'_>> {
     }
 }
 
-/// A symmetric 3 × 3 matrix: xx, xy, xz, yy, yz, zz.
+/// A symmetric 3 × 3 matrix.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Symmetric3<S> {
     /// Entry (x, x).
@@ -121,7 +121,7 @@ pub struct Symmetric3<S> {
 }
 
 impl<S> Symmetric3<S> {
-    /// From the entries xx, xy, xz, yy, yz, zz.
+    /// The matrix with the entries xx, xy, xz, yy, yz, zz.
     pub fn new([xx, xy, xz, yy, yz, zz]: [S; 6]) -> Self {
         Self { xx, xy, xz, yy, yz, zz }
     }
@@ -149,7 +149,7 @@ impl<'g> Symmetric3<Scalar<'g>> {
         Self::new([any.constant(0.0); 6])
     }
 
-    /// `a bᵀ + b aᵀ`
+    /// The symmetric product `a bᵀ + b aᵀ`.
     pub fn symmetric_product(a: Vector3<Scalar<'g>>, b: Vector3<Scalar<'g>>) -> Self {
         let entry = |i: usize, j: usize| {
             if i == j { (a[i] * b[i]) * 2.0 } else { a[i] * b[j] + a[j] * b[i] }
@@ -157,12 +157,13 @@ impl<'g> Symmetric3<Scalar<'g>> {
         Self::new([entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)])
     }
 
-    /// `a aᵀ`
+    /// The product `a aᵀ`.
     pub fn square(a: Vector3<Scalar<'g>>) -> Self {
         Self::new([a[0] * a[0], a[0] * a[1], a[0] * a[2], a[1] * a[1], a[1] * a[2], a[2] * a[2]])
     }
 
-    /// Rotation about z: `R_z(φ) · self · R_z(φ)ᵀ` in 9 multiplications and 7 additions.
+    /// Rotation about z: `R_z(φ) · self · R_z(φ)ᵀ` with 9 multiplications and 7 additions. The arguments are
+    /// sine and cosine of φ.
     pub fn turned(self, (s, c): (Scalar<'g>, Scalar<'g>)) -> Self {
         let across = s * (self.xx - self.yy) + (self.xy * 2.0) * c;
         let moved = s * across;
@@ -177,7 +178,7 @@ impl<'g> Symmetric3<Scalar<'g>> {
         }
     }
 
-    /// `self · v`
+    /// The product `self · v`.
     pub fn times(self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         Vector3([
             self.xx * v[0] + self.xy * v[1] + self.xz * v[2],

@@ -7,8 +7,8 @@ use crate::model::{
     Actuator, Attachment, FollowedCoordinate, ForceEffect, FrictionTerm, Input, Model, WrenchAxes,
 };
 
-/// A robot with the arguments of a function. Positions, velocities and accelerations have the driven
-/// coordinates last.
+/// A robot with the arguments of a function. In positions, velocities and accelerations, driven coordinates
+/// are last.
 #[derive(Clone)]
 pub struct Case<'m, T> {
     pub robot: Robot<'m, T>,
@@ -29,7 +29,7 @@ pub enum By {
     Accelerations,
 }
 
-/// Rows first.
+/// A matrix, rows first.
 pub type Rows<T> = Vec<Vec<T>>;
 
 impl<'m, T: Number> Case<'m, T> {
@@ -37,7 +37,7 @@ impl<'m, T: Number> Case<'m, T> {
         self.robot.model
     }
 
-    /// The number N of coordinates.
+    /// Number N of coordinates without driven coordinates.
     pub fn n(&self) -> usize {
         self.model().coordinates.len()
     }
@@ -47,7 +47,7 @@ impl<'m, T: Number> Case<'m, T> {
         forces
     }
 
-    /// Accelerations that are zero except those of the driven joints.
+    /// Accelerations of the driven joints. All other accelerations are zero.
     pub fn unaccelerated(&self) -> Vec<T> {
         let n = self.n();
         self.a.iter().enumerate().map(|(k, &a)| if k < n { T::zero() } else { a }).collect()
@@ -61,7 +61,8 @@ impl<'m, T: Number> Case<'m, T> {
         self.robot.motions(&self.at, rates, gravity)
     }
 
-    /// `M a + k(v) − q_gravity` with this gravity: recursive Newton–Euler equations, driven rows included.
+    /// `M a + k(v) − q_gravity` for this gravity, by recursive Newton–Euler equations. Rows of driven
+    /// coordinates are included.
     pub fn newton_euler(&self, rates: [&[T]; 2], gravity: Vector<T>) -> Vec<T> {
         let links = self.links_in(rates, gravity);
         let (wrenches, of_rotors) = self.robot.inertial_wrenches(&links, rates);
@@ -73,7 +74,7 @@ impl<'m, T: Number> Case<'m, T> {
         constant([0.0; 3])
     }
 
-    /// Mass matrix of all coordinates, driven ones included, or of the first `n`.
+    /// Mass matrix of the first `n` coordinates. Driven coordinates are last.
     pub fn mass_matrix(&self, n: usize) -> Rows<T> {
         let zeros = self.robot.zeros();
         let columns = (0..n).map(|j| {
@@ -104,7 +105,7 @@ impl<'m, T: Number> Case<'m, T> {
         negative(&self.own(self.newton_euler([&zeros, &zeros], self.robot.gravity())))
     }
 
-    /// Springs and dampers of joints, and between frames.
+    /// Generalized forces of springs and dampers, at joints and between frames.
     fn all_spring_forces(&self) -> Vec<T> {
         let mut forces = self.robot.zeros();
         for moving in self.robot.moving.iter() {
@@ -132,7 +133,7 @@ impl<'m, T: Number> Case<'m, T> {
         self.own(self.all_spring_forces())
     }
 
-    /// Distance of two frames, its rate, and the direction from the first to the second.
+    /// Distance of two frames, rate of the distance, and direction from the first frame to the second.
     pub fn distance(&self, between: &[Attachment; 2], links: &[LinkMotion<T>]) -> (T, T, Vector<T>) {
         let [(p, rate_p), (q, rate_q)] = between.each_ref().map(|at| {
             let (arm, _) = self.robot.attached(at, links);
@@ -145,7 +146,7 @@ impl<'m, T: Number> Case<'m, T> {
         (length, dot(direction, subtract(rate_q, rate_p)), direction)
     }
 
-    /// A force on the first of two frames, and its opposite on the second.
+    /// Adds a force on the first of two frames, and the opposite force on the second.
     fn pull(
         &self,
         between: &[Attachment; 2],
@@ -159,7 +160,7 @@ impl<'m, T: Number> Case<'m, T> {
         }
     }
 
-    /// Generalized forces of a wrench at a frame, driven rows included.
+    /// Generalized forces of a wrench at a frame. Rows of driven coordinates are included.
     fn wrench_at(&self, at: &Attachment, axes: WrenchAxes, w: &[T], links: &[LinkMotion<T>]) -> Vec<T> {
         let (arm, rotation) = self.robot.attached(at, links);
         let in_base = |part: Vector<T>| match axes {
@@ -184,7 +185,7 @@ impl<'m, T: Number> Case<'m, T> {
         self.own(self.all_wrench_forces())
     }
 
-    /// B, rows by coordinate.
+    /// Input matrix B. Rows are coordinates.
     pub fn input_matrix(&self) -> Rows<T> {
         let links = self.links();
         let column = |input: Actuator<'_>| match input {
@@ -237,7 +238,7 @@ impl<'m, T: Number> Case<'m, T> {
         self.own(self.all_friction_torques())
     }
 
-    /// Joints, then shafts with friction.
+    /// Joints with their friction, then shafts with friction.
     pub fn rubbing(&self) -> impl Iterator<Item = Rubbing<'_, T>> {
         let rubbing = |terms, follows, offset: f64, gain: T| Rubbing {
             terms,
@@ -263,8 +264,8 @@ impl<'m, T: Number> Case<'m, T> {
         shares.collect()
     }
 
-    /// Forces `M ÿ + k − q` of the drives at these accelerations, including driven rows and load-dependent
-    /// friction.
+    /// Forces `M ÿ + k − q` of the drives at the accelerations `a`. Rows of driven coordinates and
+    /// load-dependent friction are included.
     pub fn all_inverse_dynamics(&self, a: &[T]) -> Vec<T> {
         let load = self.load(a);
         let with_friction = plus(&load, &self.all_friction_torques());
@@ -275,7 +276,7 @@ impl<'m, T: Number> Case<'m, T> {
         forces
     }
 
-    /// τ_l: the forces of the drives without friction.
+    /// Load τ_l: the forces of the drives without friction.
     fn load(&self, a: &[T]) -> Vec<T> {
         minus(&self.newton_euler([&self.v, a], self.robot.gravity()), &self.all_spring_forces())
     }
@@ -284,7 +285,7 @@ impl<'m, T: Number> Case<'m, T> {
         self.own(self.all_inverse_dynamics(&self.a))
     }
 
-    /// `B(y) u`
+    /// Generalized forces `B(y) u` of the inputs.
     pub fn input_forces(&self) -> Vec<T> {
         multiplied(&self.input_matrix(), &self.u)
     }
@@ -293,7 +294,7 @@ impl<'m, T: Number> Case<'m, T> {
         minus(&self.inverse_dynamics(), &self.wrench_forces())
     }
 
-    /// `M ÿ + k − q − B(y) u − Σ Jᵀ w` up to a constant; `B u` is included if B depends on y.
+    /// `M ÿ + k − q − B(y) u − Σ Jᵀ w`, up to a constant. `B u` is included only if B depends on y.
     pub fn residual(&self) -> Vec<T> {
         let forces = match self.model().inputs_depend_on_position() {
             true => minus(&self.inverse_dynamics(), &self.input_forces()),
@@ -302,7 +303,7 @@ impl<'m, T: Number> Case<'m, T> {
         if self.w.is_empty() { forces } else { minus(&forces, &self.wrench_forces()) }
     }
 
-    /// ÿ of the coordinates, with the inverse of M.
+    /// Accelerations ÿ of the coordinates. `inverse` is the inverse of M.
     pub fn forward_dynamics(&self, inverse: &Rows<T>) -> Vec<T> {
         let exerted = minus(&self.input_forces(), &self.friction_torques());
         let one = T::constant(1.0);
@@ -319,7 +320,7 @@ impl<'m, T: Number> Case<'m, T> {
         other
     }
 
-    /// The case with a dual number along coordinate j of the variable.
+    /// The case with a dual number for the derivative along coordinate j of the variable `by`.
     pub fn along(&self, by: By, j: usize) -> Case<'m, Dual<T>> {
         let lift = |x: &[T]| x.iter().map(|&x| Dual::fixed(x)).collect::<Vec<_>>();
         let robot = self.robot.lifted();
@@ -342,7 +343,7 @@ impl<'m, T: Number> Case<'m, T> {
         case
     }
 
-    /// Derivative of a function: rows by its entries, columns by coordinate.
+    /// Derivative of a function. Rows are the entries of its result, columns are coordinates.
     pub fn derivative(&self, by: By, function: impl Fn(&Case<'m, Dual<T>>) -> Vec<Dual<T>>) -> Rows<T> {
         let column = |j| function(&self.along(by, j)).into_iter().map(|x| x.eps).collect();
         let columns: Rows<T> = (0..self.n()).map(column).collect();
@@ -350,7 +351,7 @@ impl<'m, T: Number> Case<'m, T> {
     }
 }
 
-/// A joint or shaft with friction: terms, coordinates with gain, position and speed.
+/// A joint or shaft with friction: friction terms, followed coordinates with the gain, position and speed.
 pub struct Rubbing<'a, T> {
     pub terms: &'a [FrictionTerm],
     pub follows: &'a [FollowedCoordinate],

@@ -1,4 +1,4 @@
-//! Expected results of every function of a module, by name.
+//! Expected results of every function of a module, by the name of the function.
 
 use nalgebra::DMatrix;
 
@@ -14,8 +14,8 @@ use crate::model::Attachment;
 /// Expected results of a function, flat and row-major.
 pub struct Expected<T> {
     pub results: Vec<Vec<T>>,
-    /// Amplification of errors by divisions: the growth from `inverse` for the mass matrix, infinite for zero
-    /// mass, otherwise 1.
+    /// Factor by which divisions amplify errors: the growth from `inverse` for the mass matrix, infinity for
+    /// zero mass, and 1 for all other functions.
     pub condition: f64,
 }
 
@@ -118,7 +118,7 @@ fn hessian<T: Number>(case: &Case<'_, T>) -> Vec<Vec<T>> {
     ]
 }
 
-/// The functions that divide by M.
+/// Expected results of the functions that divide by M; `None` if the name is unknown.
 fn divided<T: Number>(case: &Case<'_, T>, name: &str) -> Option<Expected<T>> {
     let mut case = case.clone();
     if matches!(name, names::FORWARD_DYNAMICS | names::FORWARD_DYNAMICS_DERIVATIVES | names::LINEARIZE) {
@@ -139,7 +139,8 @@ fn divided<T: Number>(case: &Case<'_, T>, name: &str) -> Option<Expected<T>> {
     Some(Expected { results, condition })
 }
 
-/// `∂ÿ = −(∂r/∂ÿ)⁻¹ ∂r` for the residual r of the equations of motion, by positions and velocities.
+/// `∂ÿ = −(∂r/∂ÿ)⁻¹ ∂r` with respect to positions and velocities. r is the residual of the equations of
+/// motion.
 fn acceleration_derivatives<T: Number>(case: &Case<'_, T>, inverse: &Rows<T>) -> [Rows<T>; 2] {
     [By::Positions, By::Velocities].map(|by| {
         let rows = matrix_product(inverse, &case.derivative(by, Case::residual));
@@ -187,9 +188,10 @@ fn drift<T: Number>(case: &Case<'_, T>) -> Rows<T> {
     rows
 }
 
-/// The inverse of a matrix with derivatives, and the growth of errors in a product with it. The growth is the condition of the matrix
-/// that is scaled to a diagonal of ones (Higham 2002, section 10.1), times the condition of the scaling: the error of a large component
-/// reaches small ones. A singular matrix has NaN and an infinite growth.
+/// The inverse of a matrix with derivatives, and the growth of errors in a product with this inverse. The
+/// growth is the condition number of the matrix that is scaled to a diagonal of ones (Higham 2002, section
+/// 10.1), times the condition number of the scaling, because the error of a large component reaches small
+/// components. A singular matrix has NaN and an infinite growth.
 fn inverse<T: Number>(rows: &Rows<T>) -> (Rows<T>, f64) {
     let n = rows.len();
     let values = DMatrix::from_fn(n, n, |i, j| rows[i][j].value());
@@ -237,7 +239,7 @@ fn of_frame<T: Number>(case: &Case<'_, T>, name: &str) -> Option<Vec<Vec<T>>> {
     })
 }
 
-/// Velocity and angular velocity of a frame at a unit of one velocity.
+/// Velocity and angular velocity of a frame if velocity j is 1 and all other velocities are 0.
 fn twist<T: Number>(case: &Case<'_, T>, at: &Attachment, j: usize) -> Vec<T> {
     let (mut unit, zeros) = (case.robot.zeros(), case.robot.zeros());
     unit[j] = T::constant(1.0);

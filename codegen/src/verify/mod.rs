@@ -1,9 +1,9 @@
 //! Comparison of every generated function with an independent evaluation of its model at seeded states.
 //!
-//! The interpreter runs the function's program. Expected results are computed from the Newton–Euler equations
-//! of the [`Model`] with plain numbers; derivatives use dual numbers. They use neither `kinematics/` nor
-//! `dynamics/`, so errors of the derivation are detected. Functions of discrete time and of positions have
-//! the same text for every robot; they call functions that are checked here.
+//! The interpreter runs the function's program. Expected results come from the Newton–Euler equations of the
+//! [`Model`], evaluated numerically. Derivatives use dual numbers. This evaluation uses neither `kinematics/`
+//! nor `dynamics/`, so errors of the derivation are detected. Functions of discrete time and of positions
+//! have the same text for every robot. They call functions that are checked here.
 
 mod case;
 mod functions;
@@ -23,32 +23,33 @@ use functions::expected;
 use number::{Dual, Measured, Number};
 use robot::{Positions, Robot};
 
-/// Largest difference, relative to the largest entry of either side.
+/// Largest allowed difference, relative to the largest entry of both results.
 const RELATIVE: f64 = 1e-9;
 
-/// Largest difference, relative to the running error in units of the rounding of 1: sums that cancel agree to rounding.
+/// Largest allowed difference, relative to the running error in units of the rounding of 1. Sums that cancel
+/// agree only to rounding.
 const OF_ERROR: f64 = 1e-12;
 
-/// Code of errors in gelenk itself.
+/// Code of errors of gelenk itself.
 pub const INTERNAL: &str = "internal-error";
 
 /// A result that differs from its independent evaluation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Disagreement {
-    /// The function.
+    /// Name of the function.
     pub function: String,
     /// Index of the result in `program.outputs`.
     pub result: usize,
-    /// Largest difference of an entry divided by the allowed difference.
+    /// Largest difference of an entry, divided by the allowed difference.
     pub excess: f64,
-    /// This entry as generated and as expected.
+    /// The entry with this difference: generated value, expected value.
     pub entry: [f64; 2],
 }
 
-/// Compares functions with their independent evaluation.
+/// Compares functions with the independent evaluation of the model.
 ///
 /// # Errors
-/// [`INTERNAL`] for each function that differs: an error of gelenk, not of the description.
+/// [`INTERNAL`] for each function that differs. This is an error of gelenk, not of the description.
 pub fn verify(model: &Model, functions: &[Function]) -> Result<(), Diagnostics> {
     let worst = functions.iter().map(|function| worst(model, function));
     let problems: Vec<Diagnostic> =
@@ -84,7 +85,7 @@ impl Disagreement {
     }
 }
 
-/// The entry of each result that differs most.
+/// The entry of each result with the largest difference.
 fn differences(model: &Model, function: &Function, seed: u64) -> Vec<Disagreement> {
     let arguments = self_test::arguments(model, function, seed);
     let parameters = model.described_parameters();
@@ -113,7 +114,7 @@ fn differences(model: &Model, function: &Function, seed: u64) -> Vec<Disagreemen
         .collect()
 }
 
-/// M (row-major) and bias forces at a state, at the described parameters.
+/// M (row-major) and the bias forces at a state, with the parameter values of the description.
 #[must_use]
 pub fn mass_and_bias(model: &Model, y: &[f64], v: &[f64]) -> [Vec<f64>; 2] {
     let given = Given { model, names: &["y", "v"], arguments: &[y.to_vec(), v.to_vec()] };
@@ -123,7 +124,7 @@ pub fn mass_and_bias(model: &Model, y: &[f64], v: &[f64]) -> [Vec<f64>; 2] {
     results.map(|result| result.into_iter().map(|x| x.value).collect())
 }
 
-/// The end of the name of a function's derivative by the free parameters.
+/// Suffix of the name of a function's derivative with respect to the free parameters.
 const BY_PARAMETERS: &str = "_by_parameters";
 
 /// A function that has no independent evaluation, or whose program cannot run.
@@ -158,7 +159,7 @@ fn compare(
     found.iter().zip(expected).map(excess).reduce(worse)
 }
 
-/// A NaN is worse than any number.
+/// The larger disagreement; NaN counts as larger than any number.
 fn worse(one: Disagreement, other: Disagreement) -> Disagreement {
     if other.excess <= one.excess || one.excess.is_nan() { one } else { other }
 }
@@ -177,7 +178,7 @@ impl<'a> Given<'a> {
         Some((found.results, found.condition))
     }
 
-    /// Derivatives by each free parameter: a row for each entry of each result.
+    /// Derivatives with respect to each free parameter: a row for each entry of each result.
     fn by_parameters(&self, function: &Function, parameters: &[f64]) -> Option<(Vec<Vec<Measured>>, f64)> {
         let mut columns: Vec<Vec<Vec<Measured>>> = Vec::new();
         let mut condition = 1.0;
@@ -200,7 +201,7 @@ impl<'a> Given<'a> {
         self.names.iter().position(|other| *other == name).map(|index| self.arguments[index].as_slice())
     }
 
-    /// The case with zeros for arguments that the function does not have.
+    /// The case. Arguments that the function does not have are zero.
     fn case<T: Number>(&self, parameters: Vec<T>) -> Case<'a, T> {
         let model = self.model;
         let driven = self.argument("d").unwrap_or_default();

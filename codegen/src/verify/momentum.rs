@@ -8,14 +8,14 @@ use super::space::{
 };
 use crate::model::RotorCoupling;
 
-/// `½ (ẏ, ḋ)ᵀ M (ẏ, ḋ)`
+/// Kinetic energy `½ (ẏ, ḋ)ᵀ M (ẏ, ḋ)`.
 pub fn kinetic_energy<T: Number>(case: &Case<'_, T>) -> T {
     let zeros = case.robot.zeros();
     let momenta = case.newton_euler([&zeros, &case.v], constant([0.0; 3]));
     T::constant(0.5) * product(&case.v, &momenta)
 }
 
-/// Potential energy of the moving bodies in gravity, and of forces between frames with a potential.
+/// Potential energy of the moving bodies in gravity, and of the forces between frames that have a potential.
 pub fn potential_energy<T: Number>(case: &Case<'_, T>) -> T {
     let links = case.links();
     let gravity = case.robot.gravity();
@@ -81,7 +81,7 @@ pub fn momentum<T: Number>(case: &Case<'_, T>, v: &[T]) -> [T; 6] {
     [linear[0], linear[1], linear[2], angular[0], angular[1], angular[2]]
 }
 
-/// Momentum matrix: rows of the momentum, columns by velocity, driven ones included.
+/// Momentum matrix. Rows are entries of the momentum, columns are velocities including driven coordinates.
 pub fn matrix<T: Number>(case: &Case<'_, T>) -> Rows<T> {
     let zeros = case.robot.zeros();
     let column = |j: usize| {

@@ -1,10 +1,10 @@
-//! Numbers of the independent evaluation: with rounding errors, and with derivatives.
+//! Numbers of the independent evaluation, with rounding errors and with derivatives.
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use gelenk_kernels::math;
 
-/// A number, or a number with derivatives.
+/// A number with its rounding error, or with derivatives.
 pub trait Number:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
 {
@@ -16,11 +16,11 @@ pub trait Number:
     fn sqrt(self) -> Self;
     fn abs(self) -> Self;
     fn sign(self) -> Self;
-    /// The number with the error of another number.
+    /// This value with the error of another number.
     fn with_error_of(self, other: Self) -> Self;
-    /// The larger of both magnitudes and errors.
+    /// The larger magnitude and the larger error of two numbers.
     fn larger(self, other: Self) -> Self;
-    /// The number with only its own rounding error.
+    /// This value with only its own rounding error.
     fn exact(self) -> Self;
 
     fn zero() -> Self {
@@ -29,8 +29,8 @@ pub trait Number:
 }
 
 /// A number with its running error (Higham 2002, section 3.3): a bound of its rounding error in units of the
-/// rounding of 1. Described numbers count as rounded, and sines and cosines as numbers of magnitude 1.
-/// Therefore a result that is zero at a special angle has the error of nearby angles.
+/// rounding of 1. Numbers of the description count as rounded. Sines and cosines count as numbers of
+/// magnitude 1, so a result that is zero at a special angle has the error of nearby angles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measured {
     pub value: f64,
@@ -38,7 +38,7 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// A value with the error of its terms and its own rounding.
+    /// A value with the error of its terms and its own rounding error.
     fn rounded(value: f64, error: f64) -> Self {
         Self { value, error: error + value.abs() }
     }
@@ -143,7 +143,7 @@ impl<T: Number> Dual<T> {
         Self { re, eps: T::zero() }
     }
 
-    /// f(x) with f′(x).
+    /// A function value f(x), and the derivative of x times f′(x).
     fn chain(self, value: T, slope: T) -> Self {
         Self { re: value, eps: self.eps * slope }
     }

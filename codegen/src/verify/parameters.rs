@@ -12,7 +12,7 @@ use gelenk_formula::Formula;
 
 const SYMBOLS: [&str; 10] = ["m", "mcx", "mcy", "mcz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz"];
 
-/// Drives with a rotor: those with an input, then those without.
+/// Drives with a rotor. Drives with an input precede drives without input.
 fn rotors<T: Number>(case: &Case<'_, T>) -> Vec<Drive> {
     let model = case.model();
     let without = model.moving_drives().filter(|drive| drive.input == Input::None);
@@ -20,7 +20,7 @@ fn rotors<T: Number>(case: &Case<'_, T>) -> Vec<Drive> {
     model.input_drives().chain(without).filter(|drive| !is_ideal(drive)).cloned().collect()
 }
 
-/// Inertial parameters π of each moving link with all bodies fixed to it, then of the rotors.
+/// Inertial parameters π: first of each moving link with all bodies that are fixed to it, then of the rotors.
 pub fn inertial<T: Number>(case: &Case<'_, T>) -> Vec<T> {
     let zeros = case.robot.zeros();
     let links = case.links_in([&zeros, &zeros], constant([0.0; 3]));
@@ -43,7 +43,7 @@ fn carrier<T: Number>(case: &Case<'_, T>, link: usize) -> usize {
     }
 }
 
-/// Bodies of a link, and rotors at rest on it, in the frame of another link.
+/// Inertias of the bodies of a link and of the rotors at rest on it, in the frame of another link.
 fn parts<T: Number>(
     case: &Case<'_, T>,
     links: &[LinkMotion<T>],
@@ -85,7 +85,7 @@ fn moved<T: Number>(
     [m, h[0], h[1], h[2], entry(0, 0), entry(0, 1), entry(1, 1), entry(0, 2), entry(1, 2), entry(2, 2)]
 }
 
-/// Regressor W, rows by coordinate.
+/// Regressor W. Rows are coordinates.
 pub fn regressor<T: Number>(case: &Case<'_, T>) -> Rows<T> {
     let rates = [&case.v[..], &case.a[..]];
     let links = case.links_in(rates, case.robot.gravity());
@@ -110,7 +110,7 @@ pub fn regressor<T: Number>(case: &Case<'_, T>) -> Rows<T> {
     transposed(&columns, case.n())
 }
 
-/// Columns of W that lead a base parameter; `None` without their names.
+/// Columns of W that lead a base parameter; `None` if the names of the base parameters are unknown.
 pub fn base_regressor<T: Number>(case: &Case<'_, T>, constants: &[Constant]) -> Option<Rows<T>> {
     let leaders = constants.iter().find_map(|constant| match &constant.value {
         ConstantValue::Names(_, names) if constant.name == "BASE_PARAMETER_NAMES" => Some(names),
@@ -126,7 +126,7 @@ pub fn base_regressor<T: Number>(case: &Case<'_, T>, constants: &[Constant]) -> 
     Some(regressor(case).iter().map(|row| indices.iter().map(|&k| row[k]).collect()).collect())
 }
 
-/// Terms with the same basis function, in the order of the first.
+/// Terms grouped by their basis function, in the order of the first term of each group.
 fn groups(terms: &[FrictionTerm]) -> Vec<Vec<&FrictionTerm>> {
     let mut groups: Vec<Vec<&FrictionTerm>> = Vec::new();
     for term in terms {
@@ -138,7 +138,7 @@ fn groups(terms: &[FrictionTerm]) -> Vec<Vec<&FrictionTerm>> {
     groups
 }
 
-/// Coefficients of friction by basis function, of joints, then of shafts.
+/// Coefficients of friction by basis function: first the coefficients of joints, then of shafts.
 pub fn friction<T: Number>(case: &Case<'_, T>) -> Vec<T> {
     let groups = case.rubbing().flat_map(|rubbing| groups(rubbing.terms));
     let sum = |group: Vec<&FrictionTerm>| {

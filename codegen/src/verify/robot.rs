@@ -1,7 +1,7 @@
 //! Numeric model: poses of the links, their motion, and forces (Newton 1687, Euler 1776).
 //!
-//! All vectors are in the axes of the base. No frames are chosen, nothing is lumped or omitted. Only the
-//! [`Model`] is shared with the derivation that is checked.
+//! All vectors are in the axes of the base. No frames are chosen, no bodies are combined and no terms are
+//! omitted. Only the [`Model`] is shared with the derivation that is checked.
 
 use std::rc::Rc;
 
@@ -22,12 +22,12 @@ pub struct Robot<'m, T> {
     pub model: &'m Model,
     pub parameters: Vec<T>,
     pub moving: Rc<Vec<MovingJoint<'m>>>,
-    /// The largest described coordinate of a joint or of a centre of mass. The derivation moves points to frames of its own, and each
-    /// gets a rounding of this size.
+    /// The largest coordinate of a joint or of a centre of mass in the description. The derivation moves
+    /// points to frames of its own, and each point gets a rounding error of this size.
     length: T,
 }
 
-/// Positions of all coordinates, driven ones last; positions of quaternion joints are poses.
+/// Positions of all coordinates. Driven coordinates are last. Joints with quaternions have poses instead.
 #[derive(Clone)]
 pub struct Positions<T> {
     pub scalars: Vec<T>,
@@ -35,7 +35,7 @@ pub struct Positions<T> {
     pub poses: Vec<(Vector<T>, [T; 4])>,
 }
 
-/// Pose and motion of a link. `acceleration` is that of its origin minus gravity.
+/// Pose and motion of a link. `acceleration` is the acceleration of its origin minus gravity.
 #[derive(Clone, Copy)]
 pub struct LinkMotion<T> {
     pub origin: Vector<T>,
@@ -51,7 +51,8 @@ pub struct LinkMotion<T> {
 /// Force and moment about the origin of a link.
 pub type Wrench<T> = [Vector<T>; 2];
 
-/// The motion that a joint adds to its parent's: displacement in the axes of the joint, rates in those of the link.
+/// The motion of a joint relative to the parent. The displacement is in the axes of the joint, and the rates
+/// are in the axes of the link.
 struct Relative<T> {
     slide: Vector<T>,
     rotation: Matrix<T>,
@@ -91,7 +92,7 @@ impl<'m, T: Number> Robot<'m, T> {
         formulas.each_ref().map(|formula| self.number(formula))
     }
 
-    /// A described point, with the error that it has in a frame of the derivation.
+    /// A point of the description, with the error that it has in a frame of the derivation.
     fn point(&self, formulas: &[Formula; 3]) -> Vector<T> {
         self.vector(formulas).map(|x| x.with_error_of(x.larger(self.length)))
     }
@@ -122,7 +123,7 @@ impl<'m, T: Number> Robot<'m, T> {
         }
     }
 
-    /// `Σ ratio · x[coordinate]`
+    /// The motion `Σ ratio · x[coordinate]` of a joint or shaft.
     pub fn followed(&self, terms: &[FollowedCoordinate], x: &[T]) -> T {
         let terms = terms.iter().map(|term| self.number(&term.ratio) * x[term.coordinate]);
         terms.fold(T::zero(), |sum, term| sum + term)
@@ -255,7 +256,7 @@ impl<'m, T: Number> Robot<'m, T> {
         Relative { slide: scale(slides, position), rotation, velocity, acceleration }
     }
 
-    /// Generalized forces of wrenches on links, and the total wrench through each link's joint.
+    /// Generalized forces of wrenches on links, and the total wrench that each link's joint transmits.
     pub fn projected(
         &self,
         links: &[LinkMotion<T>],
@@ -277,8 +278,8 @@ impl<'m, T: Number> Robot<'m, T> {
         (forces, wrenches)
     }
 
-    /// Wrenches that accelerate the bodies and rotors of each link, and forces on the rotors along their
-    /// shafts.
+    /// Wrenches that accelerate the bodies and rotors of each link, and generalized forces on the rotors
+    /// along their shafts.
     pub fn inertial_wrenches(&self, links: &[LinkMotion<T>], [v, a]: [&[T]; 2]) -> (Vec<Wrench<T>>, Vec<T>) {
         let bodies = self.model.links.iter().zip(links);
         let mut wrenches: Vec<Wrench<T>> = bodies
@@ -297,8 +298,8 @@ impl<'m, T: Number> Robot<'m, T> {
         (wrenches, forces)
     }
 
-    /// Speed and acceleration of a rotor: of its carrier about the rotor's axis (for rotors that are bodies),
-    /// and of its shaft.
+    /// Speed and acceleration of a rotor about its axis. If the rotor is a body, the motion of its carrier is
+    /// included.
     pub fn shaft_rates(&self, drive: &Drive, links: &[LinkMotion<T>], [v, a]: [&[T]; 2]) -> [T; 2] {
         let carrier = &links[drive.carrier];
         let axis = times(&carrier.rotation, constant(drive.axis));
@@ -309,7 +310,8 @@ impl<'m, T: Number> Robot<'m, T> {
         }
     }
 
-    /// Moment of a rotor with this inertia on its carrier. Adds the generalized forces along its shaft.
+    /// Moment of a rotor with this inertia on its carrier. Adds the generalized forces along the rotor's
+    /// shaft.
     pub fn rotor(
         &self,
         drive: &Drive,
@@ -356,14 +358,15 @@ impl<'m, T: Number> Robot<'m, T> {
         ]
     }
 
-    /// Origin of an attachment relative to its link's, in the axes of the base, and its rotation.
+    /// Origin of an attachment relative to the origin of its link, in the axes of the base, and the rotation
+    /// of the attachment.
     pub fn attached(&self, at: &Attachment, links: &[LinkMotion<T>]) -> (Vector<T>, Matrix<T>) {
         let link = &links[at.link];
         let arm = times(&link.rotation, self.point(&at.pose.translation));
         (arm, rotation_product(&link.rotation, &rotation(at.pose.rotation)))
     }
 
-    /// `y ⊕ δ` to first order in δ.
+    /// The positions `y ⊕ δ`, to first order in δ.
     pub fn moved(&self, at: &Positions<T>, d: &[T]) -> Positions<T> {
         let scalars = at.scalars.iter().zip(d).map(|(&y, &d)| y + d).collect();
         let pose = |(joint, &(origin, quaternion)): (&QuaternionJoint, &(Vector<T>, [T; 4]))| {
@@ -389,7 +392,7 @@ impl<T: Number> Positions<T> {
 }
 
 impl<T: Number> LinkMotion<T> {
-    /// Acceleration of a point of the link minus gravity.
+    /// Acceleration of a point of the link, minus the gravitational acceleration.
     pub fn point_acceleration(&self, arm: Vector<T>) -> Vector<T> {
         sum([self.acceleration, cross(self.spin_rate, arm), cross(self.spin, cross(self.spin, arm))])
     }

@@ -46,8 +46,8 @@ pub fn product<T: Number>(a: &Matrix<T>, b: &Matrix<T>) -> Matrix<T> {
     a.map(|row| columns.map(|column| dot(row, column)))
 }
 
-/// Product of two rotations. All its entries have the same error, which grows additively along a chain of
-/// joints; errors of separate sums of products would grow by a factor.
+/// Product of two rotations. All its entries have the same error. Along a chain of joints this error only
+/// adds up. Errors of separate sums of products would grow by a factor with each joint.
 pub fn rotation_product<T: Number>(a: &Matrix<T>, b: &Matrix<T>) -> Matrix<T> {
     let error = largest(a) * largest(b);
     product(a, b).map(|row| row.map(|x| x.with_error_of(error)))

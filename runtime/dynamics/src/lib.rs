@@ -1,4 +1,4 @@
-//! Generated robots as types: traits used by control and identification, and macros that implement them.
+//! Generated robots as types: traits for control and identification, and macros that implement these traits.
 //!
 //! `gelenk-runtime` re-exports this crate under the same names.
 

@@ -2,17 +2,17 @@
 
 use gelenk_kernels::math::sqrt;
 
-/// Singular values below this share of the largest count as zero.
+/// Singular values below this share of the largest one count as zero.
 const RANK_TOLERANCE: f64 = 1e-12;
 
-/// Sweeps after which columns are as orthogonal as they get; five or six are usual.
+/// Largest number of sweeps of rotations. Five or six sweeps are usually enough.
 const MOST_SWEEPS: usize = 40;
 
-/// Pseudo-inverse `B⁺`: `B⁺ f` is the shortest u that minimizes `|B u − f|`. `None` for matrices that are
-/// empty, zero or not finite.
+/// Pseudo-inverse `B⁺` of a matrix B: `B⁺ f` is the shortest u that minimizes `|B u − f|`. `None` for a
+/// matrix that is empty, zero or not finite.
 ///
-/// One-sided Jacobi rotations make the columns of B V orthogonal (Hestenes 1958; Golub and Van Loan 2013, section
-/// 8.6.3): `B = U Σ Vᵀ`, `B⁺ = V Σ⁻² (B V)ᵀ`.
+/// One-sided Jacobi rotations V make the columns of B V orthogonal (Hestenes 1958; Golub and Van Loan 2013,
+/// section 8.6.3). With `B = U Σ Vᵀ`, the pseudo-inverse is `B⁺ = V Σ⁻² (B V)ᵀ`.
 #[must_use]
 pub fn pseudo_inverse<const N: usize, const M: usize>(matrix: &[[f64; M]; N]) -> Option<[[f64; N]; M]> {
     let largest = matrix.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
@@ -39,7 +39,7 @@ pub fn pseudo_inverse<const N: usize, const M: usize>(matrix: &[[f64; M]; N]) ->
     }))
 }
 
-/// Rotates every pair of columns until it is orthogonal; tells whether one was not.
+/// Rotates every pair of columns until they are orthogonal. Returns whether a pair was rotated.
 fn sweep<const N: usize, const M: usize>(columns: &mut [[f64; N]; M], rotation: &mut [[f64; M]; M]) -> bool {
     let mut has_turned = false;
     for p in 0..M {
@@ -73,7 +73,7 @@ fn turn<const L: usize, const M: usize>(
     }
 }
 
-/// `aᵀ b`.
+/// Inner product `aᵀ b`.
 #[must_use]
 pub fn dot<const L: usize>(a: &[f64; L], b: &[f64; L]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()

@@ -1,16 +1,17 @@
-//! Numbers with significant digits: rounded at the second significant digit of the standard error.
+//! Numbers that are rounded at the second significant digit of their standard error.
 
-/// Most significant digits of a double.
+/// Largest number of significant digits of an f64.
 const MOST_DIGITS: i32 = 17;
-/// Decimals beyond which a number is written with an exponent.
+/// Largest number of decimals without an exponent.
 const MOST_DECIMALS: i32 = 12;
 
-/// `value` rounded to the decimal place of the second significant digit of `error`.
+/// The number `value`, rounded to the decimal place of the second significant digit of `error`. At most 17
+/// significant digits are written.
 ///
-/// - `error`: standard error; if absent, zero or not finite, the result is the shortest text that reads back
-///   as `value`
+/// - `error`: standard error. If it is `None`, zero or not finite, the result is the shortest text that reads
+///   back as `value`.
 ///
-/// 76.5561 with 0.0312 is `76.556`; 12345.0 with 120.0 is `12350`. At most 17 significant digits are written.
+/// Examples: 76.5561 with the error 0.0312 is `76.556`, and 12345.0 with the error 120.0 is `12350`.
 pub fn rounded(value: f64, error: Option<f64>) -> String {
     let Some(decimals) = decimals(error).filter(|_| value.is_finite()) else {
         return format!("{value:?}");
@@ -31,14 +32,14 @@ pub fn rounded(value: f64, error: Option<f64>) -> String {
     }
 }
 
-/// [`rounded`] with a decimal point or exponent, for formats that distinguish integers from floating-point
-/// numbers.
+/// The result of [`rounded`] with a decimal point or an exponent, for formats that distinguish integers from
+/// floating-point numbers.
 pub fn literal(value: f64, error: Option<f64>) -> String {
     let text = rounded(value, error);
     if text.contains(['.', 'e', 'N', 'i']) { text } else { text + ".0" }
 }
 
-/// `76.556 ± 0.031`; only the value if no error is known.
+/// The value with its error, for example `76.556 ± 0.031`; only the value if the error is unknown.
 pub fn with_error(value: f64, error: Option<f64>) -> String {
     match error.filter(|_| decimals(error).is_some()) {
         Some(e) => format!("{} ± {}", rounded(value, error), rounded(e, error)),
@@ -46,20 +47,20 @@ pub fn with_error(value: f64, error: Option<f64>) -> String {
     }
 }
 
-/// Significant digits of a value after [`rounded`], at least one; `None` if the error is unknown.
+/// Number of significant digits of a value after [`rounded`], at least one; `None` if the error is unknown.
 pub fn significant(value: f64, error: Option<f64>) -> Option<usize> {
     let decimals = decimals(error).filter(|_| value.is_finite())?;
     let digits = if value == 0.0 { 1 } else { magnitude(value) + 1 + decimals };
     Some(digits.clamp(1, MOST_DIGITS).unsigned_abs() as usize)
 }
 
-/// Whether `value` is 0 after [`rounded`].
+/// Whether the result of [`rounded`] is 0.
 pub fn vanishes(value: f64, error: Option<f64>) -> bool {
     rounded(value, error).parse::<f64>() == Ok(0.0)
 }
 
-/// `value` with `digits` significant digits in short notation: `0`, `31.62`; with an exponent if most
-/// decimals would be zeros or the number would have more digits.
+/// The number `value` with `digits` significant digits in short notation, for example `0` or `31.62`. Numbers
+/// below 1e-4 or from 1e6 on have an exponent.
 pub fn plain(value: f64, digits: usize) -> String {
     let digits = digits.clamp(1, MOST_DIGITS.unsigned_abs() as usize);
     let rounded: f64 = format!("{value:.*e}", digits - 1).parse().unwrap_or(value);
@@ -77,13 +78,13 @@ pub fn two_digits(x: f64) -> f64 {
     if scale >= 1.0 { rounded * scale } else { rounded / (1.0 / scale).round() }
 }
 
-/// Decimal place of the second significant digit of the error.
+/// Decimal place of the second significant digit of the error; `None` if the error is unknown.
 fn decimals(error: Option<f64>) -> Option<i32> {
     let error = error.filter(|e| e.is_finite() && *e > 0.0)?;
     Some(1 - magnitude(error))
 }
 
-/// Exponent of ten of a number rounded to two digits: 0.0996 counts as 0.10.
+/// Exponent of ten of a number that is rounded to two digits. For example, 0.0996 counts as 0.10.
 fn magnitude(x: f64) -> i32 {
     let text = format!("{:.1e}", x.abs());
     text.split_once('e').and_then(|(_, exponent)| exponent.parse().ok()).unwrap_or(0)

@@ -1,25 +1,26 @@
-//! Findings: observations of a stage about a description, a log or a fit, with place and remedy.
+//! Findings: messages about a description, a log or a fit, with a place and a remedy.
 //!
-//! A detector has a [`Rule`] and makes [`Finding`]s. A message names no subject; [`About`] does. Therefore
-//! findings can be sorted, counted and removed by rule and subject, and one place formats their text.
+//! Each check has a [`Rule`] and makes [`Finding`]s. The message of a finding does not name its subject. The
+//! field [`About`] has the subject. Therefore findings can be sorted, counted and removed by rule and
+//! subject, and their text is formatted in one place.
 
 pub mod digits;
 
 use std::fmt;
 
-/// Severity of a finding.
+/// Severity of a finding, in falling order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
     /// The input cannot be used, or a result is rejected.
     Error,
     /// The input is used but probably has a fault.
     Warning,
-    /// The input is used; a part was skipped or changed, or a remark is useful.
+    /// The input is used. A part was skipped or changed, or there is a useful remark.
     Note,
 }
 
 impl Severity {
-    /// `error`, `warning` or `note`.
+    /// Name of the severity: `error`, `warning` or `note`.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Error => "error",
@@ -29,12 +30,12 @@ impl Severity {
     }
 }
 
-/// A kind of finding.
+/// Kind of a finding, with a code and a severity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Rule {
-    /// Name in kebab case; stable, for scripts.
+    /// Name in kebab case. It does not change between versions, so scripts can use it.
     pub code: &'static str,
-    /// Level of its findings.
+    /// Severity of the findings of this rule.
     pub severity: Severity,
 }
 
@@ -54,7 +55,7 @@ impl Rule {
         Self { code, severity: Severity::Note }
     }
 
-    /// A finding about the whole input.
+    /// A finding of this rule about the whole input.
     ///
     /// - `message`: message without the subject
     pub fn found(&self, message: impl Into<String>) -> Finding {
@@ -65,36 +66,36 @@ impl Rule {
 /// A place in a source file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Location {
-    /// The file as the user named it.
+    /// Name of the file as the user gave it.
     pub file: String,
     /// Line, from 1.
     pub line: usize,
     /// Column in characters, from 1.
     pub column: usize,
-    /// Marked characters on this line, at least 1.
+    /// Number of marked characters on this line, at least 1.
     pub length: usize,
-    /// The source line without control characters; a part of it if the line is very long.
+    /// The source line without control characters, or a part of a very long line.
     pub excerpt: String,
-    /// Marked column within `excerpt`, in characters from 0.
+    /// Position of the mark within `excerpt`, in characters from 0.
     pub excerpt_column: usize,
 }
 
 /// The part of a robot that a finding is about.
 #[derive(Debug, Clone, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Subject {
-    /// The robot, or a whole file.
+    /// The whole robot, or a whole file.
     #[default]
     Whole,
-    /// A joint.
+    /// The joint with this name.
     Joint(String),
-    /// The shaft of a drive that moves several joints.
+    /// The shaft of the drive with this name, which moves several joints.
     Shaft(String),
-    /// An input of the description.
+    /// The input with this name.
     Input(String),
 }
 
 impl Subject {
-    /// Name of the part.
+    /// Name of the part; `None` for the whole robot.
     pub fn name(&self) -> Option<&str> {
         match self {
             Self::Whole => None,
@@ -117,13 +118,13 @@ impl fmt::Display for Subject {
 /// Place and subject of a finding.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct About {
-    /// Place in a description.
+    /// Place in a description; `None` for other findings.
     pub place: Option<Location>,
-    /// Name of a log.
+    /// Name of the log; `None` for a finding that is not about a log.
     pub log: Option<String>,
-    /// First and last row of a log, as an editor shows them.
+    /// First and last row of the log, with the line numbers of an editor.
     pub rows: Option<(usize, usize)>,
-    /// Column of a log.
+    /// Column of the log.
     pub column: Option<String>,
     /// Part of the robot.
     pub subject: Subject,
@@ -132,28 +133,28 @@ pub struct About {
 /// A number on which a finding is based.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Value {
-    /// Quantity.
+    /// Name of the quantity.
     pub name: &'static str,
-    /// The number.
+    /// Value of the quantity.
     pub value: f64,
-    /// Unit; empty for pure numbers.
+    /// Unit of the quantity; empty for pure numbers.
     pub unit: &'static str,
 }
 
-/// One problem or remark.
+/// A problem or remark.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Finding {
-    /// Error, warning or note.
+    /// Severity of the finding.
     pub severity: Severity,
-    /// Code of its rule.
+    /// Code of the rule of the finding.
     pub code: &'static str,
-    /// Place and subject.
+    /// Place and subject of the finding.
     pub about: About,
     /// Message with the numbers, without the subject.
     pub message: String,
-    /// Numbers, for programs.
+    /// The numbers of the message, for programs.
     pub values: Vec<Value>,
-    /// Help for the user.
+    /// Advice for the user; `None` if there is no advice.
     pub remedy: Option<String>,
 }
 
@@ -181,27 +182,27 @@ impl Finding {
         self
     }
 
-    /// Adds help.
+    /// Sets the advice for the user.
     #[must_use]
     pub fn help(mut self, remedy: impl Into<String>) -> Self {
         self.remedy = Some(remedy.into());
         self
     }
 
-    /// Sets the part of the robot.
+    /// Sets the part of the robot that the finding is about.
     #[must_use]
     pub fn of(mut self, subject: Subject) -> Self {
         self.about.subject = subject;
         self
     }
 
-    /// Sets the joint.
+    /// Sets the joint that the finding is about.
     #[must_use]
     pub fn joint(self, name: impl Into<String>) -> Self {
         self.of(Subject::Joint(name.into()))
     }
 
-    /// Sets the log, and rows of it.
+    /// Sets the log and its rows.
     #[must_use]
     pub fn log(mut self, log: impl Into<String>, rows: Option<(usize, usize)>) -> Self {
         (self.about.log, self.about.rows) = (Some(log.into()), rows);
@@ -215,31 +216,31 @@ impl Finding {
         self
     }
 
-    /// Converts an error to a warning, because the user accepts it.
+    /// Converts an error to a warning, because the user accepts it. Warnings and notes are not changed.
     #[must_use]
     pub fn accepted(mut self) -> Self {
         self.severity = self.severity.max(Severity::Warning);
         self
     }
 
-    /// Adds a number.
+    /// Adds a number for programs.
     #[must_use]
     pub fn with(mut self, name: &'static str, value: f64, unit: &'static str) -> Self {
         self.values.push(Value { name, value, unit });
         self
     }
 
-    /// A number by name.
+    /// Value of the number `name`; `None` if the finding has no number of this name.
     pub fn value(&self, name: &str) -> Option<f64> {
         self.values.iter().find(|value| value.name == name).map(|value| value.value)
     }
 
-    /// Whether another finding of this rule has the same subject.
+    /// Whether another finding has the same rule, place and subject.
     pub fn is_like(&self, other: &Self) -> bool {
         self.code == other.code && self.about == other.about
     }
 
-    /// Place in a description.
+    /// Place of the finding in a description; `None` for a finding without this place.
     pub fn location(&self) -> Option<&Location> {
         self.about.place.as_ref()
     }
@@ -275,8 +276,8 @@ impl fmt::Display for Finding {
     }
 }
 
-/// Removes duplicate findings, and findings about a part of the robot that a later finding of the same rule
-/// and subject replaces.
+/// Removes duplicates. Of several findings about a part of the robot with the same rule, place and subject,
+/// only the last one is kept.
 pub fn distinct(findings: impl IntoIterator<Item = Finding>) -> Vec<Finding> {
     let mut kept: Vec<Finding> = Vec::new();
     for finding in findings {
@@ -289,7 +290,7 @@ pub fn distinct(findings: impl IntoIterator<Item = Finding>) -> Vec<Finding> {
     kept
 }
 
-/// Texts of the findings of a severity.
+/// Texts of the findings with this severity.
 pub fn texts(findings: &[Finding], severity: Severity) -> Vec<String> {
     findings.iter().filter(|finding| finding.severity == severity).map(ToString::to_string).collect()
 }

@@ -1,4 +1,4 @@
-//! Errors of data and settings, each with the numbers that show it.
+//! Errors of data and settings, with the numbers that show the fault.
 
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Subject};
@@ -7,73 +7,73 @@ use thiserror::Error;
 /// Error of an identification step. Every message names the quantity, its value and a remedy.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum IdentificationError {
-    /// No samples at all.
+    /// There are no samples.
     #[error("{what} is empty: there is nothing to identify from")]
     Empty {
-        /// The quantity.
+        /// Name of the quantity.
         what: String,
     },
-    /// NaN or an infinity if a number is needed.
+    /// A value that must be a number is NaN or infinite.
     #[error(
         "{what} is not finite ({value}) at row {row} (counted from 0), {count} such values of {samples}: deselect these rows or repair the log"
     )]
     NotFinite {
-        /// Column or channel.
+        /// Name of the column or channel.
         what: String,
-        /// First row with such a value, from 0.
+        /// First row with a value that is not finite, counted from 0.
         row: usize,
-        /// The value there.
+        /// Value in this row.
         value: f64,
-        /// How many rows hold such a value.
+        /// Number of rows with a value that is not finite.
         count: usize,
-        /// Number of rows looked at.
+        /// Number of rows that were checked.
         samples: usize,
     },
-    /// Finite samples whose squares overflow.
+    /// Finite samples are so large that their squares overflow.
     #[error("{what} has values up to {}, whose squares overflow: scale it to sensible units", plain(*.largest, 3))]
     Overflow {
-        /// Column or channel.
+        /// Name of the column or channel.
         what: String,
-        /// Largest magnitude.
+        /// Largest magnitude of the samples.
         largest: f64,
     },
-    /// Equations of sensible size that are singular.
+    /// The equations are singular, although their numbers have a sensible size.
     #[error("the fit has no solution: {reason}")]
     NoSolution {
         /// Known details of the cause.
         reason: String,
     },
-    /// Fewer samples than the method needs.
+    /// There are fewer samples than the method needs.
     #[error("{what} needs at least {needed} samples, there are {got}")]
     TooFewSamples {
-        /// The method.
+        /// Name of the method.
         what: String,
-        /// Smallest number that works.
+        /// Smallest number of samples that works.
         needed: usize,
-        /// Number at hand.
+        /// Given number of samples.
         got: usize,
     },
-    /// Lengths that should agree do not.
+    /// Two lengths differ that must be equal.
     #[error("{what}: {expected} expected, {got} given")]
     Shape {
-        /// The things that are compared.
+        /// Quantities that are compared.
         what: String,
-        /// Expected size.
+        /// Expected length.
         expected: usize,
-        /// Given size.
+        /// Given length.
         got: usize,
     },
-    /// A setting outside its range.
+    /// A setting is outside its range.
     #[error("{name} = {value} is not possible: {requirement}")]
     Setting {
         /// Name of the setting.
         name: String,
-        /// Its value.
+        /// Value of the setting.
         value: f64,
-        /// The condition that it has to meet.
+        /// Condition that the setting has to meet.
         requirement: String,
     },
-    /// Library columns that are (nearly) linearly dependent.
+    /// Columns of the library of friction terms are (nearly) linearly dependent.
     #[error(
         "the terms {} are collinear on these data: condition number {} of the scaled library exceeds {limit:e}; remove one of them or excite the joint more", .terms.join(", "), plain(*.condition, 3)
     )]
@@ -82,93 +82,93 @@ pub enum IdentificationError {
         terms: Vec<String>,
         /// Condition number of the library with columns scaled to unit length.
         condition: f64,
-        /// The accepted limit.
+        /// Largest accepted condition number.
         limit: f64,
     },
-    /// A quantity that never changes if its change is needed.
+    /// A quantity never changes, although the identification needs its changes.
     #[error("{what} is constant ({value}) in all {samples} samples: nothing can be identified from it")]
     Constant {
-        /// The quantity.
+        /// Name of the quantity.
         what: String,
-        /// Its value.
+        /// Value of the quantity.
         value: f64,
         /// Number of samples.
         samples: usize,
     },
-    /// A library column that is zero everywhere.
+    /// A column of the library is zero in all samples.
     #[error("the term {term} is zero in all {samples} samples: no coefficient can be found for it")]
     ZeroColumn {
-        /// The term.
+        /// The term of the column.
         term: String,
         /// Number of samples.
         samples: usize,
     },
-    /// A threshold or λ that leaves no term.
+    /// A threshold or λ removes every term.
     #[error("{what} = {} removes every term: the largest value that keeps one is {}", plain(*.value, 6), plain(*.largest, 6))]
     EverythingRemoved {
-        /// "threshold" or "lambda".
+        /// Name of the setting: "threshold" or "lambda".
         what: String,
-        /// Its value.
+        /// Value of the setting.
         value: f64,
-        /// Bound below which at least one term stays.
+        /// Largest value with which at least one term remains.
         largest: f64,
     },
-    /// Text that is not a valid expression.
+    /// A text is not a valid expression.
     #[error("expression `{text}`: {message}")]
     Expression {
         /// The text.
         text: String,
-        /// The fault, and the possible texts.
+        /// The fault, and the texts that are possible.
         message: String,
     },
-    /// A channel that the log does not have.
+    /// The log does not have a channel of this name.
     #[error("there is no channel `{name}`; known are {}", .known.join(", "))]
     UnknownChannel {
-        /// The name asked for.
+        /// Name of the missing channel.
         name: String,
-        /// Names of the channels.
+        /// Names of the channels of the log.
         known: Vec<String>,
     },
-    /// A file that cannot be read, understood or written.
+    /// A file cannot be read, understood or written.
     #[error("{place}: {message}")]
     File {
-        /// Path and position.
+        /// Path of the file, and the position in it.
         place: String,
-        /// The fault.
+        /// Description of the fault.
         message: String,
     },
-    /// An iteration that did not reach its tolerance.
+    /// An iteration did not reach its tolerance.
     #[error("{what} did not converge in {iterations} iterations: {detail}")]
     NotConverged {
-        /// The method.
+        /// Name of the method.
         what: String,
-        /// Iterations done.
+        /// Number of iterations.
         iterations: usize,
-        /// The numbers at the end.
+        /// Numbers at the end of the iteration.
         detail: String,
     },
-    /// A fit that explains too little of a joint's force on data that it has not seen.
+    /// The fit explains too little of a joint's force on held-out data.
     #[error("{}", unexplained(subject, [*r_squared, *least], reasons))]
     Unexplained {
-        /// The joint, or the shaft that takes its row.
+        /// The joint, or the shaft that takes the joint's row.
         subject: Subject,
         /// Centred R² on held-out data.
         r_squared: f64,
-        /// The level that was asked for.
+        /// Smallest accepted R².
         least: f64,
         /// Likely reasons.
         reasons: Vec<Finding>,
     },
-    /// Findings that refuse a result.
+    /// Findings refuse the result.
     #[error("{}", findings.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
     Found {
-        /// At least one.
+        /// The findings, at least one.
         findings: Vec<Finding>,
     },
-    /// An error after some findings, which may have its reason.
+    /// An error occurred after some findings. One of these may be its reason.
     #[error("{error}")]
     After {
-        /// In the order in which they were found.
+        /// Earlier findings, in the order in which they were found.
         noted: Vec<Finding>,
         /// The error.
         error: Box<Self>,
@@ -188,12 +188,12 @@ fn unexplained(subject: &Subject, [r_squared, least]: [f64; 2], reasons: &[Findi
 }
 
 impl IdentificationError {
-    /// The error with the earlier findings.
+    /// Adds the earlier findings to the error.
     pub(crate) fn after(self, noted: Vec<Finding>) -> Self {
         if noted.is_empty() { self } else { Self::After { noted, error: Box::new(self) } }
     }
 
-    /// The findings that refuse a result, if findings do.
+    /// The findings that refuse a result; empty for errors of other kinds.
     pub fn refusals(&self) -> &[Finding] {
         match self {
             Self::Found { findings } => findings,
@@ -202,7 +202,7 @@ impl IdentificationError {
         }
     }
 
-    /// Findings collected before the error.
+    /// Findings that were collected before the error.
     pub fn noted(&self) -> &[Finding] {
         match self {
             Self::After { noted, .. } => noted,
@@ -214,10 +214,10 @@ impl IdentificationError {
 /// Result of an identification step.
 pub type Result<T> = std::result::Result<T, IdentificationError>;
 
-/// Fails with row and count if a value of `values` is NaN or infinite.
+/// Fails if a value of `values` is NaN or infinite.
 ///
 /// # Errors
-/// [`IdentificationError::NotFinite`]
+/// [`IdentificationError::NotFinite`] with the first row and the number of these values.
 pub(crate) fn require_finite(what: &str, values: &[f64]) -> Result<()> {
     let Some(row) = values.iter().position(|x| !x.is_finite()) else {
         return Ok(());
@@ -231,7 +231,9 @@ pub(crate) fn require_finite(what: &str, values: &[f64]) -> Result<()> {
     })
 }
 
-/// Fails unless `value` is finite and satisfies `holds`; `requirement` says so in words.
+/// Fails unless `value` is finite and `holds`.
+///
+/// - `requirement`: the condition in words
 ///
 /// # Errors
 /// [`IdentificationError::Setting`]
@@ -256,7 +258,7 @@ pub(crate) fn require_length(what: &str, expected: usize, got: usize) -> Result<
 /// Fails if there are fewer than `needed` samples.
 ///
 /// # Errors
-/// [`IdentificationError::Empty`] and [`IdentificationError::TooFewSamples`]
+/// [`IdentificationError::Empty`] without samples, and [`IdentificationError::TooFewSamples`] with too few samples.
 pub(crate) fn require_samples(what: &str, needed: usize, got: usize) -> Result<()> {
     if got == 0 {
         return Err(IdentificationError::Empty { what: what.into() });

@@ -1,4 +1,4 @@
-//! From logs to an identified robot, in one call.
+//! Identification of a robot from its logs in one call.
 
 use super::doubts::limits::beyond;
 use super::doubts::written::{self, Written};
@@ -35,26 +35,26 @@ const NOTHING_LEFT: Rule = Rule::error("no-friction");
 /// Fixture: `constant_logs` in `runtime/tests/identification_bad_input.rs`.
 pub(crate) const NO_FIT: Rule = Rule::error("no-friction-fit");
 
-/// Settings of an identification; the defaults suit a log about which nothing is known.
+/// Settings of an identification. The defaults suit a log about which nothing is known.
 #[derive(Debug, Clone)]
 pub struct IdentificationSettings {
-    /// Meaning of the columns.
+    /// Assignment and units of the columns of a log.
     pub columns: ColumnOptions,
-    /// Grid, filter and delay.
+    /// Settings of resampling, filter and delay.
     pub preparation: PreparationSettings,
-    /// The common estimate of inertia, friction, offsets and gains.
+    /// Settings of the common estimate of inertia, friction, offsets and gains.
     pub estimation: EstimationSettings,
-    /// How the terms of the friction laws are chosen.
+    /// Settings of the friction laws.
     pub friction: FrictionIdentification,
-    /// Takes friction laws that would be refused; the reason becomes a warning.
+    /// Whether friction laws that would be refused are accepted. The reason is then a warning.
     pub accept_poor: bool,
 }
 
 impl IdentificationSettings {
-    /// The defaults.
+    /// Returns the default settings.
     ///
     /// # Errors
-    /// None in fact: those of the default library of friction terms.
+    /// An error of the default library of friction terms, which does not occur.
     pub fn new() -> Result<Self> {
         Ok(Self {
             columns: ColumnOptions::default(),
@@ -62,7 +62,8 @@ impl IdentificationSettings {
             estimation: EstimationSettings::default(),
             friction: FrictionIdentification {
                 method: FrictionMethod::Ladder(StribeckRegression {
-                    // Eight take 1.33 s of CPU for a log that takes 1.1 s with four. A worse minimum leaves the law of terms.
+                    // Eight starts take 1.33 s of CPU for a log that takes 1.1 s with four. If a worse minimum is found, the
+                    // law of chosen terms is kept.
                     starts: 4,
                     ..StribeckRegression::default()
                 }),
@@ -76,37 +77,38 @@ impl IdentificationSettings {
 /// Result of an identification, with its data.
 #[derive(Debug, Clone)]
 pub struct Identification {
-    /// The logs.
+    /// The logs as they were read.
     pub recording: Recording,
-    /// Report on the preparation of their signals.
+    /// Report on the preparation of the signals.
     pub preparation: PreparationReport,
-    /// The signals that the estimate was made of; none if it was made of moments.
+    /// The signals from which the estimate was made; empty if it was made from moments (the sums of [`crate::fleet`]).
     pub runs: Vec<PreparedRun>,
-    /// Inertia, friction, offsets and gains.
+    /// Estimate of inertia, friction, offsets and gains.
     pub estimate: Estimate,
     /// Friction laws of the joints that moved.
     pub friction: Vec<JointFriction>,
-    /// The rows that these numbers belong to where shafts take those of joints. What is said of a joint then is said of
-    /// the shaft: positions and velocities are its own, efforts are those of its motor.
+    /// The rows of the equations that shafts of drives take from joints; `None` if no shaft takes a row. In the row of a
+    /// shaft, positions and velocities are those of the shaft, and efforts are those of its motor.
     pub(crate) shafts: Option<ShaftRows>,
 }
 
 impl Identification {
     /// The robot with the rows and the parameters of the estimate.
     ///
-    /// - `robot`: the one that was identified
+    /// - `robot`: the identified robot
     #[must_use]
     pub fn rows<'a>(&'a self, robot: &'a dyn Robot) -> impl Robot + 'a {
         RobotRows::new(robot, self.shafts.clone())
     }
 
-    /// The drive whose shaft's row this is; `None` if it is that of the joint.
+    /// Name of the drive whose shaft takes this row; `None` if the row is that of a joint.
     #[must_use]
     pub fn shaft(&self, row: usize) -> Option<&str> {
         self.shafts.as_ref()?.shaft(row).map(|shaft| shaft.name.as_str())
     }
 
-    /// Friction that is described on joints whose rows shafts take, with the estimated factors; `None` if no shaft takes a row.
+    /// Described friction terms of joints whose rows shafts take, with their estimated factors; `None` if no shaft takes a
+    /// row.
     #[must_use]
     pub fn joint_terms(&self) -> Option<Vec<(&JointTerm, f64)>> {
         let rows = self.shafts.as_ref()?;
@@ -115,28 +117,32 @@ impl Identification {
     }
 }
 
-/// The friction of a joint, or of a shaft that takes its row.
+/// Friction of a joint, or of a shaft that takes the joint's row.
 #[derive(Debug, Clone)]
 pub struct JointFriction {
-    /// Number of the joint.
+    /// Index of the joint.
     pub joint: usize,
     /// Name of the joint, or of the shaft's drive.
     pub name: String,
-    /// ẏ at all samples of all runs in which the joint does not rest.
+    /// ẏ at all samples of all runs in which the joint does not rest [rad/s or m/s].
     pub velocities: Vec<f64>,
-    /// Measured forces without those of the rigid body and without friction under load: friction, offset and error.
+    /// Measured forces minus those of the rigid body and of friction under load, at the same samples [N·m or N]. They
+    /// contain friction, offset and error.
     pub torques: Vec<f64>,
-    /// The law, or why there is none.
+    /// Friction law with its report, or the reasons for which there is no law.
     pub report: std::result::Result<FrictionReport, Vec<Finding>>,
 }
 
-/// Reads logs of a robot, prepares their signals, estimates, and chooses the terms of each joint's friction.
+/// Reads logs of a robot, prepares their signals, estimates inertia and friction, and chooses the terms of each joint's
+/// friction law.
 ///
 /// - `progress`: receives a sentence at each step
 ///
 /// # Errors
-/// Logs that cannot be read or matched with the robot's joints, signals that are too short, and estimates that
-/// explain nothing. A joint whose friction has no law is not an error, see [`JointFriction::report`].
+/// The call fails if logs cannot be read or do not match the robot's joints, if signals are too short or far beyond
+/// described limits, or if the estimate is refused ([`estimate()`] lists the reasons). An error after the first finding is
+/// [`IdentificationError::After`], which holds the earlier findings. A joint without a friction law is not an error, see
+/// [`JointFriction::report`].
 pub fn identify(
     robot: &dyn Robot,
     logs: &[PathBuf],
@@ -147,7 +153,9 @@ pub fn identify(
     identified(robot, logs, settings, &mut noted, progress).map_err(|error| error.after(noted))
 }
 
-/// As [`identify`]; `noted` holds the findings before an error.
+/// Does the work of [`identify`].
+///
+/// - `noted`: takes the findings before an error
 fn identified(
     robot: &dyn Robot,
     logs: &[PathBuf],
@@ -204,9 +212,10 @@ fn identified(
 }
 
 impl Identification {
-    /// All findings in the order of the work. If a friction law finds what the estimate finds of the same joint, it is the law's.
+    /// All findings in the order of the work. If the estimate and a friction law have the same finding about a joint, the
+    /// result has only the finding of the law.
     ///
-    /// - `robot`: the one that was identified
+    /// - `robot`: the identified robot
     pub fn findings(&self, robot: &dyn Robot) -> Vec<Finding> {
         let rows = self.rows(robot);
         let of_law = |friction: &JointFriction| -> Vec<Finding> {
@@ -224,7 +233,9 @@ impl Identification {
     }
 }
 
-/// One finding of the reasons for which a law is not written.
+/// The finding that no law is written, with all reasons.
+///
+/// - `reasons`: findings that refuse the law
 fn no_law(reasons: &[Finding]) -> Finding {
     let messages: Vec<&str> = reasons.iter().map(|reason| reason.message.as_str()).collect();
     let remedies: Vec<&str> = reasons.iter().filter_map(|reason| reason.remedy.as_deref()).collect();
@@ -234,9 +245,10 @@ fn no_law(reasons: &[Finding]) -> Finding {
     if remedies.is_empty() { found } else { found.help(remedies.join("; ")) }
 }
 
-/// The settings of the estimate, the filter of the signals, and efforts that share a delay.
+/// Settings of the estimate with the filter of the signals, and with the numbers of the delays. Efforts with the same delay
+/// have the same number.
 ///
-/// - `mixed`: efforts of the joints were added up along shafts
+/// - `mixed`: whether efforts of the joints were added along shafts
 pub(crate) fn of_signals(
     settings: &IdentificationSettings,
     preparation: &PreparationReport,
@@ -255,12 +267,12 @@ pub(crate) fn of_signals(
     }
 }
 
-/// Remaining delay of each effort, and its standard error.
+/// Remaining delay of each effort, and its standard error [s].
 pub(crate) fn left_of_delays(estimate: &Estimate) -> Vec<[f64; 2]> {
     estimate.delays.iter().map(|delay| [delay.value, delay.standard_error]).collect()
 }
 
-/// The term of a joint's friction that grows with the load, as a law has it.
+/// The friction term of a joint that grows with the load, as a term of a law; `None` if it was not chosen.
 fn under_load(joint: &JointEstimate) -> Option<FrictionTerm> {
     joint.load.as_ref().map(|term| FrictionTerm {
         basis: term.basis.clone(),
@@ -270,7 +282,7 @@ fn under_load(joint: &JointEstimate) -> Option<FrictionTerm> {
     })
 }
 
-/// The logs, and their signals on one grid through one filter.
+/// Reads the logs and prepares their signals.
 ///
 /// - `noted`: takes the findings, also before an error
 pub(crate) fn read_and_prepare(
@@ -302,10 +314,10 @@ pub(crate) fn read_and_prepare(
     Ok((recording, prepared, preparation))
 }
 
-/// Values beyond the described limits.
+/// Findings about values beyond the described limits.
 ///
 /// # Errors
-/// Those far beyond that are not accepted.
+/// [`IdentificationError::Found`] if values are far beyond their limits and this is not accepted.
 pub(crate) fn beyond_limits(
     robot: &dyn Robot,
     recording: &Recording,
@@ -319,7 +331,10 @@ pub(crate) fn beyond_limits(
     Err(IdentificationError::Found { findings })
 }
 
-/// A joint whose efforts cannot be used keeps what is described; if no joint has others, nothing is left to do.
+/// Fails if no effort can be used. A joint without a usable effort keeps its description.
+///
+/// # Errors
+/// [`IdentificationError::Found`] with the faults.
 fn require_efforts(preparation: &PreparationReport) -> Result<()> {
     if preparation.joints.iter().any(|joint| joint.fault.is_none()) {
         return Ok(());
@@ -329,12 +344,12 @@ fn require_efforts(preparation: &PreparationReport) -> Result<()> {
     Err(IdentificationError::Found { findings })
 }
 
-/// Faults of efforts that cannot be used.
+/// Findings about efforts that cannot be used.
 pub(crate) fn faults(preparation: &PreparationReport) -> impl Iterator<Item = &Finding> {
     preparation.joints.iter().filter_map(|joint| joint.fault.as_ref())
 }
 
-/// Logs with the first digits of their hashes.
+/// Names of the logs with the first digits of their hashes, as text.
 fn source(recording: &Recording) -> String {
     let logs = recording.hashes.iter().map(|(path, hash)| {
         let name = path.rsplit(['/', '\\']).next().unwrap_or(path);
@@ -343,7 +358,7 @@ fn source(recording: &Recording) -> String {
     logs.collect::<Vec<_>>().join(", ")
 }
 
-/// A joint's friction terms in the estimate; `None` if the joint has none.
+/// A joint's friction terms in the estimate; `None` if the joint has no terms.
 pub(crate) fn common(estimate: &Estimate, joint: usize) -> Option<CommonTerms> {
     let own = Some(&estimate.joints[joint].terms).filter(|terms| !terms.is_empty())?;
     Some(CommonTerms {
@@ -356,7 +371,7 @@ pub(crate) fn common(estimate: &Estimate, joint: usize) -> Option<CommonTerms> {
 
 /// The law, or the reasons for which it is refused.
 ///
-/// - `accept_poor`: the reasons become warnings, if there is a law to be accepted
+/// - `accept_poor`: whether a law is accepted in spite of the reasons, which then are warnings
 pub(crate) fn unless_refused(
     mut report: FrictionReport,
     accept_poor: bool,

@@ -1,9 +1,11 @@
-//! Identification: from logs to friction models that the generator reads.
+//! Identification of friction and inertial parameters from logs of robots, as a description that the generator reads.
 //!
-//! Order of work ([`identify`]): logs are read as runs of a robot ([`log`], [`run`]). Runs become equidistant and smoothed by one
-//! filter, without the delay of the efforts ([`preparation`]). One weighted fit explains the efforts ([`estimation`]). A library
-//! of terms is evaluated and reduced to moments ([`methods`]), and sparse or nonlinear friction laws are fitted to them
-//! ([`friction`]). Logs that are too many for one machine become sums of products that add up ([`fleet`]).
+//! [`identify`] works in these stages:
+//! - [`log`] reads logs as [runs](run) of a robot.
+//! - [`preparation`] resamples the runs, smooths them by one filter and removes the delay of the efforts.
+//! - [`estimation`] explains the efforts by one weighted fit.
+//! - [`methods`] evaluate a library of friction terms, and [`friction`] fits sparse or nonlinear friction laws.
+//! - [`fleet`] replaces logs that are too many for one machine by sums of products, which can be added.
 
 #![warn(unreachable_pub)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]

@@ -1,40 +1,42 @@
-//! Joints whose attitude is a quaternion: their poses, and coordinates in which they can be filtered.
+//! Joints whose orientation is a quaternion: their poses, and displacements that can be filtered.
 
 use gelenk_dynamics::dynamics::{difference, integrate};
 
-/// A spherical or floating joint. Its positions are a quaternion x, y, z, w of unit length, behind the position of the
-/// origin in the parent's frame where the joint is floating. Its velocities are the angular velocity in the body's own
-/// frame, behind the linear one in the same frame.
+/// A spherical or floating joint.
+///
+/// The positions of a spherical joint are a quaternion x, y, z, w of unit length. A floating joint has the position of its
+/// origin in the parent's frame before the quaternion. The velocities of a spherical joint are the angular velocity in the
+/// body's own frame. A floating joint has the linear velocity of its origin in the same frame before the angular velocity.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct QuaternionJoint {
-    /// Its name.
+    /// Name of the joint.
     pub name: String,
-    /// Its first position entry.
+    /// Index of the joint's first position entry.
     pub position: usize,
-    /// Its first velocity entry.
+    /// Index of the joint's first velocity entry.
     pub velocity: usize,
-    /// Whether it slides, too.
+    /// Whether the joint is floating instead of spherical.
     pub is_floating: bool,
 }
 
 impl QuaternionJoint {
-    /// Its position entries.
+    /// Range of the joint's position entries.
     pub(crate) fn positions(&self) -> std::ops::Range<usize> {
         self.position..self.position + if self.is_floating { 7 } else { 4 }
     }
 
-    /// Its velocity entries.
+    /// Range of the joint's velocity entries.
     pub(crate) fn velocities(&self) -> std::ops::Range<usize> {
         self.velocity..self.velocity + if self.is_floating { 6 } else { 3 }
     }
 
-    /// Where the quaternion begins among its positions.
+    /// Index of the quaternion's first entry among the joint's positions.
     pub(crate) fn quaternion(&self) -> usize {
         if self.is_floating { 3 } else { 0 }
     }
 
-    /// `to ⊖ from` of poses of this joint: the velocities that lead from one to the other within a second, by the shorter
-    /// way round.
+    /// Displacement `to ⊖ from` between two poses of this joint: the constant velocity that moves the joint from one pose to
+    /// the other in one second, with the shorter rotation.
     pub(crate) fn way(&self, from: &[f64], to: &[f64]) -> Vec<f64> {
         if self.is_floating {
             return difference::<1, 6, 7>(&[7], &entries(from), &entries(to)).to_vec();
@@ -42,7 +44,7 @@ impl QuaternionJoint {
         difference::<1, 3, 4>(&[4], &entries(from), &entries(to)).to_vec()
     }
 
-    /// `pose ⊕ way`.
+    /// The pose `pose ⊕ way`, which the displacement `way` reaches.
     pub(crate) fn moved(&self, pose: &[f64], way: &[f64]) -> Vec<f64> {
         if self.is_floating {
             return integrate::<1, 6, 7>(&[7], &entries(pose), &entries(way)).to_vec();
@@ -58,22 +60,22 @@ fn entries<const K: usize>(values: &[f64]) -> [f64; K] {
 
 /// For each of `n` velocity entries, whether it belongs to a joint with a quaternion.
 ///
-/// No sensor measures the forces of these rows: they are those of the inputs that act there, and zero without one. There
-/// is neither an offset in them nor friction that is estimated.
+/// No sensor measures the forces of these rows. They are the forces of the inputs that act there, and zero without an input.
+/// So no offset and no friction is estimated for these rows.
 pub(crate) fn rows_of(joints: &[QuaternionJoint], n: usize) -> Vec<bool> {
     (0..n).map(|i| joints.iter().any(|joint| joint.velocities().contains(&i))).collect()
 }
 
-/// The position entry of each of `n` velocity entries; `None` for those of joints with a quaternion.
+/// The index of the position entry of each of `n` velocity entries; `None` for entries of joints with a quaternion.
 pub(crate) fn plain_positions(joints: &[QuaternionJoint], n: usize) -> Vec<Option<usize>> {
     let before = |i: usize| joints.iter().filter(|joint| joint.velocity < i).count();
     let rows = rows_of(joints, n);
     (0..n).map(|i| (!rows[i]).then(|| i + before(i))).collect()
 }
 
-/// Names of the position entries, as a generated module's `POSITION_NAMES`.
+/// Names of the position entries, as in `POSITION_NAMES` of a generated module.
 ///
-/// - `names`: of the velocities
+/// - `names`: names of the velocity entries
 pub(crate) fn position_names(joints: &[QuaternionJoint], names: &[String]) -> Vec<String> {
     let mut all = vec![String::new(); names.len() + joints.len()];
     for (entry, name) in plain_positions(joints, names.len()).into_iter().zip(names) {

@@ -1,27 +1,28 @@
-//! Robot interface of identification, for compiled and interpreted functions alike.
+//! Interface of a robot for the identification, for compiled and interpreted equations of motion.
 
 use super::error::{IdentificationError, Result};
 use super::pose::QuaternionJoint;
 use gelenk_dynamics::dynamics::{Dynamics, Limits, load};
 use gelenk_findings::Subject;
 
-/// A robot whose equations of motion are linear in its inertial parameters, `W(y, ẏ, ÿ) π = M ÿ + k − q_g`.
+/// A robot whose equations of motion are linear in its inertial parameters π, `W(y, ẏ, ÿ) π = M ÿ + k − q_g` with the mass
+/// matrix M, the bias force k and the gravity force q_g.
 ///
-/// N joints, M inputs, P parameters. A generated module has these functions; a description that is interpreted
-/// has them too. Slices have the lengths stated here: implementations may rely on it.
+/// The robot has N joints, M inputs and P parameters. A generated module has these functions, and so does an interpreted
+/// description. The slices have the lengths that are stated here. Implementations may rely on it.
 ///
-/// Where joints have quaternions ([`Self::quaternion_joints`]), each of their velocities counts as a joint of its own
-/// here, and y has one entry more for each of them.
+/// If joints have quaternions ([`Self::quaternion_joints`]), each of their velocities counts as a joint of its own here, and
+/// y has one more entry for each joint with a quaternion.
 pub trait Robot {
-    /// Names of the N joints, as described; of joints with a quaternion those of the velocities.
+    /// Names of the N joints in the description. A joint with a quaternion has the names of its velocities.
     fn joint_names(&self) -> Vec<String>;
 
-    /// The part of the robot that a row is about: a joint, or the shaft that takes its row.
+    /// The part of the robot to which a row of the equations belongs: a joint, or the shaft that takes the joint's row.
     fn subject(&self, row: usize) -> Subject {
         Subject::Joint(self.joint_names().swap_remove(row))
     }
 
-    /// Names of the M inputs, as described.
+    /// Names of the M inputs in the description.
     fn input_names(&self) -> Vec<String>;
 
     /// Unit of each joint's position: `rad` or `m`.
@@ -30,17 +31,17 @@ pub trait Robot {
     /// Limits of each joint.
     fn limits(&self) -> Vec<JointLimits>;
 
-    /// Names of the P inertial parameters: ten for each body (m, m c, moments about the frame's origin), then
-    /// one for each rotor, as in a generated module's `INERTIAL_PARAMETER_NAMES`.
+    /// Names of the P inertial parameters: ten for each body (mass m, first moments m c, moments of inertia about the
+    /// frame's origin), then one for each rotor, as in `INERTIAL_PARAMETER_NAMES` of a generated module.
     fn parameter_names(&self) -> Vec<String>;
 
-    /// The described values of the parameters, in the same order.
+    /// The values of the P parameters in the description.
     fn parameters(&self) -> Vec<f64>;
 
-    /// Number of bodies: the first `10 · bodies` parameters are theirs.
+    /// Number of bodies. The first `10 · bodies` parameters are those of the bodies.
     fn bodies(&self) -> usize;
 
-    /// The joints that follow others, with limits of their own; those that follow driven joints are not among them.
+    /// The joints that follow other joints and have limits of their own, without those that follow driven joints.
     fn followers(&self) -> Vec<FollowerLimits> {
         Vec::new()
     }
@@ -50,31 +51,31 @@ pub trait Robot {
         Vec::new()
     }
 
-    /// B, `N × M`, rows first: joint forces of unit inputs; columns of inputs that act at frames are zero.
+    /// Input matrix B, `N × M`, row by row: joint forces per unit of each input. Columns of inputs that act at frames are
+    /// zero.
     fn input_matrix(&self) -> Vec<f64>;
 
-    /// For each input, whether it is a current as described, so that B holds its motor constant.
+    /// For each input, whether the description has it as a current. B then contains its motor constant.
     fn described_currents(&self) -> Vec<bool> {
         vec![false; self.input_names().len()]
     }
 
-    /// Whether inputs act at frames: B depends on the positions then, and efforts must be forces at the
-    /// joints.
+    /// Whether inputs act at frames. B then depends on the positions, and recorded efforts must be forces at the joints.
     fn has_inputs_at_frames(&self) -> bool {
         false
     }
 
-    /// Lowest and highest value of each input, in its unit; infinite if not described.
+    /// Lowest and highest value of each input, in the unit of the input; infinite if the description has no limit.
     fn input_limits(&self) -> Vec<[f64; 2]> {
         vec![[f64::NEG_INFINITY, f64::INFINITY]; self.input_names().len()]
     }
 
-    /// Torque–speed lines of motors.
+    /// Torque–speed lines of the motors.
     fn torque_speed_lines(&self) -> Vec<TorqueSpeedLine> {
         Vec::new()
     }
 
-    /// `B(y) u`, inputs at frames included.
+    /// Computes the joint forces `B(y) u` of all inputs, including inputs at frames.
     fn input_forces(&self, y: &[f64], u: &[f64], forces: &mut [f64]) {
         let _ = y;
         for (force, row) in forces.iter_mut().zip(self.input_matrix().chunks_exact(u.len().max(1))) {
@@ -82,96 +83,98 @@ pub trait Robot {
         }
     }
 
-    /// For each joint, whether something else moves it, as a linear axis under a robot: logs have its motion, and not its
-    /// force.
+    /// For each joint, whether it is moved from outside, as a linear axis under a robot. Logs have the motion of a joint
+    /// that is moved from outside, but not its force.
     fn unmeasured(&self) -> Vec<bool> {
         vec![false; self.joint_names().len()]
     }
 
-    /// For each joint, whether an input drives it and nothing else. The load of such a gear is known, so that friction
-    /// can grow with it.
+    /// For each joint, whether a single input drives it and this input drives no other joint. The load of the joint's gear
+    /// is then known, so that friction under load can be estimated.
     fn own_inputs(&self) -> Vec<bool> {
         own_inputs(&self.input_matrix(), self.joint_names().len(), self.input_names().len())
     }
 
-    /// For each row, a joint's or that of one of [`Self::shafts`]: whether additional inertia of its drive may be estimated.
-    /// It may not if the drive's rotor is among the parameters, or if no drive could be written with it.
+    /// For each row (of a joint, or of one of [`Self::shafts`]), whether additional inertia of its drive may be estimated.
+    /// It may not if the drive's rotor is among the parameters, or if the inertia could not be written as part of the drive.
     fn takes_inertia(&self) -> Vec<bool> {
         vec![true; self.joint_names().len()]
     }
 
-    /// Drives that act on several joints, and whose shafts' friction is to be found. None takes the row of a joint that
-    /// another one takes, that has a drive of its own, or that something else moves.
+    /// Drives that act on several joints and whose shafts have friction that is to be found. Each shaft takes the row of a
+    /// joint. This joint has no drive of its own, is not moved from outside, and its row is taken by no other shaft.
     fn shafts(&self) -> Vec<Shaft> {
         Vec::new()
     }
 
-    /// How many times as fast as a joint each row is: terms of friction are looked for at speeds that differ by these.
+    /// For each row, the ratio of its speed to that of a joint. Terms of friction are searched at speeds that are scaled by
+    /// this ratio.
     fn speed_scales(&self) -> Vec<f64> {
         vec![1.0; self.joint_names().len()]
     }
 
-    /// Terms of the friction that is described on joints whose rows shafts take.
+    /// Described friction terms of joints whose rows shafts take.
     fn joint_terms(&self) -> Vec<JointTerm> {
         Vec::new()
     }
 
-    /// Values of the functions of these terms, without their factors, at positions y and velocities ẏ.
+    /// Computes the functions of [`Self::joint_terms`] without their factors, at positions y and velocities ẏ.
     fn joint_term_values(&self, y: &[f64], v: &[f64], values: &mut [f64]) {
         let _ = (y, v);
         values.fill(0.0);
     }
 
-    /// Described friction of a row, a joint's or that of one of [`Self::shafts`], at its speed v: the force against the motion,
-    /// without friction under load. Zero if none is described.
+    /// Described friction of a row (of a joint, or of one of [`Self::shafts`]) at its speed v: the force against the motion,
+    /// without friction under load. Zero if the description has no friction.
     fn friction(&self, row: usize, v: f64) -> f64 {
         let _ = (row, v);
         0.0
     }
 
-    /// Gravity in the axes of the base, as described \[m/s²\]; `None` if no other direction of it can be tried
-    /// ([`Self::regressor_at_rest`]).
+    /// Described gravity in the axes of the base \[m/s²\]; `None` if the robot has no [`Self::regressor_at_rest`] for other
+    /// directions.
     fn gravity(&self) -> Option<[f64; 3]> {
         None
     }
 
-    /// `W` at positions y and at rest under another gravity \[m/s²\], as [`Self::inertial_regressor`]. Robots with
-    /// [`Self::gravity`] have it.
+    /// Computes `W` at positions y and at rest for another gravity \[m/s²\], in the shape of [`Self::inertial_regressor`].
+    /// Robots whose [`Self::gravity`] is not `None` implement it.
     fn regressor_at_rest(&self, y: &[f64], gravity: [f64; 3], regressor: &mut [f64]) {
         let _ = (y, gravity);
         regressor.fill(0.0);
     }
 
-    /// `W`, `N × P`, rows first, at positions y [rad or m], velocities ẏ and accelerations ÿ.
+    /// Computes the regressor `W`, `N × P`, row by row, at positions y [rad or m], velocities ẏ and accelerations ÿ.
     fn inertial_regressor(&self, y: &[f64], v: &[f64], a: &[f64], regressor: &mut [f64]);
 
-    /// `M ÿ + k − q` with the described parameters, without friction of joints and of [`Self::shafts`], one entry for each joint [N·m or N].
-    /// It contains springs and other forces that are not inertial, which `W π` does not.
+    /// Computes `M ÿ + k − q` with the described parameters, one entry for each joint [N·m or N]. Friction of joints and of
+    /// [`Self::shafts`] is left out. Springs and other forces that are not inertial are included, unlike in `W π`.
     fn rigid_forces(&self, y: &[f64], v: &[f64], a: &[f64], forces: &mut [f64]);
 }
 
 /// Positions, velocities and accelerations of all joints at one time.
 pub type Instant = [Vec<f64>; 3];
 
-/// A drive that acts on several joints, whose friction is that of its shaft.
+/// A drive that acts on several joints. Its friction is that of its shaft.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shaft {
-    /// Name of the drive, as described.
+    /// Name of the drive in the description.
     pub name: String,
-    /// The joint whose row the shaft takes: one without a drive of its own.
+    /// Index of the joint whose row the shaft takes. This joint has no drive of its own.
     pub joint: usize,
-    /// Motion of the shaft for a unit of motion of each of the N joints: gear ratio times weight [1 or rad/m].
+    /// Motion of the shaft per unit of motion of each of the N joints: gear ratio times weight [1 or rad/m].
     pub ratios: Vec<f64>,
-    /// Largest torque of the motor [N·m]; infinite if it is not described.
+    /// Largest torque of the motor [N·m]; infinite if the description has no limit.
     pub torque: f64,
 }
 
-/// A motor that gives less torque the faster it turns, `|u + C ẏ| ≤ limit`.
+/// A motor with less torque at higher speed, `|u + C ẏ| ≤ limit`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TorqueSpeedLine {
-    /// Number of the input.
+    /// Index of the input u.
     pub input: usize,
-    /// C: the torque that the velocity of each of the N joints takes from the input, in its unit.
+    /// C: for each of the N joints, the part of the input that a unit of the joint's velocity takes, in the unit of the
+    /// input.
     pub slopes: Vec<f64>,
     /// Largest input of the motor at rest, in the unit of the input.
     pub limit: f64,
@@ -186,23 +189,24 @@ impl TorqueSpeedLine {
     }
 }
 
-/// A term of friction that is described on a joint whose row a shaft takes.
+/// A described friction term of a joint whose row a shaft takes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointTerm {
-    /// Number of the joint.
+    /// Index of the joint.
     pub joint: usize,
-    /// Function of the joint's velocity `v`, as described.
+    /// Function of the joint's velocity `v` in the description.
     pub basis: String,
-    /// Its described factor.
+    /// Described factor of the function.
     pub coefficient: f64,
 }
 
-/// Refuses robots of which something else moves a joint.
+/// Refuses robots with a joint that is moved from outside.
 ///
-/// - `what`: the omitted action, as the beginning of a sentence
+/// - `what`: the action that is not possible, as the beginning of the message
+/// - `help`: the end of the message
 ///
 /// # Errors
-/// [`IdentificationError::File`] with the name of such a joint.
+/// [`IdentificationError::File`] with the name of the first joint of this kind.
 pub(crate) fn require_no_driven(robot: &dyn Robot, what: &str, help: &str) -> Result<()> {
     let names = robot.joint_names().into_iter().zip(robot.unmeasured());
     match names.filter(|(_, unmeasured)| *unmeasured).map(|(name, _)| name).next() {
@@ -216,10 +220,11 @@ pub(crate) fn require_no_driven(robot: &dyn Robot, what: &str, help: &str) -> Re
 
 /// Refuses robots with quaternions.
 ///
-/// - `what`: the omitted action, as the beginning of a sentence
+/// - `what`: the action that is not possible, as the beginning of the message
+/// - `help`: the end of the message
 ///
 /// # Errors
-/// [`IdentificationError::File`] with the name of such a joint.
+/// [`IdentificationError::File`] with the name of the first joint with a quaternion.
 pub(crate) fn require_no_quaternions(robot: &dyn Robot, what: &str, help: &str) -> Result<()> {
     let Some(joint) = robot.quaternion_joints().into_iter().next() else { return Ok(()) };
     let kind = if joint.is_floating { "floating" } else { "spherical" };
@@ -229,7 +234,7 @@ pub(crate) fn require_no_quaternions(robot: &dyn Robot, what: &str, help: &str) 
     })
 }
 
-/// Joints whose row of B has one entry, in a column with no other.
+/// For each joint, whether its row of B has a single entry whose column has no other entry.
 fn own_inputs(b: &[f64], joints: usize, inputs: usize) -> Vec<bool> {
     let acts = |joint: usize, input: usize| b[joint * inputs + input] != 0.0;
     let driven_by = |joint: usize| (0..inputs).filter(move |&input| acts(joint, input));
@@ -237,14 +242,14 @@ fn own_inputs(b: &[f64], joints: usize, inputs: usize) -> Vec<bool> {
     (0..joints).map(|joint| driven_by(joint).count() == 1 && driven_by(joint).all(drives_one)).collect()
 }
 
-/// A joint that follows others, and its limits.
+/// A joint that follows other joints, and its limits.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FollowerLimits {
-    /// Its name.
+    /// Name of the following joint.
     pub name: String,
-    /// Its motion for a unit of motion of each of the N joints.
+    /// Motion of the following joint per unit of motion of each of the N joints.
     pub ratios: Vec<f64>,
-    /// Its position where all of them stand at 0 [rad or m].
+    /// Position of the following joint if all N joints are at 0 [rad or m].
     pub offset: f64,
     /// Lowest and highest position [rad or m].
     pub position: [f64; 2],
@@ -253,14 +258,18 @@ pub struct FollowerLimits {
 }
 
 impl FollowerLimits {
-    /// Its position or speed, given those of the joints; `offset` is that of a position, or 0.
+    /// Position or speed of the following joint.
+    ///
+    /// - `values`: positions or speeds of the N joints
+    /// - `offset`: [`Self::offset`] for positions, 0 for speeds
     pub(crate) fn sum(&self, values: impl IntoIterator<Item = f64>, offset: f64) -> f64 {
-        // Nothing needs to be known of what it does not follow.
+        // Values of joints that are not followed may be NaN.
         let followed = self.ratios.iter().zip(values).filter(|(ratio, _)| **ratio != 0.0);
         offset + followed.map(|(ratio, value)| ratio * value).sum::<f64>()
     }
 
-    /// The joint that it follows, if it is the only one, with the range that it leaves: position and speed.
+    /// The followed joint with its allowed range of positions and its allowed speed, if the joint follows a single one;
+    /// otherwise `None`.
     pub(crate) fn allowed(&self) -> Option<(usize, [f64; 2], f64)> {
         let mut followed = self.ratios.iter().enumerate().filter(|(_, ratio)| **ratio != 0.0);
         let ((joint, ratio), None) = (followed.next()?, followed.next()) else { return None };
@@ -269,7 +278,7 @@ impl FollowerLimits {
     }
 }
 
-/// Limits of the joints, narrowed to what joints allow that follow one of them alone.
+/// Limits of the joints, narrowed by the limits of joints that follow a single joint.
 pub(crate) fn narrowed_limits(robot: &dyn Robot) -> Vec<JointLimits> {
     let mut limits = robot.limits();
     for (joint, [low, high], speed) in robot.followers().iter().filter_map(FollowerLimits::allowed) {
@@ -280,7 +289,7 @@ pub(crate) fn narrowed_limits(robot: &dyn Robot) -> Vec<JointLimits> {
     limits
 }
 
-/// Limits of a joint, as described; infinite if not described.
+/// Limits of a joint in the description; infinite if the description has none.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointLimits {
     /// Lowest and highest position [rad or m].
@@ -292,12 +301,12 @@ pub struct JointLimits {
 }
 
 impl JointLimits {
-    /// Nothing is described.
+    /// The limits of a joint without described limits.
     pub(crate) const NONE: Self =
         Self { position: [f64::NEG_INFINITY, f64::INFINITY], velocity: f64::INFINITY, effort: f64::INFINITY };
 }
 
-/// W at y, ẏ, ÿ, as a generated module's `inertial_regressor`.
+/// W at y, ẏ, ÿ, as `inertial_regressor` of a generated module.
 type Regressor<const N: usize, const P: usize> = fn(&[f64; N], &[f64; N], &[f64; N]) -> [[f64; P]; N];
 
 /// A generated module as a [`Robot`]: its [`Dynamics`] and its `inertial_regressor`.
@@ -319,17 +328,17 @@ type Regressor<const N: usize, const P: usize> = fn(&[f64; N], &[f64; N], &[f64;
 /// ```
 #[derive(Debug, Clone)]
 pub struct Generated<D, const N: usize, const M: usize, const P: usize> {
-    /// The module's functions.
+    /// The functions of the module.
     pub model: D,
-    /// Its `JOINT_UNITS`.
+    /// `JOINT_UNITS` of the module.
     pub units: [&'static str; N],
-    /// Its `INERTIAL_PARAMETER_NAMES`.
+    /// `INERTIAL_PARAMETER_NAMES` of the module.
     pub parameter_names: [&'static str; P],
-    /// Its `inertial_parameters()`.
+    /// `inertial_parameters()` of the module.
     pub parameters: [f64; P],
-    /// Number of bodies; behind their `10 · bodies` parameters stand those of the rotors.
+    /// Number of bodies. Their `10 · bodies` parameters come first, those of the rotors follow.
     pub bodies: usize,
-    /// Its `inertial_regressor`.
+    /// `inertial_regressor` of the module.
     pub regressor: Regressor<N, P>,
 }
 
@@ -420,7 +429,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize, const P: usize> Robot fo
     }
 }
 
-/// The first N values; the trait promises that there are N.
+/// The first N values. The trait promises that there are N.
 fn columns<const N: usize>(values: &[f64]) -> [f64; N] {
     std::array::from_fn(|i| values[i])
 }

@@ -1,41 +1,42 @@
-//! Recorded motions, joint by joint: as they were measured, and prepared for the regression.
+//! Recorded motions as they were measured ([`Run`]), and prepared for the regression ([`PreparedRun`]).
 
 use super::numeric::shifted::{shifted, slope};
 use std::ops::Range;
 
-/// A part of a log without interruption: all joints' samples at the same times.
+/// A part of a log without interruption. All columns have samples at the same times.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Run {
-    /// The log's file name, and the number of the run if the log has several.
+    /// File name of the log, followed by the number of the run if the log has several runs.
     pub name: String,
-    /// Times \[s\]. They increase strictly; their steps may differ.
+    /// Times \[s\]. They increase strictly. Their steps may differ.
     pub times: Vec<f64>,
-    /// Row of each sample in the log, counted from 1 with the header as row 1, as an editor shows it.
+    /// Row of each sample in the log. The header is row 1, as in an editor.
     pub rows: Vec<usize>,
-    /// Measured positions [rad or m], for each joint of the robot. Those of a joint with a quaternion are the sums of its
-    /// ways from sample to sample, `y ⊖ y_before`, from 0 on: their rates are the velocities in the body's frame.
+    /// Measured positions [rad or m], one column for each joint of the robot. A joint with a quaternion has one column for
+    /// each velocity: the sum of the displacements `y ⊖ y_before` from sample to sample, from 0 on. The rates of these
+    /// columns are the velocities in the body's frame.
     pub positions: Vec<Vec<f64>>,
     /// Measured positions y of a robot with quaternions, one column for each entry; empty for other robots.
     pub poses: Vec<Vec<f64>>,
-    /// Measured velocities [rad/s or m/s], for each joint, if the log has them.
+    /// Measured velocities [rad/s or m/s] of each joint; `None` if the log does not have them.
     pub velocities: Vec<Option<Vec<f64>>>,
-    /// Measured efforts; joints or inputs, as [`Effort`] says.
+    /// Measured efforts, one column for each joint or input as [`Effort`] says. Units are in [`Effort`].
     pub efforts: Vec<Vec<f64>>,
     /// Kind of the efforts.
     pub effort: Effort,
 }
 
-/// Fewest samples of a run that is prepared.
+/// Fewest samples of a run that can be prepared.
 pub(crate) const FEWEST_SAMPLES: usize = 16;
 
-/// Kind of a log's efforts.
+/// Kind of the efforts of a log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Effort {
     /// Forces at the joints, `B u` [N·m or N], one for each joint.
     Joint,
-    /// Inputs u of the description [N·m or N], at the motors' side of the gears, one for each input.
+    /// Inputs u of the description [N·m or N], on the motor side of the gears, one for each input.
     Input,
-    /// Motor currents \[A\], one for each input: `u = K_M i` with K_M unknown.
+    /// Motor currents i \[A\], one for each input: `u = K_M i` with an unknown motor constant K_M.
     Current,
 }
 
@@ -49,41 +50,42 @@ impl Effort {
     }
 }
 
-/// A run with smoothed positions, their derivatives, and efforts passed through the same filter, delay removed.
+/// A run on an equidistant grid: smoothed positions, their derivatives, and efforts that passed the same filter and have no
+/// delay.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PreparedRun {
-    /// Name of the run that it was made of.
+    /// Name of the run from which this run was made.
     pub name: String,
     /// Times \[s\], equidistant.
     pub times: Vec<f64>,
     /// Row of the nearest sample in the log, as in [`Run::rows`].
     pub rows: Vec<usize>,
-    /// y [rad or m], for each joint; for joints with a quaternion as in [`Run::positions`].
+    /// Smoothed positions [rad or m], one column for each joint; for joints with a quaternion as in [`Run::positions`].
     pub positions: Vec<Vec<f64>>,
-    /// y of a robot with quaternions, one column for each entry; empty for other robots.
+    /// Smoothed y of a robot with quaternions, one column for each entry; empty for other robots.
     pub poses: Vec<Vec<f64>>,
-    /// ẏ, for each joint.
+    /// Velocities ẏ [rad/s or m/s], one column for each joint.
     pub velocities: Vec<Vec<f64>>,
-    /// ÿ, for each joint.
+    /// Accelerations ÿ [rad/s² or m/s²], one column for each joint.
     pub accelerations: Vec<Vec<f64>>,
-    /// Efforts, smoothed by the same filter; joints or inputs, as [`Effort`] says.
+    /// Smoothed efforts, one column for each joint or input as [`Effort`] says.
     pub efforts: Vec<Vec<f64>>,
-    /// For each joint, whether a sample belongs to a rest: its effort says nothing about friction there, which takes any
-    /// value up to the static one. Empty if no joint rests.
+    /// For each joint and sample, whether the joint rests. Dry friction at rest takes any value up to the static one, so the
+    /// effort of this sample contains no information on friction. Empty if no joint rests.
     pub resting: Vec<Vec<bool>>,
     /// Kind of the efforts.
     pub effort: Effort,
 }
 
 impl PreparedRun {
-    /// The entries of y, which are the joints' positions if there is no quaternion.
+    /// The entries of y. They are the joints' positions if the robot has no quaternion.
     pub(crate) fn coordinates(&self) -> &[Vec<f64>] {
         if self.poses.is_empty() { &self.positions } else { &self.poses }
     }
 
-    /// Measured force at a joint, for gains of one.
+    /// Measured force at a joint with a gain of one [N·m or N].
     ///
-    /// - `input_matrix`: B, rows first
+    /// - `input_matrix`: B, row by row
     pub(crate) fn force(&self, input_matrix: &[f64], joint: usize, sample: usize) -> f64 {
         if self.effort == Effort::Joint {
             return self.efforts[joint][sample];
@@ -98,7 +100,7 @@ impl PreparedRun {
         self.resting.get(joint).and_then(|rests| rests.get(sample)).copied().unwrap_or(false)
     }
 
-    /// The samples of a joint without its rests, in contiguous stretches.
+    /// The samples of a joint without its rests, in contiguous intervals.
     pub(crate) fn moving(&self, joint: usize) -> Vec<Range<usize>> {
         let mut stretches: Vec<Range<usize>> = Vec::new();
         for i in (0..self.times.len()).filter(|i| !self.rests(joint, *i)) {
@@ -116,14 +118,14 @@ impl PreparedRun {
         (self.times[last] - self.times[0]) / last.max(1) as f64
     }
 
-    /// Rate of change of an effort at a sample.
+    /// Rate of change of an effort at a sample, per second.
     pub(crate) fn effort_rate(&self, effort: usize, sample: usize) -> f64 {
         slope(&self.efforts[effort], sample) / self.step()
     }
 
-    /// The run with efforts that come earlier.
+    /// The run with efforts that are shifted to earlier times.
     ///
-    /// - `delays`: of each effort \[s\]; none if they are empty
+    /// - `delays`: delay of each effort \[s\]; efforts without an entry are not shifted
     pub(crate) fn without_delays(self, delays: &[f64]) -> Self {
         let step = self.step();
         let earlier = |(effort, values): (usize, &Vec<f64>)| -> Vec<f64> {
@@ -136,12 +138,12 @@ impl PreparedRun {
         Self { efforts, ..self }
     }
 
-    /// How many of the samples are in motion.
+    /// Number of the samples at which a joint moves.
     pub(crate) fn count_moving(&self, samples: Range<usize>) -> usize {
         samples.filter(|sample| self.is_moving(*sample)).count()
     }
 
-    /// Whether some joint moves at a sample.
+    /// Whether at least one joint moves at a sample.
     pub(crate) fn is_moving(&self, sample: usize) -> bool {
         (0..self.positions.len()).any(|joint| !self.rests(joint, sample))
     }

@@ -1,4 +1,4 @@
-//! How well an identified robot predicts logs that it was not identified from.
+//! Prediction of logs that were not used for the identification.
 
 use super::doubts::limits::beyond;
 use super::doubts::written::Written;
@@ -27,32 +27,36 @@ const FITTED: Rule = Rule::warning("fitted-log");
 /// Fixture: `codegen/tests/external_arm/doubts.rs`.
 const NOT_PREDICTED: Rule = Rule::warning("validation-failed");
 
-/// Prediction of a joint's efforts in logs that nothing was fitted to.
+/// Quality of the prediction of a joint's efforts τ in logs that were not fitted. τ̂ is the predicted effort, τ̄ the mean.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointValidation {
     /// Name of the joint.
     pub name: String,
-    /// `1 − Σ (τ − τ̂)² / Σ (τ − τ̄)²` over the samples in which the joint moves; NaN if the effort is constant, or was not
-    /// measured in the logs of the identification.
+    /// `R² = 1 − Σ (τ − τ̂)² / Σ (τ − τ̄)²` over the samples in which the joint moves; NaN if the effort is constant, or if
+    /// it was not measured in the logs of the identification.
     pub r_squared: f64,
-    /// The same with the samples in which the joint rests, where dry friction takes any value up to the static one.
+    /// R² including the samples in which the joint rests. Dry friction at rest takes any value up to the static one.
     pub r_squared_with_rest: f64,
-    /// Root mean square of τ − τ̂ [N·m or N].
+    /// Root mean square of τ − τ̂ over the samples in which the joint moves [N·m or N].
     pub residual: f64,
-    /// Mean of τ − τ̂ over the samples in which the joint moves [N·m or N]: an offset of the logs that the description does not have.
+    /// Mean of τ − τ̂ over the samples in which the joint moves [N·m or N]. It is an offset of the logs that the description
+    /// does not have.
     pub offset: f64,
-    /// R² of the moving samples with this offset added to τ̂.
+    /// R² of the moving samples if this offset is added to τ̂.
     pub r_squared_with_offset: f64,
 }
 
-/// Predicts the efforts of other logs by the identified values: inertial parameters, added inertias, the chosen
-/// friction laws with their constants, and gains. Nothing is fitted again, and offsets of the fitted logs are not added: this is
-/// the prediction by the written description. Friction passes the filter of the efforts.
+/// Predicts the efforts of other logs with the written description: inertial parameters, added inertias, the chosen friction
+/// laws with their constants, and gains. Nothing is fitted again. Offsets of the fitted logs are not added.
 ///
-/// Signals pass the filter of the identification, and efforts lose its delay.
+/// Signals pass the filter of the identification, and friction passes the filter of the efforts. The delay of the
+/// identification is removed from the efforts.
+///
+/// - `found`: result of the identification
+/// - `progress`: receives the findings about the other logs
 ///
 /// # Errors
-/// Logs that cannot be read or matched, or that are too short.
+/// The call fails if logs cannot be read, do not match the robot, or are too short.
 pub fn validate(
     robot: &dyn Robot,
     found: &Identification,
@@ -97,7 +101,7 @@ pub fn validate(
     Ok(judged)
 }
 
-/// Sums of one joint's measured forces and errors.
+/// Sums over one joint's measured forces and errors.
 #[derive(Debug, Clone, Copy, Default)]
 struct Sums {
     count: f64,
@@ -108,7 +112,7 @@ struct Sums {
 }
 
 impl Sums {
-    /// Mean and spread by Welford's recursion (1962).
+    /// Adds a sample. Mean and spread are updated by Welford's recursion (1962).
     fn add(&mut self, measured: f64, predicted: f64) {
         self.count += 1.0;
         let before = measured - self.mean;
@@ -128,7 +132,10 @@ impl Sums {
     }
 }
 
-/// - `moving`: over the samples in which the joint moves; `all`: over those at rest too
+/// The quality of the prediction from the sums of a joint.
+///
+/// - `moving`: sums over the samples in which the joint moves
+/// - `all`: sums over all samples
 fn judged(name: String, [moving, all]: [Sums; 2]) -> JointValidation {
     JointValidation {
         name,
@@ -144,17 +151,17 @@ fn judged(name: String, [moving, all]: [Sums; 2]) -> JointValidation {
 struct Prediction<'a> {
     robot: &'a dyn Robot,
     found: &'a Identification,
-    /// The inertial parameters whose weight the robot compensates, if any.
+    /// The inertial parameters whose weight the robot compensates; `None` if the robot does not compensate gravity.
     compensated: Option<Vec<f64>>,
     joints: usize,
-    /// Difference of π from the description.
+    /// Identified minus described inertial parameters.
     changes: Vec<f64>,
-    /// `M ÿ + k − q` with gravity: the forces of the gears.
+    /// `M ÿ + k − q` with gravity: loads of the gears.
     loads: Vec<f64>,
     input_matrix: Vec<f64>,
     regressor: Vec<f64>,
     forces: Vec<f64>,
-    /// Friction of each joint along the run, through the filter of its efforts; none if it needs the load.
+    /// Friction of each joint along the run, which passed the filter of the efforts; `None` if it depends on the load.
     friction: Vec<Option<Vec<f64>>>,
 }
 
@@ -181,7 +188,7 @@ impl<'a> Prediction<'a> {
         })
     }
 
-    /// A joint's law.
+    /// The friction law of a joint; `None` if it has no law.
     fn law(&self, joint: usize) -> Option<&'a FrictionResult> {
         let law = self.found.friction.iter().find(|friction| friction.joint == joint);
         law.and_then(|law| law.report.as_ref().ok()).map(|report| &report.result)
@@ -202,7 +209,7 @@ impl<'a> Prediction<'a> {
         let at = |columns: &[Vec<f64>]| columns.iter().map(|column| column[sample]).collect::<Vec<f64>>();
         let (y, v, a) = (at(run.coordinates()), at(&run.velocities), at(&run.accelerations));
         self.rigid(&y, &v, &a);
-        // What was not measured in the logs of the identification has no identified law.
+        // A joint without measured efforts in the logs of the identification has no identified law.
         let known = |joint: &usize| self.found.estimate.joints[*joint].measured;
         for joint in (0..sums.len()).filter(known) {
             let measured = self.measured(run, joint, sample);
@@ -214,7 +221,7 @@ impl<'a> Prediction<'a> {
         }
     }
 
-    /// `M ÿ + k − q` with the identified parameters, without gravity where the robot compensates it.
+    /// Computes `M ÿ + k − q` with the identified parameters, without gravity if the robot compensates it.
     fn rigid(&mut self, y: &[f64], v: &[f64], a: &[f64]) {
         self.robot.rigid_forces(y, v, a, &mut self.forces);
         self.add_regressor([y, v, a], 1.0, &self.changes.clone());
@@ -234,13 +241,13 @@ impl<'a> Prediction<'a> {
         }
     }
 
-    /// Friction and added inertia of a joint.
+    /// Friction and force of the added inertia of a joint.
     fn at_joint(&self, joint: usize, sample: usize, [v, a]: [f64; 2]) -> f64 {
         let inertia = self.found.estimate.joints[joint].armature.map_or(0.0, |armature| armature.value);
         let load = self.loads[joint] + inertia * a;
         let friction = match (&self.friction[joint], self.law(joint)) {
             (Some(friction), _) => friction[sample],
-            // A law that cannot be evaluated makes the prediction NaN, which is not counted.
+            // A law that cannot be evaluated makes the prediction NaN, and the sample is not counted.
             (None, Some(law)) => law.torque(v, load).unwrap_or(f64::NAN),
             (None, None) => 0.0,
         };

@@ -1,4 +1,4 @@
-//! Sections and their blocks.
+//! Sections of a page and their blocks.
 
 use super::claim::Claim;
 use super::equation::Equation;
@@ -13,9 +13,9 @@ use super::table::Table;
 pub struct Section {
     /// Anchor on the page: letters, digits, hyphens and underscores.
     pub id: String,
-    /// Heading.
+    /// Heading of the section.
     pub title: String,
-    /// Contents in order.
+    /// Blocks of the section in order.
     pub blocks: Vec<Block>,
 }
 
@@ -26,13 +26,13 @@ pub enum Block {
     Text(Vec<Inline>),
     /// A heading within the section.
     Heading(Vec<Inline>),
-    /// Equations on lines of their own.
+    /// Equations, each on a line of its own.
     Equations(Vec<Equation>),
-    /// Short equations, side by side if there is room: intermediate values.
+    /// Short equations of intermediate values, side by side if there is room.
     Abbreviations(Vec<Equation>),
     /// A table of values.
     Table(Table),
-    /// Claims with verdicts.
+    /// Claims with their verdicts.
     Claims(Vec<Claim>),
     /// Sparsity patterns of matrices, side by side.
     Patterns(Vec<Pattern>),
@@ -44,18 +44,19 @@ pub enum Block {
     Scene(Scene),
     /// Preformatted text in a fixed-width font.
     Code(String),
-    /// Collapsible blocks; not printed while closed.
+    /// Blocks that can be collapsed. Collapsed blocks are not printed.
     Details {
-        /// Text that is shown while closed.
+        /// Text that is shown while the blocks are collapsed.
         summary: Vec<Inline>,
         /// Whether the blocks are initially open.
         is_open: bool,
-        /// The blocks inside.
+        /// Blocks that can be collapsed.
         blocks: Vec<Block>,
     },
 }
 
-/// A paragraph with markup: `$…$` is LaTeX, `` `…` `` code. Use [`plain`] for text from elsewhere.
+/// A paragraph with markup: `$…$` is an equation in LaTeX, `` `…` `` is code. Use [`plain`] for text from
+/// other sources.
 #[must_use]
 pub fn text(source: &str) -> Block {
     Block::Text(inlines(source))
@@ -88,7 +89,7 @@ impl Section {
         self
     }
 
-    /// All blocks in order, including collapsed ones.
+    /// All blocks in order, including blocks inside of collapsible blocks.
     pub(super) fn all_blocks(&self) -> Vec<&Block> {
         let mut all = Vec::new();
         collect(&self.blocks, &mut all);

@@ -1,27 +1,27 @@
-//! Claims with verdicts from numbers and thresholds.
+//! Claims, whose verdicts follow from numbers and thresholds.
 
 use std::fmt;
 
 use super::number::{DIGITS, rounded};
 
-/// A statement, the measured values, and the verdict.
+/// A statement with measured values and a verdict.
 ///
 /// The verdict follows from the criteria and cannot be set. A claim without criteria does not hold.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Claim {
-    /// Anchor on the page and name in the data.
+    /// Anchor on the page, and name of the claim in the data.
     pub id: String,
-    /// Claimed sentence; `$…$` is an equation.
+    /// The claimed sentence; `$…$` is an equation in LaTeX.
     pub statement: String,
-    /// Numbers with thresholds; all must be met.
+    /// Numbers with thresholds. All thresholds must be met.
     pub criteria: Vec<Criterion>,
-    /// Condition under which the claim holds, if it does not hold without it.
+    /// Condition under which the claim holds; `None` if the claim has no condition.
     pub condition: Option<String>,
-    /// Change of conditions that would reverse the verdict.
+    /// Change of conditions that would reverse the verdict; may be empty.
     pub flipped_by: String,
-    /// Remark on result and reason.
+    /// Remark on the result and its reason; may be empty.
     pub remark: String,
-    /// Identifier of the figure or table that shows the claim.
+    /// Identifier of the figure or table that shows the claim; `None` if there is no figure or table.
     pub shown_in: Option<String>,
 }
 
@@ -30,9 +30,9 @@ pub struct Claim {
 pub struct Criterion {
     /// Name of the measured quantity.
     pub name: String,
-    /// The number.
+    /// The measured number.
     pub value: f64,
-    /// The threshold.
+    /// The threshold of the number.
     pub bound: Bound,
     /// Unit of value and threshold; may be empty.
     pub unit: String,
@@ -41,20 +41,20 @@ pub struct Criterion {
 /// A threshold.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Bound {
-    /// Values up to this number meet it.
+    /// Largest value that meets the threshold.
     AtMost(f64),
-    /// Values from this number meet it.
+    /// Smallest value that meets the threshold.
     AtLeast(f64),
 }
 
 /// Verdict on a claim.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Verdict {
-    /// All criteria are met.
+    /// All criteria are met, and the claim has no condition.
     Holds,
-    /// All criteria are met, under the stated condition.
+    /// All criteria are met, and the claim has a condition.
     HoldsConditionally,
-    /// Not all criteria are met.
+    /// A criterion is not met, or there are no criteria.
     DoesNotHold,
 }
 
@@ -152,7 +152,7 @@ impl Criterion {
         }
     }
 
-    /// `≤ 0.01 rad`
+    /// The threshold as text, for example `≤ 0.01 rad`.
     pub(super) fn threshold(&self) -> String {
         let (sign, bound) = match self.bound {
             Bound::AtMost(bound) => ("≤", bound),
@@ -161,7 +161,7 @@ impl Criterion {
         format!("{sign} {}", with_unit(super::number::exact(bound), &self.unit))
     }
 
-    /// `0.00412 rad`
+    /// The measured number as text, for example `0.00412 rad`.
     pub(super) fn measured(&self) -> String {
         with_unit(rounded(self.value, DIGITS), &self.unit)
     }

@@ -25,7 +25,7 @@ pub(super) fn json(report: &Report) -> Value {
     })
 }
 
-/// Whether the data may come from [`json`].
+/// Whether the data have the keys of the result of [`json`].
 pub(super) fn is_report(value: &Value) -> bool {
     let mut expected = json(&Report::default());
     match (expected.as_object_mut(), value.as_object()) {
@@ -34,7 +34,7 @@ pub(super) fn is_report(value: &Value) -> bool {
     }
 }
 
-/// Names of the CSV and SVG files next to the data of a report.
+/// Names of the CSV and SVG files that belong to the data of a report.
 pub(super) fn tables(report: &Value) -> Vec<String> {
     let entries = |value: &Value, name: &str| value[name].as_array().cloned().unwrap_or_default();
     let (mut names, mut drawings) = (Vec::new(), Vec::new());
@@ -68,7 +68,7 @@ fn drawing_names(id: &str, plots: usize) -> Vec<String> {
     }
 }
 
-/// Name and text of one SVG file per plot.
+/// Name and text of the SVG file of each plot.
 pub(super) fn svg(report: &Report) -> Result<Vec<(String, String)>, ReportError> {
     let mut files = Vec::new();
     for block in report.sections.iter().flat_map(Section::all_blocks) {
@@ -129,7 +129,7 @@ fn cell_json(cell: &Cell) -> Value {
     }
 }
 
-/// JSON knows no infinity and no NaN: they are written as text.
+/// A number as JSON. Infinity and NaN, which JSON does not have, are written as text.
 fn number_json(value: f64) -> Value {
     if value.is_finite() { json!(value) } else { json!(value.to_string()) }
 }
@@ -193,7 +193,7 @@ pub(super) fn words(parts: &[Inline]) -> String {
     parts.iter().map(word).collect()
 }
 
-/// One CSV file per table, list of claims and figure.
+/// Name and text of one CSV file for each table, list of claims, figure and pattern.
 pub(super) fn csv(report: &Report) -> Result<Vec<(String, String)>, ReportError> {
     let mut files = Vec::new();
     for section in &report.sections {
@@ -281,7 +281,7 @@ fn claim_rows(claims: &[Claim]) -> Vec<Vec<String>> {
     rows
 }
 
-/// One row a point: curves have their own abscissae.
+/// One row for each point, because curves have different abscissae.
 fn figure_rows(figure: &Figure) -> Vec<Vec<String>> {
     let mut rows = vec![["plot", "series", "x", "y"].map(str::to_owned).to_vec()];
     for (index, plot) in figure.plots.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! The kinematic tree as a drawing: links in boxes, joints on the lines between them.
+//! Drawing of the kinematic tree, with links in boxes and joints on the lines between them.
 
 use maud::{Markup, html};
 
@@ -13,7 +13,7 @@ const MARGIN: f64 = 8.0;
 /// A link in the drawing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Place {
-    /// Column; between two where it carries several.
+    /// Column of the link. It may be between two columns if the link has several children.
     lane: f64,
     depth: f64,
 }
@@ -43,7 +43,7 @@ pub(super) fn tree(scene: &Scene) -> Markup {
     }
 }
 
-/// Links are counted with the base first.
+/// Index of the link that a joint carries. The base has the index 0.
 fn node(joint: Option<usize>) -> usize {
     joint.map_or(0, |joint| joint + 1)
 }
@@ -58,7 +58,8 @@ fn children(scene: &Scene) -> Vec<Vec<usize>> {
     children
 }
 
-/// Leaves take lanes from the left; who carries others stands above their middle.
+/// Places of the links. Leaves of the tree take columns from the left. Other links are above the middle of
+/// their children.
 fn places(children: &[Vec<usize>]) -> (Vec<Place>, f64) {
     let mut places = vec![Place { lane: 0.0, depth: 0.0 }; children.len()];
     // Parents stand before their children, so depth goes down and lanes come back up.
@@ -131,7 +132,8 @@ fn edge(scene: &Scene, joint: &SceneJoint, from: Place, to: Place) -> Markup {
     }
 }
 
-/// A circle turns, a square slides, a circle in a square does both, a bar is fixed; filled where driven.
+/// Symbol of a joint: a circle for a rotation, a square for a translation, a circle in a square for both, a
+/// bar for a fixed joint. The symbol is filled if the joint has an input.
 fn symbol(joint: &SceneJoint, x: f64, y: f64) -> Markup {
     let is_driven = joint.input.is_some();
     let moves = matches!(joint.motion, SceneMotion::Coordinate(_) | SceneMotion::Follows { .. });
@@ -190,7 +192,7 @@ fn subscript(number: usize) -> String {
     number.to_string().chars().map(small).collect()
 }
 
-/// A name of at most `most` letters; dots replace the others.
+/// A name of at most `most` letters. An ellipsis replaces further letters.
 fn shortened(name: &str, most: usize) -> String {
     if name.chars().count() <= most {
         return name.to_owned();

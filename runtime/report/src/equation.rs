@@ -5,7 +5,7 @@ use pulldown_latex::{Parser, Storage, push_mathml};
 
 use super::error::ReportError;
 
-/// A typeset equation.
+/// An equation in LaTeX and MathML.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Equation {
     latex: String,
@@ -23,8 +23,8 @@ impl Equation {
         Ok(Self { latex, mathml })
     }
 
-    /// An equation broken into lines of at most `letters` letters, before signs of its outermost sum. Pages
-    /// can scroll wide equations, paper cannot.
+    /// An equation that is broken into lines of at most `letters` letters, before signs of its outermost sum.
+    /// Wide equations can be scrolled on a screen, but not on paper.
     ///
     /// # Errors
     /// [`ReportError::Equation`] if `latex` cannot be typeset.
@@ -52,7 +52,7 @@ impl Equation {
         width(&self.latex)
     }
 
-    /// The equation as a `math` element.
+    /// The equation as a MathML element `math`.
     #[must_use]
     pub fn mathml(&self) -> &str {
         &self.mathml
@@ -87,7 +87,7 @@ fn width(latex: &str) -> usize {
     width
 }
 
-/// The parts of the outermost sum; each but the first begins with ` + ` or ` - `.
+/// The summands of the outermost sum. Each summand except the first one begins with ` + ` or ` - `.
 fn summands(latex: &str) -> Vec<&str> {
     let (mut depth, mut start, mut parts) = (0_i32, 0, Vec::new());
     for (at, letter) in latex.char_indices() {
@@ -108,7 +108,7 @@ fn summands(latex: &str) -> Vec<&str> {
     parts
 }
 
-/// An inline equation as a `math` element.
+/// An inline equation as a MathML element `math`.
 pub(super) fn inline(latex: &str) -> Result<String, ReportError> {
     mathml(latex, DisplayMode::Inline)
 }

@@ -3,42 +3,42 @@
 use std::io;
 use std::path::PathBuf;
 
-/// Errors of a report.
+/// Error of a report.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
-    /// An equation that is not LaTeX, or has an unsupported command.
+    /// An equation is not valid LaTeX, or has an unsupported command.
     #[error("the equation `{latex}` cannot be typeset: {message}")]
     Equation {
-        /// The equation.
+        /// The equation in LaTeX.
         latex: String,
-        /// The fault.
+        /// Message of the parser.
         message: String,
     },
-    /// A figure that cannot be drawn.
+    /// A figure cannot be drawn.
     #[error("the figure `{id}` cannot be drawn: {message}")]
     Plot {
-        /// The figure.
+        /// Identifier of the figure.
         id: String,
-        /// The fault.
+        /// Reason for which it cannot be drawn.
         message: String,
     },
-    /// Two parts with the same identifier.
+    /// Two parts have the same identifier.
     #[error("two parts of the report have the identifier `{0}`: rename one")]
     SameId(String),
-    /// A table that cannot be written.
+    /// A table cannot be written as CSV.
     #[error("the table `{id}` cannot be written as CSV: {message}")]
     Data {
-        /// The table.
+        /// Identifier of the table.
         id: String,
-        /// The fault.
+        /// Message of the writer.
         message: String,
     },
-    /// A file that cannot be written.
+    /// A file cannot be written.
     #[error("cannot write {}: {source}", path.display())]
     File {
-        /// The file or folder.
+        /// Path of the file or folder.
         path: PathBuf,
-        /// The system's error.
+        /// Error of the operating system.
         source: io::Error,
     },
 }

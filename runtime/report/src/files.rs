@@ -1,4 +1,5 @@
-//! Files of a report: written all or none, and never over files of others.
+//! Files of a report. Either all files or no files are written, and files from other sources are never
+//! replaced.
 
 use std::fs;
 use std::io;
@@ -13,7 +14,7 @@ use gelenk_files::Prepared;
 const PAGE: &str = "index.html";
 const DATA: &str = "report.json";
 
-/// Writes files to a folder, and removes tables of its previous report that this one lacks.
+/// Writes files to a folder. Removes tables of the previous report that this report does not have.
 pub(super) fn write(folder: &Path, files: &[(String, String)]) -> Result<Vec<PathBuf>, ReportError> {
     let old = old_tables(folder);
     if folder.is_file() {
@@ -49,7 +50,8 @@ fn fault(path: &Path) -> impl FnOnce(io::Error) -> ReportError + use<> {
     move |source| ReportError::File { path, source }
 }
 
-/// Whether a file may be written: it is new, empty, unchanged or from a report.
+/// Checks that a file may be written: there is no file yet, the file is empty or unchanged, or it is from a
+/// report.
 fn check(folder: &Path, name: &str, content: &str, old: &[String]) -> io::Result<()> {
     if !is_plain(name) {
         let why = "an identifier can be a file name only if it has letters, digits, `-` and `_` alone";
@@ -76,7 +78,7 @@ fn check(folder: &Path, name: &str, content: &str, old: &[String]) -> io::Result
     Err(io::Error::new(io::ErrorKind::AlreadyExists, why))
 }
 
-/// Names of the tables that belong to the report in a folder.
+/// Names of the tables of the report in a folder.
 fn old_tables(folder: &Path) -> Vec<String> {
     let value = fs::read(folder.join(DATA))
         .ok()
@@ -87,7 +89,7 @@ fn old_tables(folder: &Path) -> Vec<String> {
     names
 }
 
-/// A name that leads out of no folder.
+/// Whether a name has no path to another folder.
 fn is_plain(name: &str) -> bool {
     let is_usual = |letter: char| letter.is_alphanumeric() || "-_.".contains(letter);
     !name.starts_with('.') && name.chars().all(is_usual)

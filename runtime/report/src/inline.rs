@@ -1,23 +1,23 @@
 //! Inline content: text, equations and code.
 
-/// A part of a line.
+/// A part of a line: text, an equation or code.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Inline {
-    /// Text, taken literally.
+    /// Text without markup.
     Text(String),
     /// An equation in LaTeX.
     Math(String),
-    /// A name from code.
+    /// A name from source code.
     Code(String),
 }
 
-/// An inline name from code.
+/// A name from source code as part of a line.
 #[must_use]
 pub fn code(source: impl Into<String>) -> Inline {
     Inline::Code(source.into())
 }
 
-/// Splits text at `$` and backticks; an unclosed one is literal.
+/// Splits text at `$` and backticks. A sign without a closing sign is literal.
 pub(super) fn inlines(source: &str) -> Vec<Inline> {
     let mut parts = Vec::new();
     let mut plain = String::new();

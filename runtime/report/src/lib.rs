@@ -1,9 +1,9 @@
 //! Reports as data, written as HTML pages, JSON and CSV.
 //!
 //! A [`Report`] consists of sections with paragraphs, equations, tables, claims, figures and a view of a
-//! robot. It is written as an HTML page that needs no network and no other file, and as JSON and CSV with the
-//! same numbers. The page supports light and dark, narrow and wide screens, and paper. The data have all
-//! digits of numbers that the page rounds.
+//! robot. It is written as an HTML page that needs neither a network nor other files, and as JSON and CSV
+//! with the same numbers. The page is made for light and dark screens, narrow and wide screens, and paper.
+//! The data have all digits of the numbers that the page rounds.
 //!
 //! ```
 //! use gelenk_report::{Block, Claim, Criterion, Report, Section, text};

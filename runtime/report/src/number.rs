@@ -1,10 +1,10 @@
-//! Numbers for people: rounded, with a minus sign and powers of ten.
+//! Numbers for readers: rounded, with a minus sign and powers of ten.
 
 /// Default number of digits.
 pub(super) const DIGITS: usize = 4;
 
-/// `value` with `digits` significant digits; trailing zeros of a fraction are kept, because they were
-/// measured.
+/// The number `value` with `digits` significant digits. Trailing zeros of a fraction are kept, because they
+/// are measured digits.
 pub(super) fn rounded(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return unusual(value);
@@ -28,10 +28,10 @@ pub(super) fn rounded(value: f64, digits: usize) -> String {
     text.replace('-', "−")
 }
 
-/// Largest number of digits shown of a described number; the data hold all.
+/// Largest number of shown digits of a number from a description. The data have all digits.
 const MOST_DIGITS: usize = 9;
 
-/// `value` with its own digits, or the first ones if there are many.
+/// The number `value` with its own digits, up to [`MOST_DIGITS`].
 pub(super) fn exact(value: f64) -> String {
     if !value.is_finite() {
         return unusual(value);

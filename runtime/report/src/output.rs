@@ -12,27 +12,27 @@ impl Report {
     ///
     /// # Errors
     /// [`ReportError::Equation`] if an equation cannot be typeset, [`ReportError::Plot`] if a figure has
-    /// values that cannot be drawn, [`ReportError::SameId`] if two parts share an identifier.
+    /// values that cannot be drawn, and [`ReportError::SameId`] if two parts have the same identifier.
     pub fn html(&self) -> Result<String, ReportError> {
         self.check_ids()?;
         page::html(self)
     }
 
-    /// All numbers as unrounded JSON; NaN and infinities are texts.
+    /// All numbers as JSON without rounding. NaN and infinities are texts.
     #[must_use]
     pub fn json(&self) -> String {
         format!("{:#}\n", data::json(self))
     }
 
-    /// Name and text of one CSV file per table, list of claims and figure.
+    /// Name and text of one CSV file for each table, list of claims, figure and pattern.
     ///
     /// # Errors
-    /// [`ReportError::Data`] if the writer fails.
+    /// [`ReportError::Data`] if the CSV writer fails.
     pub fn csv(&self) -> Result<Vec<(String, String)>, ReportError> {
         data::csv(self)
     }
 
-    /// Name and text of one SVG file per plot, with legend.
+    /// Name and text of one SVG file for each plot, with a legend.
     ///
     /// # Errors
     /// [`ReportError::Plot`] if a figure has values that cannot be drawn.
@@ -40,13 +40,13 @@ impl Report {
         data::svg(self)
     }
 
-    /// Writes `index.html`, `report.json`, the CSV and SVG files to `folder`, which is created if missing;
-    /// returns the files, the page first. A previous report in the folder is replaced as a whole; if the disk
-    /// is full, it is kept.
+    /// Writes `index.html`, `report.json`, and the CSV and SVG files to `folder`, which is created if it does
+    /// not exist. Returns the paths of the files, with the page first. A previous report in the folder is
+    /// replaced as a whole. If the disk is full, the previous report is kept.
     ///
     /// # Errors
-    /// The errors of [`Report::html`] and [`Report::csv`], before anything is written; [`ReportError::File`]
-    /// if a file cannot be written, or exists and was not written by a report.
+    /// The errors of [`Report::html`], [`Report::csv`] and [`Report::svg`], before a file is written.
+    /// [`ReportError::File`] if a file cannot be written, or if it exists and was not written by a report.
     pub fn write(&self, folder: &Path) -> Result<Vec<PathBuf>, ReportError> {
         let mut files =
             vec![("index.html".to_owned(), self.html()?), ("report.json".to_owned(), self.json())];
@@ -55,7 +55,7 @@ impl Report {
         files::write(folder, &files)
     }
 
-    /// Identifiers name anchors of the page and files: each stands once.
+    /// Checks that identifiers, which name anchors of the page and files, are unique.
     fn check_ids(&self) -> Result<(), ReportError> {
         let mut ids: Vec<&str> = self.sections.iter().flat_map(Section::ids).collect();
         ids.sort_unstable();

@@ -1,4 +1,4 @@
-//! The page: one HTML file that loads no other file.
+//! The HTML page, which loads no other file.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
@@ -15,9 +15,9 @@ use super::style::STYLE;
 use super::table::{Cell, Table};
 use super::{diagram, equation, number, pattern, plot};
 
-/// Moves the robot; written by hand, without libraries.
+/// Script of the 3-D view, which uses no library.
 const SCRIPT: &str = include_str!("scene.js");
-/// The browser itself refuses to load anything.
+/// Content security policy, with which the browser loads nothing.
 const POLICY: &str =
     "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:";
 
@@ -90,10 +90,11 @@ fn head(report: &Report) -> Rendered {
     })
 }
 
-/// The link to the numbers of a page.
+/// Link to the data of a page.
 const DATA: &str = "<a href=\"report.json\">report.json</a>";
 
-/// Whether a text is the page of a report. The test uses no words, so pages of other versions are recognized.
+/// Whether a text is the page of a report. The test does not depend on the wording, so pages of other
+/// versions are recognized.
 pub(super) fn is_page(text: &[u8]) -> bool {
     [POLICY, DATA].iter().all(|part| text.windows(part.len()).any(|window| window == part.as_bytes()))
 }
@@ -385,7 +386,8 @@ fn scene_markup(scene: &Scene) -> Markup {
     }
 }
 
-/// The slider of a joint; those of a joint with a quaternion displace and turn its body, and are not coordinates.
+/// The slider of a joint. The sliders of a joint with a quaternion displace and rotate its body. They are
+/// not coordinates.
 fn slider(index: usize, symbol: SceneSymbol, joint: &SceneJoint) -> Markup {
     let [low, high] = joint.range();
     let letter = Some(symbol.letter()).filter(|_| !matches!(symbol, SceneSymbol::Velocity(_)));

@@ -4,23 +4,23 @@ use maud::{Markup, html};
 
 use super::inline::{Inline, inlines};
 
-/// The pattern of a matrix.
+/// Sparsity pattern of a matrix.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pattern {
     /// Anchor on the page and name of the CSV file: letters, digits, hyphens and underscores.
     pub id: String,
-    /// Title: the matrix.
+    /// Title, usually the name of the matrix.
     pub title: Vec<Inline>,
     /// Names of the rows.
     pub rows: Vec<String>,
     /// Names of the columns.
     pub columns: Vec<String>,
-    /// Whether each entry is non-zero, row-major.
+    /// Whether each entry is non-zero, row by row.
     pub entries: Vec<Vec<bool>>,
 }
 
 impl Pattern {
-    /// A pattern; `$…$` in the title is an equation.
+    /// A pattern; `$…$` in the title is an equation in LaTeX.
     #[must_use]
     pub fn new(
         id: impl Into<String>,

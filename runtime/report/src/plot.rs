@@ -1,4 +1,4 @@
-//! Plots as SVG, in the colours of the page.
+//! Plots as SVG in the colours of the page.
 
 use std::fmt::Display;
 use std::ops::Range;
@@ -16,22 +16,22 @@ use super::style::light;
 pub struct Figure {
     /// Anchor on the page and name of the CSV file: letters, digits, hyphens and underscores.
     pub id: String,
-    /// Sentences below the plots.
+    /// Caption below the plots.
     pub caption: Vec<Inline>,
     /// The plots, side by side if there is room.
     pub plots: Vec<Plot>,
 }
 
-/// Curves over a pair of axes.
+/// Curves in one pair of axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plot {
     /// Short title above the plot; may be empty.
     pub title: String,
-    /// Abscissa.
+    /// Horizontal axis.
     pub x: Axis,
-    /// Ordinate.
+    /// Vertical axis.
     pub y: Axis,
-    /// Curves; at least one must have a finite point.
+    /// Curves. At least one curve must have a finite point.
     pub series: Vec<Series>,
 }
 
@@ -40,11 +40,11 @@ pub struct Plot {
 pub struct Axis {
     /// Quantity of the axis.
     pub label: String,
-    /// Unit, empty if there is none.
+    /// Unit of the quantity; may be empty.
     pub unit: String,
-    /// Shown range; by default that of the data. Points outside are omitted.
+    /// Shown range; `None` for the range of the data. Points outside of the range are omitted.
     pub range: Option<[f64; 2]>,
-    /// Whether the scale is logarithmic; values that are not positive are then omitted.
+    /// Whether the scale is logarithmic. Values that are not positive are then omitted.
     pub is_logarithmic: bool,
 }
 
@@ -55,7 +55,7 @@ pub struct Series {
     pub name: String,
     /// Style of the curve.
     pub marks: Marks,
-    /// Points; a point that is not finite is a gap.
+    /// Points (x, y). A point that is not finite interrupts the curve.
     pub points: Vec<[f64; 2]>,
 }
 
@@ -64,16 +64,16 @@ pub struct Series {
 pub enum Marks {
     /// A line through the points.
     Line,
-    /// A dashed line.
+    /// A dashed line through the points.
     Dashed,
     /// Points only.
     Points,
-    /// Each value is held until the next, like a controller's output.
+    /// Each value is held until the next point, like the output of a controller.
     Steps,
 }
 
 impl Figure {
-    /// A figure without plots; `$…$` in the caption is an equation.
+    /// A figure without plots; `$…$` in the caption is an equation in LaTeX.
     #[must_use]
     pub fn new(id: impl Into<String>, caption: &str) -> Self {
         Self { id: id.into(), caption: inlines(caption), plots: Vec::new() }
@@ -116,14 +116,14 @@ impl Axis {
         self
     }
 
-    /// Sets the range.
+    /// Sets the shown range.
     #[must_use]
     pub fn over(mut self, low: f64, high: f64) -> Self {
         self.range = Some([low, high]);
         self
     }
 
-    /// `friction torque [N m]`
+    /// Title of the axis, for example `friction torque [N m]`.
     pub(super) fn title(&self) -> String {
         match self.unit.as_str() {
             "" => self.label.clone(),
@@ -131,8 +131,8 @@ impl Axis {
         }
     }
 
-    /// Where ticks stand, in scaled values: on a logarithmic axis powers of ten, with their double and
-    /// fivefold if there are few of them.
+    /// Positions of the ticks in scaled values. A logarithmic axis has ticks at powers of ten, and also at
+    /// their double and fivefold if the range is short.
     fn ticks(&self, span: &Range<f64>, most: usize) -> Vec<f64> {
         if self.is_logarithmic {
             let digits: &[f64] = match span.end - span.start {
@@ -162,7 +162,7 @@ impl Axis {
         if self.is_logarithmic { value.log10() } else { value }
     }
 
-    /// Shown range in scaled values.
+    /// Shown range in scaled values; `None` if it is empty or not finite.
     fn span(&self, values: impl Iterator<Item = f64>) -> Option<Range<f64>> {
         if let Some([low, high]) = self.range {
             let (low, high) = (self.scaled(low), self.scaled(high));
@@ -183,7 +183,8 @@ impl Axis {
         Some(low - margin..high + margin)
     }
 
-    /// `span`: the shown range in scaled values, below whose resolution zero is meant.
+    /// Label of a tick. `span` is the shown range in scaled values. Values below the resolution of the range
+    /// are shown as zero.
     fn tick(&self, scaled: f64, span: &Range<f64>) -> String {
         if !self.is_logarithmic {
             let is_zero = scaled.abs() < 1e-9 * (span.end - span.start);
@@ -194,7 +195,7 @@ impl Axis {
     }
 }
 
-/// A number at an axis, with the digits that distinguish it from its neighbours.
+/// Label of a number, with the digits that distinguish it from its neighbours.
 fn tick(value: f64) -> String {
     let size = value.abs();
     if size != 0.0 && !(1e-3..1e5).contains(&size) {
@@ -208,13 +209,14 @@ fn tick(value: f64) -> String {
     }
 }
 
-/// Size on the page in CSS pixels.
+/// Width and height on the page in CSS pixels.
 const SIZE: (u32, u32) = (600, 350);
-/// The library draws at whole pixels: on a larger canvas they are fine enough.
+/// Factor of the size of the canvas. The library draws at whole pixels, which are fine enough on a larger
+/// canvas.
 const SCALE: u32 = 8;
-/// More points than this on a curve are thinned: a page of a million circles helps nobody.
+/// Largest number of points of a curve. A curve with more points is thinned, to limit the size of the page.
 const MOST_POINTS: usize = 3_000;
-/// Largest number of points that are drawn large.
+/// Largest number of points that are drawn as large circles.
 const FEW_POINTS: usize = 20;
 /// Number of colours of curves.
 pub(super) const COLOURS: usize = 6;
@@ -250,13 +252,13 @@ pub(super) fn svg(plot: &Plot, id: &str) -> Result<String, ReportError> {
     Ok(themed(&text, &description(plot)))
 }
 
-/// Points in the axes' scales.
+/// Points in the scales of the axes.
 fn scaled(plot: &Plot, series: &Series) -> Vec<[f64; 2]> {
     let points = series.points.iter();
     points.map(|&[x, y]| [plot.x.scaled(x), plot.y.scaled(y)]).collect()
 }
 
-/// A range with ticks of its own.
+/// A range with its own ticks.
 struct Ticked {
     range: RangedCoordf64,
     ticks: Vec<f64>,
@@ -359,7 +361,7 @@ fn steps<'p>(points: impl Iterator<Item = &'p [f64; 2]>) -> Vec<(f64, f64)> {
     line
 }
 
-/// For whoever cannot see it.
+/// Description of the plot for screen readers.
 fn description(plot: &Plot) -> String {
     let names: Vec<&str> = plot.series.iter().map(|one| one.name.as_str()).collect();
     let title = match plot.title.as_str() {
@@ -369,7 +371,7 @@ fn description(plot: &Plot) -> String {
     format!("{title}{} over {}; {}", plot.y.title(), plot.x.title(), names.join(", "))
 }
 
-/// Stand-ins become the page's colours; the size is left to the page.
+/// Replaces the placeholder colours by the colours of the page, and leaves the size to the page.
 fn themed(svg: &str, description: &str) -> String {
     let body = svg.find(">\n").map_or(svg, |end| &svg[end + 1..]);
     let label = maud::html! { (description) }.into_string();

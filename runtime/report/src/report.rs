@@ -4,18 +4,18 @@ use super::block::{Block, Section};
 use super::claim::Claim;
 use super::inline::{Inline, inlines};
 
-/// A report: content of its page, JSON and CSV.
+/// A report, from which page, JSON and CSV are written.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Report {
     /// Title of the page.
     pub title: String,
-    /// One or two sentences below the title.
+    /// One or two sentences below the title; may be empty.
     pub lead: Vec<Inline>,
-    /// Facts next to the title: name and value.
+    /// Facts next to the title, as pairs of name and value.
     pub facts: Vec<(String, String)>,
-    /// The body.
+    /// Sections of the page.
     pub sections: Vec<Section>,
-    /// Command that made the report, shown at the foot.
+    /// Command that made the report, which is shown at the foot of the page; may be empty.
     pub made_by: String,
 }
 
@@ -26,7 +26,7 @@ impl Report {
         Self { title: title.into(), ..Self::default() }
     }
 
-    /// Sets the sentence below the title; `$…$` is an equation in LaTeX.
+    /// Sets the text below the title; `$…$` is an equation in LaTeX.
     #[must_use]
     pub fn lead(mut self, lead: &str) -> Self {
         self.lead = inlines(lead);
@@ -47,7 +47,7 @@ impl Report {
         self
     }
 
-    /// All claims, in order.
+    /// All claims of the report in order.
     pub fn claims(&self) -> impl Iterator<Item = &Claim> {
         let blocks = self.sections.iter().flat_map(Section::all_blocks);
         blocks

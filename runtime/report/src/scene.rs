@@ -1,8 +1,8 @@
-//! Data of the robot for the 3-D view: poses, axes, masses, limits.
+//! Data of the robot for the 3-D view: poses, axes, masses and limits.
 
 use serde_json::{Value, json};
 
-/// A robot for the 3-D view; lengths in m, masses in kg.
+/// A robot for the 3-D view, with lengths in m and masses in kg.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Scene {
     /// Name of the robot.
@@ -11,7 +11,7 @@ pub struct Scene {
     pub base: String,
     /// Gravitational acceleration in the base frame (m/s²).
     pub gravity: [f64; 3],
-    /// Joints with the links that they carry; parents precede children.
+    /// Joints with the links that they carry. A parent precedes its children.
     pub joints: Vec<SceneJoint>,
     /// Symbols of the coordinates in order.
     pub symbols: Vec<SceneSymbol>,
@@ -19,23 +19,23 @@ pub struct Scene {
     pub bodies: Vec<SceneBody>,
     /// Named frames.
     pub frames: Vec<SceneFrame>,
-    /// Springs and cylinders between two points.
+    /// Springs and cylinders that act between two points.
     pub rods: Vec<SceneRod>,
 }
 
 /// Symbol of a coordinate; indices count from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SceneSymbol {
-    /// The position yᵢ.
+    /// Position yᵢ.
     Position(usize),
-    /// The velocity ẏᵢ of a joint with a quaternion, which has no single position for it.
+    /// Velocity ẏᵢ of a joint with a quaternion, which has no position entry for it.
     Velocity(usize),
-    /// dᵢ of a driven joint; its motion is prescribed.
+    /// Position dᵢ of a driven joint, whose motion is prescribed.
     Driven(usize),
 }
 
 impl SceneSymbol {
-    /// Letter and index, from 1.
+    /// Letter of the symbol, and its index from 1.
     pub(super) fn letter(self) -> (char, usize) {
         match self {
             Self::Position(index) => ('y', index + 1),
@@ -45,38 +45,38 @@ impl SceneSymbol {
     }
 }
 
-/// A force between two points, drawn as a line between them.
+/// A force between two points, which is drawn as a line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneRod {
-    /// End points: index of the joint whose link carries the point (`None` for the base), and point in the
-    /// link's frame (m).
+    /// End points: the index of the joint whose link has the point (`None` for the base), and the point in
+    /// the link's frame (m).
     pub ends: [(Option<usize>, [f64; 3]); 2],
-    /// Whether an input acts in it, for example a cylinder.
+    /// Whether the force is an input, for example of a cylinder.
     pub is_input: bool,
 }
 
-/// A joint with its link.
+/// A joint with the link that it carries.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneJoint {
     /// Name of the joint.
     pub name: String,
-    /// Name of the link that it carries.
+    /// Name of the link that the joint carries.
     pub link: String,
-    /// Index of the joint whose link carries it; `None` for the base.
+    /// Index of the joint whose link carries this joint; `None` if the base carries it.
     pub parent: Option<usize>,
-    /// Origin in the parent link's frame.
+    /// Origin of the joint in the frame of the parent link (m).
     pub translation: [f64; 3],
-    /// Rotation matrix in the parent link's frame, row-major.
+    /// Rotation matrix of the joint frame in the frame of the parent link, row by row.
     pub rotation: [[f64; 3]; 3],
     /// Axis in the joint frame, unit length.
     pub axis: [f64; 3],
     /// Kind of motion.
     pub kind: SceneKind,
-    /// Motion of the joint.
+    /// Motion of the joint in the view.
     pub motion: SceneMotion,
-    /// Lowest and highest position (rad or m).
+    /// Lowest and highest position (rad or m); `None` for a joint without limits.
     pub limits: Option<[f64; 2]>,
-    /// Name of its input.
+    /// Name of the input of the joint; `None` for a joint without input.
     pub input: Option<String>,
 }
 
@@ -94,34 +94,34 @@ pub enum SceneKind {
     },
 }
 
-/// Motion of a joint.
+/// Motion of a joint in the view.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SceneMotion {
     /// A fixed joint.
     Fixed,
-    /// Held at a position.
+    /// Joint that is held at this position (rad or m).
     Held(f64),
-    /// A coordinate, counted from 0.
+    /// Independent joint with the index of its coordinate, counted from 0.
     Coordinate(usize),
-    /// Follower of coordinates: `Σ ratio · y[coordinate] + offset`.
+    /// Joint that follows coordinates, with the position `Σ ratio · y[coordinate] + offset`.
     Follows {
-        /// The coordinates, counted from 0, with their ratios.
+        /// Indices of the coordinates, counted from 0, with their ratios.
         terms: Vec<(usize, f64)>,
-        /// Position where all of them are 0 (rad or m).
+        /// Position if all of these coordinates are 0 (rad or m).
         offset: f64,
     },
 }
 
-/// A body as a point with mass.
+/// A body, drawn as a point with mass.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneBody {
     /// Name of the body.
     pub name: String,
-    /// Index of the joint whose link carries it; `None` for the base.
+    /// Index of the joint whose link has the body; `None` for the base.
     pub joint: Option<usize>,
     /// Mass (kg).
     pub mass: f64,
-    /// Centre of mass in the link's frame (m).
+    /// Centre of mass in the frame of the link (m).
     pub center: [f64; 3],
 }
 
@@ -130,25 +130,25 @@ pub struct SceneBody {
 pub struct SceneFrame {
     /// Name of the frame.
     pub name: String,
-    /// Index of the joint whose link carries it; `None` for the base.
+    /// Index of the joint whose link has the frame; `None` for the base.
     pub joint: Option<usize>,
-    /// Origin in the link's frame (m).
+    /// Origin in the frame of the link (m).
     pub translation: [f64; 3],
-    /// Rotation matrix in the link's frame, row-major.
+    /// Rotation matrix in the frame of the link, row by row.
     pub rotation: [[f64; 3]; 3],
 }
 
-/// Range of a slider for a joint without limits: a turn to each side, or half a metre.
+/// Range of a slider for a joint without limits: 180° or half a metre to each side.
 const TURN: f64 = std::f64::consts::PI;
 const SLIDE: f64 = 0.5;
 
 impl SceneJoint {
-    /// `rad` or `m`.
+    /// Unit of the position, `rad` or `m`.
     pub(super) fn unit(&self) -> &'static str {
         if self.kind == SceneKind::Slides { "m" } else { "rad" }
     }
 
-    /// Range of its slider.
+    /// Range of the slider of the joint.
     pub(super) fn range(&self) -> [f64; 2] {
         let free = if self.kind == SceneKind::Slides { SLIDE } else { TURN };
         match self.limits {
@@ -157,7 +157,7 @@ impl SceneJoint {
         }
     }
 
-    /// Start of its slider: 0 if within the limits.
+    /// Initial value of the slider: the value within its range that is closest to 0.
     pub(super) fn start(&self) -> f64 {
         let [low, high] = self.range();
         0.0_f64.clamp(low, high)
@@ -165,7 +165,7 @@ impl SceneJoint {
 }
 
 impl Scene {
-    /// Joints that are coordinates, in the order of the coordinates.
+    /// Independent joints in the order of their coordinates.
     pub(super) fn coordinates(&self) -> Vec<&SceneJoint> {
         let mut moving: Vec<(usize, &SceneJoint)> = self
             .joints
@@ -179,12 +179,12 @@ impl Scene {
         moving.into_iter().map(|(_, joint)| joint).collect()
     }
 
-    /// Symbol of a coordinate; by default its position.
+    /// Symbol of a coordinate. The default is its position.
     pub(super) fn symbol(&self, coordinate: usize) -> SceneSymbol {
         self.symbols.get(coordinate).copied().unwrap_or(SceneSymbol::Position(coordinate))
     }
 
-    /// The scene as JSON for the script.
+    /// The scene as JSON for the script of the page.
     pub(super) fn json(&self) -> Value {
         let joint = |joint: &SceneJoint| {
             let (terms, position) = match &joint.motion {

@@ -3,27 +3,27 @@
 use super::inline::{Inline, inlines};
 use super::number;
 
-/// A table: columns with names and units, and rows of cells.
+/// A table with named columns and rows of cells.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Table {
     /// Anchor on the page and name of the CSV file: letters, digits, hyphens and underscores.
     pub id: String,
-    /// Sentence above the table.
+    /// Caption above the table.
     pub caption: Vec<Inline>,
     /// Columns.
     pub columns: Vec<Column>,
-    /// Rows with one cell per column.
+    /// Rows, with one cell for each column.
     pub rows: Vec<Vec<Cell>>,
 }
 
 /// A column of a table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
-    /// Heading on the page; may contain an equation.
+    /// Heading on the page, which may contain equations.
     pub heading: Vec<Inline>,
     /// Name in JSON and CSV.
     pub name: String,
-    /// Unit of the numbers; empty if there is none.
+    /// Unit of the numbers; may be empty.
     pub unit: String,
 }
 
@@ -32,28 +32,28 @@ pub struct Column {
 pub enum Cell {
     /// An empty cell.
     Empty,
-    /// Text, taken literally.
+    /// Text without markup.
     Text(String),
-    /// A name from code.
+    /// A name from source code.
     Code(String),
-    /// A line with equations.
+    /// Text with equations and code.
     Line(Vec<Inline>),
-    /// A measured number, with its number of significant digits.
+    /// A measured number and its number of significant digits.
     Rounded(f64, usize),
-    /// A described number with its own digits, up to nine.
+    /// A number from a description with its own digits, up to nine.
     Exact(f64),
     /// A count.
     Count(usize),
 }
 
 impl Table {
-    /// A table without columns and rows; `$…$` in the caption is an equation.
+    /// A table without columns and rows; `$…$` in the caption is an equation in LaTeX.
     #[must_use]
     pub fn new(id: impl Into<String>, caption: &str) -> Self {
         Self { id: id.into(), caption: inlines(caption), ..Self::default() }
     }
 
-    /// Adds a column; `$…$` in the heading is an equation, and the name is used in JSON and CSV.
+    /// Adds a column. `$…$` in the heading is an equation in LaTeX. `name` is used in JSON and CSV.
     #[must_use]
     pub fn column(mut self, heading: &str, name: impl Into<String>, unit: impl Into<String>) -> Self {
         self.columns.push(Column { heading: inlines(heading), name: name.into(), unit: unit.into() });
@@ -74,7 +74,7 @@ impl Table {
         self
     }
 
-    /// Whether the column has only numbers and is right-aligned.
+    /// Whether the column contains only numbers. It is then right-aligned.
     pub(super) fn is_numeric(&self, column: usize) -> bool {
         let mut cells = self.rows.iter().filter_map(|row| row.get(column));
         let is_number =
@@ -85,13 +85,13 @@ impl Table {
 }
 
 impl Cell {
-    /// A measured number with the usual number of digits.
+    /// A measured number with four significant digits.
     #[must_use]
     pub fn number(value: f64) -> Self {
         Self::Rounded(value, number::DIGITS)
     }
 
-    /// A described number, or an empty cell.
+    /// A number from a description, or an empty cell for `None`.
     #[must_use]
     pub fn exact_or_empty(value: Option<f64>) -> Self {
         value.map_or(Self::Empty, Self::Exact)
@@ -104,7 +104,7 @@ impl Cell {
         if text.is_empty() { Self::Empty } else { Self::Text(text) }
     }
 
-    /// Text with markup: `$…$` is an equation, `` `…` `` code.
+    /// Text with markup: `$…$` is an equation in LaTeX, `` `…` `` is code.
     #[must_use]
     pub fn line(source: &str) -> Self {
         Self::Line(inlines(source))

@@ -9,19 +9,19 @@ use crate::feed_forward::{FeedForward, FeedForwardError, closest_to_neutral};
 use crate::trajectory::Sample;
 use thiserror::Error;
 
-/// Gains of [`ComputedTorque`] by coordinate. They produce accelerations, so they do not depend on the
-/// robot's masses.
+/// Gains of [`ComputedTorque`], one for each coordinate. The gains produce accelerations, so they do not
+/// depend on the masses of the robot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AccelerationGains<const N: usize> {
-    /// K_p [1/s²].
+    /// Position gains K_p [1/s²].
     pub position: [f64; N],
-    /// K_d [1/s].
+    /// Velocity gains K_d [1/s].
     pub velocity: [f64; N],
 }
 
 impl<const N: usize> AccelerationGains<N> {
-    /// Gains with which every error decays like an oscillator of natural frequency `omega` [rad/s] and
-    /// damping ratio `damping`: `K_p = ω²`, `K_d = 2 ζ ω`.
+    /// Gains with which every error decays like an oscillator with the natural frequency `omega` (ω) [rad/s]
+    /// and the damping ratio `damping` (ζ): `K_p = ω²`, `K_d = 2 ζ ω`.
     #[must_use]
     pub fn from_bandwidth(omega: f64, damping: f64) -> Self {
         Self { position: [omega * omega; N], velocity: [2.0 * damping * omega; N] }
@@ -31,14 +31,14 @@ impl<const N: usize> AccelerationGains<N> {
 /// Errors of computed torque.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum ComputedTorqueError {
-    /// Gains that are negative or not finite.
+    /// A gain is negative or not finite.
     #[error(transparent)]
     Gains(#[from] SettingError),
-    /// The model has no feed-forward.
+    /// The feed-forward of the model cannot be computed.
     #[error(transparent)]
     FeedForward(#[from] FeedForwardError),
-    /// Inputs cannot accelerate this joint at will: computed torque is for robots with a drive for every
-    /// coordinate.
+    /// The inputs cannot produce an arbitrary acceleration of this joint. Computed torque needs a drive for
+    /// every coordinate.
     #[error(
         "the inputs cannot produce an arbitrary force at joint {}: computed torque needs a drive for every \
          coordinate; use `JointPd`",
@@ -52,15 +52,16 @@ pub enum ComputedTorqueError {
     },
 }
 
-/// Computed-torque law, without memory:
+/// Computed-torque law, which has no internal state:
 ///
 /// ```text
 ///     u = B⁻¹ (M(y) (ÿ_d + K_d (ẏ_d − ẏ) + K_p (y_d − y)) + k(y, ẏ) − q(y, ẏ))
 /// ```
 ///
-/// This is the inverse dynamics at the measured state. With an exact model the error e = y_d − y of each
-/// coordinate satisfies `ë + K_d ė + K_p e = 0` everywhere (Siciliano, Sciavicco, Villani, Oriolo,
-/// *Robotics*, 2009, section 8.5.2; Craig, *Introduction to Robotics*, 2005, chapter 10).
+/// This is the inverse dynamics at the measured state y, ẏ with the desired motion y_d, ẏ_d, ÿ_d and the
+/// equations of motion `M ÿ + k = q + B u`. With an exact model the error e = y_d − y of each coordinate
+/// satisfies `ë + K_d ė + K_p e = 0` everywhere (Siciliano, Sciavicco, Villani, Oriolo, *Robotics*, 2009,
+/// section 8.5.2; Craig, *Introduction to Robotics*, 2005, chapter 10).
 ///
 /// Compared with [`JointPd`](super::JointPd), large errors decay like small ones, and gains need no tuning to
 /// the masses. However, measurement noise of positions and velocities passes through M, k and q, and noise of
@@ -68,17 +69,17 @@ pub enum ComputedTorqueError {
 /// and measured velocities if available. `JointPd` is the quieter fallback of a loop.
 ///
 /// For robots with quaternions the error is e = y_d ⊖ y, and the desired velocities are transformed to the
-/// measured body, `w = Ad v_d` with the adjoint Ad of exp(e):
+/// frames of the measured bodies, `w = Ad v_d` with the adjoint Ad of exp(e). The acceleration
 ///
 /// ```text
 ///     v̇ = Ad v̇_d − ad_v w + K_d (w − v) + K_p e
 /// ```
 ///
-/// replaces ÿ above. Then `d/dt (w − v) = −K_d (w − v) − K_p e`. If w − v is initially parallel to e, for
-/// example at rest at the start of a motion that begins at rest, and the gains within a joint are equal, e
-/// decays along one axis like the errors of other joints. From other states an attitude error also decays,
-/// unless it is 180° (Bullo and Murray, "Tracking for fully actuated mechanical systems: a geometric
-/// framework", Automatica 35, 1999).
+/// replaces the acceleration in the equation above. Then `d/dt (w − v) = −K_d (w − v) − K_p e`. The error e
+/// decays along one axis, like the errors of other joints, under two conditions. The gains of the entries of
+/// a joint must be equal, and w − v must initially be parallel to e, for example zero at the start of a
+/// motion that begins at rest. From other states an attitude error also decays, unless it is 180° (Bullo and
+/// Murray, "Tracking for fully actuated mechanical systems: a geometric framework", Automatica 35, 1999).
 ///
 /// ```
 /// use gelenk_runtime::control_loop::{AccelerationGains, ComputedTorque, JointLaw};
@@ -98,14 +99,15 @@ pub struct ComputedTorque<D, const N: usize, const M: usize, const NY: usize = N
     gains: AccelerationGains<N>,
 }
 
-/// Part of a force that inputs may miss: rounding of B⁺.
+/// Tolerance for the rounding of B⁺: largest part of a unit force that the inputs may fail to produce.
 const MISSED: f64 = 1e-9;
 
 impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> ComputedTorque<D, N, M, NY> {
     /// The law for a model.
     ///
     /// # Errors
-    /// [`ComputedTorqueError`].
+    /// [`ComputedTorqueError`] for gains out of range, a model without feed-forward, or a coordinate without
+    /// a drive.
     pub fn new(model: D, gains: AccelerationGains<N>) -> Result<Self, ComputedTorqueError> {
         let names = model.joint_names();
         require_gains("gains.position", &names, &gains.position)?;
@@ -124,7 +126,8 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Com
         Ok(Self { feed_forward, gains })
     }
 
-    /// `ÿ_d + K_d (ẏ_d − ẏ) + K_p (y_d − y)`, of quaternions that of [`ComputedTorque`].
+    /// The acceleration `ÿ_d + K_d (ẏ_d − ẏ) + K_p (y_d − y)`. For quaternions it is the one in the
+    /// documentation of [`ComputedTorque`].
     fn accelerations(
         &self,
         desired: &Sample<N, NY>,
@@ -146,7 +149,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Com
     }
 }
 
-/// `w = Ad v_d` and `Ad v̇_d − ad_v w`, its rate.
+/// `w = Ad v_d` and its rate `Ad v̇_d − ad_v w`.
 fn seen_from_the_body<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize>(
     model: &D,
     desired: &Sample<N, NY>,

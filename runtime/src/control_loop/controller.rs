@@ -3,24 +3,25 @@
 use crate::dynamics::{AttitudeError, Named};
 use thiserror::Error;
 
-/// State of the loop at the start of a period, for controllers.
+/// State of the loop at the start of a period, as input of a controller.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cycle<const N: usize, const M: usize, const NY: usize = N> {
-    /// Time on the trajectory at the start of this period (s); 0 at its start.
+    /// Time on the trajectory at the start of this period (s). The trajectory begins at 0.
     pub time: f64,
-    /// Periods since the previous call; more than 1 if the loop was stalled. The input was constant during
+    /// Periods since the previous call, more than 1 if the loop was stalled. The input was constant during
     /// these periods.
     pub periods: u32,
-    /// Positions measured at `time` [rad or m], finite and plausible; `None` without a plausible measurement.
+    /// Positions measured at `time` [rad or m], finite and plausible; `None` if there is no plausible
+    /// measurement.
     pub positions: Option<[f64; NY]>,
-    /// Velocities measured with these positions, finite and consistent with them [rad/s or m/s]; `None` if
-    /// not measured, and without positions.
+    /// Velocities measured with these positions [rad/s or m/s], finite and consistent with them; `None` if
+    /// velocities are not measured or `positions` is `None`.
     pub velocities: Option<[f64; N]>,
-    /// Drive forces at the joints measured with these positions, finite [N m or N]; `None` if not measured,
-    /// and without positions.
+    /// Drive forces at the joints measured with these positions [N m or N], finite; `None` if forces are not
+    /// measured or `positions` is `None`.
     pub torques: Option<[f64; N]>,
-    /// Input that the loop wrote last, after limiting. Without delay it acted until now. With a delay of one
-    /// period it acts from now on, and the input computed now acts from `time + period` on.
+    /// Input that the loop wrote last, after limiting [N m, N or A]. Without delay it acted until now. With a
+    /// delay of one period it acts from now on, and the input computed now acts from `time + period` on.
     pub last_inputs: [f64; M],
 }
 
@@ -41,13 +42,13 @@ impl<const N: usize, const M: usize, const NY: usize> Default for Cycle<N, M, NY
 /// Proposed inputs of a controller. The loop checks them before writing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Command<const M: usize> {
-    /// Inputs u [N m, N or A: the model's units].
+    /// Inputs u [N m, N or A].
     pub inputs: [f64; M],
-    /// Iterations of an optimizer, for the log; 0 without one.
+    /// Iterations of an optimizer, for the log; 0 for a controller without optimizer.
     pub iterations: u32,
 }
 
-/// Reason why a controller proposes no input in a period. The loop then uses its fallbacks.
+/// Reason for which a controller proposes no input in a period. The loop then uses its fallbacks.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum ControllerFault {
     /// The measurement is missing, and this controller cannot predict the state without it.
@@ -56,22 +57,22 @@ pub enum ControllerFault {
     /// The optimizer ended without a usable input.
     #[error("the solver found no usable input after {iterations} iterations")]
     NoSolution {
-        /// Iterations that it took.
+        /// Number of iterations.
         iterations: u32,
     },
     /// The state or the model's equations are not finite.
     #[error("the state or the equations of motion are not finite")]
     NotFinite,
-    /// A joint of the model is too fast to predict over a period.
+    /// A joint of the model is too fast for a prediction over a period.
     #[error("{0}")]
     TooFast(TooFast),
     /// A measured quaternion is not an attitude.
     #[error("a measurement cannot be: {0}")]
     Attitude(AttitudeError),
-    /// Too many periods passed since the last step for a prediction.
+    /// Too many periods have passed since the last step for a prediction.
     #[error("{periods} periods passed since the last step, which is too many to predict over")]
     Stalled {
-        /// How many.
+        /// Number of periods since the last step.
         periods: u32,
     },
 }
@@ -89,9 +90,9 @@ pub struct TooFast {
     pub joint: usize,
     /// Name of the coordinate.
     pub name: &'static str,
-    /// Slope of its force over its own speed [N m s/rad or N s/m], mainly from friction.
+    /// Slope of the force of the coordinate over its speed [N m s/rad or N s/m], mainly from friction.
     pub slope: f64,
-    /// Rate ν [1/s].
+    /// Rate ν of the coordinate [1/s].
     pub rate: f64,
     /// Period (s).
     pub period: f64,
@@ -100,19 +101,19 @@ pub struct TooFast {
 /// State estimated by a controller.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate<const N: usize, const NY: usize = N> {
-    /// y [rad or m].
+    /// Estimated positions y [rad or m].
     pub positions: [f64; NY],
-    /// ẏ [rad/s or m/s].
+    /// Estimated velocities ẏ [rad/s or m/s].
     pub velocities: [f64; N],
 }
 
-/// A controller of a robot with `N` coordinates and `M` inputs. It has the model and the trajectory; the loop
-/// handles clock, transport, limits and faults.
+/// A controller of a robot with `N` coordinates and `M` inputs. The controller has the model and the
+/// trajectory. The loop handles clock, transport, limits and faults.
 ///
-/// Methods are called by a real-time thread: they must not allocate, block or exceed their time budget.
+/// A real-time thread calls the methods: they must not allocate, block or exceed their time budget.
 pub trait Controller<const N: usize, const M: usize, const NY: usize = N> {
-    /// Starts at rest at `positions` and time 0 of the trajectory, without memory of earlier runs. The loop
-    /// writes `inputs` until the first step.
+    /// Starts at rest at `positions` and time 0 of the trajectory. The controller must forget earlier runs.
+    /// The loop writes `inputs` until the first step.
     fn reset(&mut self, positions: &[f64; NY], inputs: &[f64; M]);
 
     /// Processes the events since the last call and proposes the input of this period. The loop calls it in
@@ -123,24 +124,24 @@ pub trait Controller<const N: usize, const M: usize, const NY: usize = N> {
     /// period.
     fn step(&mut self, cycle: &Cycle<N, M, NY>) -> Result<Command<M>, ControllerFault>;
 
-    /// Input planned by the last successful step for `periods` ≥ 1 periods after it; `None` beyond the end of
-    /// the plan, and for controllers without a plan.
+    /// Input that the last successful step planned for `periods` ≥ 1 periods after it; `None` beyond the end
+    /// of the plan, and for controllers without a plan.
     fn planned(&self, periods: u32) -> Option<[f64; M]> {
         let _ = periods;
         None
     }
 
-    /// State estimate after the last step, for the log; `None` without an estimator.
+    /// State estimate after the last step, for the log; `None` for a controller without an estimator.
     fn estimate(&self) -> Option<Estimate<N, NY>> {
         None
     }
 
-    /// Warms up the caches: computes the next step at the state expected in `next`, and discards the result.
-    /// The loop calls it at most once while it waits for the next period, and only if there is time (see
+    /// Warms up the caches: computes the next step at the expected state `next`, and discards the result. The
+    /// loop calls this method at most once while it waits for the next period, and only if there is time (see
     /// [`LoopSettings::warm_up`](super::LoopSettings::warm_up)).
     ///
-    /// The call must not change the results of later calls in any bit: change only scratch memory. Test this
-    /// by comparing a controller with and without these calls. The default does nothing.
+    /// The call must not change the results of later calls in any bit: it may only change scratch memory. To
+    /// test this, compare a controller with and without these calls. The default does nothing.
     fn warm_up(&mut self, next: &Cycle<N, M, NY>) {
         let _ = next;
     }

@@ -1,4 +1,4 @@
-//! Decisions of the loop in a period: plausibility of the measurement, choice of controller, and stop.
+//! Decisions of the loop in a period: plausibility of the measurement, choice of the inputs, and stop.
 
 use super::controller::{Controller, ControllerFault, Cycle};
 use super::guard::EncoderFault;
@@ -15,11 +15,11 @@ use crate::trajectory::{Sample, Trajectory};
 use crate::transport::{Brakes, Reading, Transport, TransportError};
 use std::time::Duration;
 
-/// A reading with the verdict of the guard.
+/// A reading with the result of the plausibility check.
 pub(super) struct Judged<const N: usize, const NY: usize> {
-    /// Reading; positions are NaN without one.
+    /// The reading; its positions are NaN if no reading arrived.
     pub reading: Reading<N, NY>,
-    /// The plausible part of the reading.
+    /// Plausible part of the reading; `None` if the reading is missing or not plausible.
     pub believed: Option<Measured<N, NY>>,
 }
 
@@ -28,7 +28,7 @@ pub(super) struct Judged<const N: usize, const NY: usize> {
 pub(super) struct Measured<const N: usize, const NY: usize> {
     pub positions: [f64; NY],
     pub velocities: Option<[f64; N]>,
-    /// Torques; `None` if missing or not finite, because the loop runs without them.
+    /// Torques; `None` if they are missing or not finite. The loop also runs without torques.
     pub torques: Option<[f64; N]>,
 }
 
@@ -47,7 +47,7 @@ where
     T: Transport<N, M, NY>,
     K: Clock,
 {
-    /// Reads and checks a measurement; brakes after too long without a plausible one.
+    /// Reads and checks a measurement. Brakes if there was no plausible measurement for too long.
     pub(super) fn read(&mut self, periods: u32) -> Judged<N, NY> {
         let missing = Judged { reading: Reading::of([f64::NAN; NY], Brakes::Unknown), believed: None };
         let reading = match self.transport.read() {
@@ -93,7 +93,7 @@ where
         Judged { reading, believed }
     }
 
-    /// The reading, if the guard believes it.
+    /// Returns the unwrapped positions of a reading if the guard accepts it.
     fn judge(&mut self, reading: &Reading<N, NY>) -> Result<Unwrapped<N, NY>, EncoderFault> {
         let moved = self.state.believed.moved_to(&reading.positions, &self.fallback);
         self.fallback.check_attitudes(&reading.positions).map_err(EncoderFault::Attitude)?;
@@ -102,7 +102,8 @@ where
         Ok(moved)
     }
 
-    /// As measured, if they are; else from the positions, `age` seconds after the last.
+    /// Updates the velocity estimate: with measured velocities, or with positions that are `age` seconds
+    /// after the last ones.
     fn estimate_velocities(&mut self, reading: &Reading<N, NY>, age: f64) {
         let (filter, coordinates) = (&mut self.state.filter, &self.state.believed.coordinates);
         // Both take what the guard believes: finite numbers, and differences that do not overflow.
@@ -194,7 +195,7 @@ where
         Proposal { inputs: self.state.inputs, source: Source::Held, iterations: 0 }
     }
 
-    /// Limits the inputs; brakes if the state is outside its limits or the motion has ended.
+    /// Limits the inputs. Brakes if the state is outside its limits or the motion has ended.
     pub(super) fn check(&mut self, mut inputs: [f64; M]) -> [f64; M] {
         let limited = limit_inputs(&mut inputs, &self.settings.input_limits);
         let beyond = limit_torques(
@@ -221,7 +222,8 @@ where
         inputs
     }
 
-    /// The motion is over where the reference stands and the robot does too, or has had its time for it.
+    /// End of the motion, if the reference is at rest and the robot is at rest or its time to settle has
+    /// passed; `None` before.
     fn end_of_motion(&self) -> Option<End> {
         let (standing, end) = match self.state.phase {
             Phase::Running => {

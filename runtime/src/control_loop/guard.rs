@@ -6,7 +6,7 @@ use thiserror::Error;
 /// A fault of a measured position.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum EncoderFault {
-    /// NaN or infinite.
+    /// The position is NaN or infinite.
     #[error("encoder of joint {} is not finite", Named(.name))]
     NotFinite {
         /// Index of the coordinate.
@@ -17,7 +17,7 @@ pub enum EncoderFault {
     /// The quaternion of a joint is not an attitude.
     #[error("a reading cannot be: {0}")]
     Attitude(AttitudeError),
-    /// Further from the last believed position than the joint can have moved.
+    /// The position is further from the last accepted position than the joint can have moved.
     #[error(
         "encoder of joint {} jumped by {distance:.4} rad (or m); `guard.jump_speed` and `guard.jump_margin` \
          allow {possible:.4} in this time",
@@ -28,12 +28,13 @@ pub enum EncoderFault {
         joint: usize,
         /// Name of the joint.
         name: &'static str,
-        /// Distance from the last believed position [rad or m].
+        /// Distance from the last accepted position [rad or m].
         distance: f64,
-        /// Distance that would have been believed [rad or m].
+        /// Largest distance that would have been accepted [rad or m].
         possible: f64,
     },
-    /// The reading stayed the same while the desired position moved on: a joint that sticks, or an encoder that fails.
+    /// The reading remained constant while the desired position moved: the joint sticks, or the encoder
+    /// fails.
     #[error(
         "the reading of joint {} did not change during {desired:.4} rad (or m) of desired motion, above the \
          limit `guard.frozen_motion`: the joint sticks (friction, a brake, an input without effect), or its \
@@ -45,11 +46,11 @@ pub enum EncoderFault {
         joint: usize,
         /// Name of the joint.
         name: &'static str,
-        /// Distance that the desired position moved meanwhile [rad or m].
+        /// Distance that the desired position has moved in this time [rad or m].
         desired: f64,
     },
-    /// The measured velocity is not finite, or not that with which the positions change: a wrong sign, unit
-    /// or gear ratio, or a sensor that fails.
+    /// The measured velocity is not finite, or differs from the rate of the positions. Possible reasons are a
+    /// wrong sign, unit or gear ratio, or a sensor that fails.
     #[error(
         "the measured velocity {measured:.4} rad/s (or m/s) of joint {} differs by {mismatch:.4} from the \
          change of its position, above the limit {possible:.4} of `guard.velocity_mismatch`: check its sign \
@@ -61,57 +62,59 @@ pub enum EncoderFault {
         joint: usize,
         /// Name of the joint.
         name: &'static str,
-        /// The measured velocity [rad/s or m/s].
+        /// Measured velocity [rad/s or m/s].
         measured: f64,
-        /// Measured velocity minus that of the positions, both over the last tenth of a second [rad/s or
-        /// m/s].
+        /// Measured velocity minus the rate of the positions, both low-pass filtered over a tenth of a second
+        /// [rad/s or m/s].
         mismatch: f64,
-        /// Magnitude of the mismatch that would have been believed [rad/s or m/s].
+        /// Largest magnitude of the mismatch that would have been accepted [rad/s or m/s].
         possible: f64,
     },
 }
 
-/// Tolerances of the guard by coordinate.
+/// Tolerances of the guard, one for each coordinate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GuardSettings<const N: usize> {
     /// Speed above which a change of position counts as a jump [rad/s or m/s].
     pub jump_speed: [f64; N],
-    /// Change of position that is always accepted: noise and a few encoder steps [rad or m].
+    /// Change of position that is always accepted [rad or m], for noise and a few encoder steps.
     pub jump_margin: [f64; N],
-    /// Desired motion during which a reading may be constant: stiction, backlash and following error [rad or
-    /// m].
+    /// Desired motion during which a reading may remain constant [rad or m], for stiction, backlash and
+    /// following error.
     pub frozen_motion: [f64; N],
-    /// Accepted difference between the measured velocity and that of the positions: noise, and the delay of
-    /// the drive's filter times the acceleration [rad/s or m/s]. If infinite, velocities are not compared.
+    /// Accepted difference between the measured velocity and the rate of the positions [rad/s or m/s], for
+    /// noise, and for the delay of the drive's filter times the acceleration. If it is infinite, velocities
+    /// are not compared.
     pub velocity_mismatch: [f64; N],
 }
 
-/// Distance that counts as a jump even if no limit is set [rad or m], so that velocities do not overflow.
+/// Distance that counts as a jump even without a limit [rad or m], so that velocities do not overflow.
 const NO_DISTANCE: f64 = 1e100;
-/// Time over which measured velocities are compared with positions (s): differences of positions are noisy.
+/// Time constant with which measured velocities are compared with the rate of the positions (s). Differences
+/// of positions are noisy.
 const MISMATCH_TIME: f64 = 0.1;
 
-/// Compares measurements with earlier ones.
+/// Compares measurements with earlier measurements.
 ///
-/// A sticking joint looks like a frozen encoder, and is an equally good reason to stop.
+/// A sticking joint cannot be distinguished from a frozen encoder. Both are reasons to stop.
 #[derive(Debug, Clone)]
 pub struct EncoderGuard<const N: usize> {
     settings: GuardSettings<N>,
     names: [&'static str; N],
     believed: [f64; N],
-    /// Measured with `believed`.
+    /// Velocities measured with `believed`; `None` if they are not measured.
     velocities: Option<[f64; N]>,
     /// Time since `believed` was measured (s).
     age: f64,
     last_reading: [f64; N],
-    /// Desired position when the reading last changed.
+    /// Desired position at the last change of the reading.
     desired_at_change: [f64; N],
-    /// Measured velocity minus that of the positions, low-pass filtered.
+    /// Measured velocity minus the rate of the positions, low-pass filtered.
     mismatch: [f64; N],
 }
 
 impl<const N: usize> EncoderGuard<N> {
-    /// Starts with an accepted position; joints are named by numbers.
+    /// A guard with an accepted position. The names of the joints are numbers until they are set.
     #[must_use]
     pub fn new(settings: GuardSettings<N>, positions: [f64; N], desired: [f64; N]) -> Self {
         Self {
@@ -138,17 +141,17 @@ impl<const N: usize> EncoderGuard<N> {
         self.age += span.max(0.0);
     }
 
-    /// Last accepted position [rad or m] and its age (s).
+    /// Last accepted positions [rad or m] and their age (s).
     #[must_use]
     pub fn believed(&self) -> ([f64; N], f64) {
         (self.believed, self.age)
     }
 
-    /// Checks a reading against the desired position at the same time; velocities are given if measured
-    /// [rad/s or m/s].
+    /// Checks a reading [rad or m] against earlier readings and against the desired position at the same
+    /// time. `velocities` are the measured velocities [rad/s or m/s], `None` if they are not measured.
     ///
     /// # Errors
-    /// The first [`EncoderFault`]; the reading is then not accepted.
+    /// The first [`EncoderFault`]. The reading is then not accepted.
     pub fn check(
         &mut self,
         reading: &[f64; N],
@@ -198,8 +201,8 @@ impl<const N: usize> EncoderGuard<N> {
         Ok(())
     }
 
-    /// Filters the difference of the mean measured velocity (trapezoidal rule) and the mean velocity of the
-    /// positions since the last believed reading.
+    /// Updates the filtered difference between the mean measured velocity (trapezoidal rule) and the mean
+    /// rate of the positions since the last accepted reading.
     fn compare(&mut self, reading: &[f64; N], velocities: &[f64; N]) {
         let Some(before) = self.velocities.filter(|_| self.age > 0.0) else {
             return;

@@ -1,4 +1,4 @@
-//! LQR as a law of the control loop: feed-forward, and the regulator of the robot linearized at rest.
+//! LQR as a law of the control loop: feed-forward, and the regulator of the robot that is linearized at rest.
 
 use super::controller::ControllerFault;
 use super::joint_pd::{require_gains, sum};
@@ -14,17 +14,17 @@ use thiserror::Error;
 /// Weights of [`JointLqr`]: the diagonals of Q and R.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LqrWeights<const N: usize, const M: usize> {
-    /// Weights of the positions [1/rad² or 1/m²].
+    /// Weights of the position errors [1/rad² or 1/m²].
     pub position: [f64; N],
-    /// Weights of the velocities [s²/rad² or s²/m²].
+    /// Weights of the velocity errors [s²/rad² or s²/m²].
     pub velocity: [f64; N],
-    /// Weights of the inputs [1/unit²].
+    /// Weights of the inputs [1/(N m)², 1/N² or 1/A²].
     pub input: [f64; M],
 }
 
 impl<const N: usize, const M: usize> LqrWeights<N, M> {
-    /// Weights `1/x²` for deviations x of equal cost: positions [rad or m], velocities [rad/s or m/s] and
-    /// inputs (Bryson, Ho, *Applied Optimal Control*, 1975, section 5.2).
+    /// Weights `1/x²` for deviations x of positions [rad or m], velocities [rad/s or m/s] and inputs [N m, N
+    /// or A] that shall cost the same (Bryson, Ho, *Applied Optimal Control*, 1975, section 5.2).
     #[must_use]
     pub fn from_deviations(position: [f64; N], velocity: [f64; N], input: [f64; M]) -> Self {
         let weight = |x: f64| 1.0 / (x * x);
@@ -41,7 +41,7 @@ pub enum JointLqrError {
     /// A quaternion of the given positions is not an attitude.
     #[error("the positions for the linearization are not valid: {0}")]
     Attitude(#[from] AttitudeError),
-    /// The model has no feed-forward.
+    /// The feed-forward of the model cannot be computed.
     #[error(transparent)]
     FeedForward(#[from] FeedForwardError),
     /// The linearization at the given positions has no zero-order hold.
@@ -52,18 +52,19 @@ pub enum JointLqrError {
     Regulator(#[from] LqrError),
 }
 
-/// LQR law, without memory:
+/// LQR law, which has no internal state:
 ///
 /// ```text
 ///     u = u_ff(y_d, ẏ_d, ÿ_d) + K x        x = (y − y_d, ẏ − ẏ_d)
 /// ```
 ///
-/// with the [`FeedForward`] u_ff and the gain K of [`Lqr`] for the zero-order hold of the robot at rest. For robots with
-/// quaternions y − y_d is `y ⊖ y_d`, and v replaces ẏ. K is constant: it is optimal near the positions at which the robot
-/// was linearized. Far from them, or at limits of inputs, use [`LtvMpc`](crate::mpc).
+/// with the [`FeedForward`] u_ff for the desired motion y_d, ẏ_d, ÿ_d, and the gain K of [`Lqr`] for the
+/// zero-order hold of the robot at rest. For robots with quaternions y − y_d is `y ⊖ y_d`, and v replaces ẏ.
+/// K is constant, and optimal near the positions at which the robot was linearized. Far from these positions,
+/// or at limits of inputs, use [`LtvMpc`](crate::mpc).
 ///
-/// The [margins](crate::lqr::Lqr::margins) are those of the linearized robot with an exact state. A filter of velocities and
-/// a delay reduce them.
+/// The [margins](crate::lqr::Lqr::margins) are valid for the linearized robot with an exact state. A filter
+/// of velocities and a delay reduce the margins.
 ///
 /// The axis α of the PowerCube, at 50 Hz:
 ///
@@ -89,11 +90,12 @@ impl<D, const N: usize, const M: usize, const NX: usize, const NY: usize> JointL
 where
     D: Discretizable<N, M, NY>,
 {
-    /// Law of a model linearized at rest at `positions` [rad or m] and time 0, for inputs held for `period`
-    /// (s).
+    /// The law for a model that is linearized at rest at `positions` [rad or m] and time 0, with inputs that
+    /// are held for `period` (s).
     ///
     /// # Errors
-    /// [`JointLqrError`].
+    /// [`JointLqrError`] for weights or a period out of range, quaternions that are not attitudes, a model
+    /// without feed-forward, or a linearization without zero-order hold or stabilizing gain.
     pub fn new(
         model: D,
         positions: &[f64; NY],
@@ -136,12 +138,12 @@ where
         Ok(Self { feed_forward, regulator: Lqr::new(&a, &b, &q, &r)? })
     }
 
-    /// Regulator with K and its stability margins.
+    /// The regulator with K and its stability margins.
     pub fn regulator(&self) -> &Lqr<NX, M> {
         &self.regulator
     }
 
-    /// `K x`
+    /// The feedback `K x`.
     fn feedback(&self, desired: &Sample<N, NY>, positions: &[f64; NY], velocities: &[f64; N]) -> [f64; M] {
         let error = self.feed_forward.model().difference(&desired.positions, positions);
         self.regulator.input(&core::array::from_fn(|i| match i.checked_sub(N) {

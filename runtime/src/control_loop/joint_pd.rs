@@ -8,20 +8,20 @@ use crate::feed_forward::{FeedForward, FeedForwardError};
 use crate::trajectory::Sample;
 use thiserror::Error;
 
-/// Gains of the joint PD, by coordinate.
+/// Gains of the joint PD law, one for each coordinate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointGains<const N: usize> {
-    /// K_p [N m/rad or N/m].
+    /// Position gains K_p [N m/rad or N/m].
     pub position: [f64; N],
-    /// K_d [N m s/rad or N s/m].
+    /// Velocity gains K_d [N m s/rad or N s/m].
     pub velocity: [f64; N],
 }
 
 impl<const N: usize> JointGains<N> {
-    /// Gains that make each joint, with the others at rest, an oscillator of natural frequency `omega`
-    /// [rad/s] and damping ratio `damping`: `K_p = M_ii ω²`, `K_d = 2 ζ M_ii ω` with the mass matrix at
-    /// `positions` and time 0 (Siciliano, Sciavicco, Villani, Oriolo, *Robotics*, 2009, section 8.3). Joint
-    /// friction adds damping.
+    /// Gains with which each joint, with the other joints at rest, is an oscillator with the natural
+    /// frequency `omega` (ω) [rad/s] and the damping ratio `damping` (ζ): `K_p = M_ii ω²`,
+    /// `K_d = 2 ζ M_ii ω`. M is the mass matrix at `positions` and time 0 (Siciliano, Sciavicco, Villani,
+    /// Oriolo, *Robotics*, 2009, section 8.3). Joint friction adds damping.
     #[must_use]
     pub fn from_bandwidth<const M: usize, const NY: usize>(
         model: &impl Dynamics<N, M, NY>,
@@ -40,24 +40,24 @@ impl<const N: usize> JointGains<N> {
 /// Errors of joint PD.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum JointPdError {
-    /// Gains that are negative or not finite.
+    /// A gain is negative or not finite.
     #[error(transparent)]
     Gains(#[from] SettingError),
-    /// The model has no feed-forward.
+    /// The feed-forward of the model cannot be computed.
     #[error(transparent)]
     FeedForward(#[from] FeedForwardError),
 }
 
-/// Joint PD law, without memory:
+/// Joint PD law, which has no internal state:
 ///
 /// ```text
 ///     u = u_ff(y_d, ẏ_d, ÿ_d) + B⁺ (K_p (y_d − y) + K_d (ẏ_d − ẏ))
 /// ```
 ///
-/// with the [`FeedForward`] u_ff and its B⁺. The model is evaluated along the desired motion, so measurement
-/// noise reaches the inputs only through the gains. The alternative is
-/// [`ComputedTorque`](super::ComputedTorque). For robots with quaternions y_d − y is `y_d ⊖ y`, and v
-/// replaces ẏ.
+/// with the [`FeedForward`] u_ff and its pseudo-inverse B⁺ of the input matrix, for the desired motion y_d,
+/// ẏ_d, ÿ_d. The model is evaluated along the desired motion, so measurement noise reaches the inputs only
+/// through the gains. [`ComputedTorque`](super::ComputedTorque) evaluates the model at the measured state
+/// instead. For robots with quaternions y_d − y is `y_d ⊖ y`, and v replaces ẏ.
 #[derive(Debug, Clone)]
 pub struct JointPd<D, const N: usize, const M: usize, const NY: usize = N> {
     feed_forward: FeedForward<D, N, M, NY>,
@@ -68,7 +68,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Joi
     /// The law for a model.
     ///
     /// # Errors
-    /// [`JointPdError`].
+    /// [`JointPdError`] for gains out of range, or a model without feed-forward.
     pub fn new(model: D, gains: JointGains<N>) -> Result<Self, JointPdError> {
         let names = model.joint_names();
         require_gains("gains.position", &names, &gains.position)?;
@@ -76,15 +76,15 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Joi
         Ok(Self { feed_forward: FeedForward::new(model)?, gains })
     }
 
-    /// Replaces the model; the gains are kept. Does not allocate if the input matrix is the same.
+    /// Replaces the model. The gains are kept. Allocates nothing if the input matrix is the same.
     ///
     /// # Errors
-    /// [`FeedForwardError::InputMatrix`]; the model is then unchanged.
+    /// [`FeedForwardError::InputMatrix`] if the input matrix cannot be used. The old model is then kept.
     pub fn set_model(&mut self, model: D) -> Result<(), FeedForwardError> {
         self.feed_forward.set_model(model)
     }
 
-    /// `K_p (y_d ⊖ y) + K_d (ẏ_d − ẏ)`
+    /// The forces `K_p (y_d ⊖ y) + K_d (ẏ_d − ẏ)`.
     fn restoring_forces(
         &self,
         desired: &Sample<N, NY>,
@@ -99,7 +99,10 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Joi
     }
 }
 
-/// The sum of feed-forward and feedback.
+/// Sum of feed-forward and feedback.
+///
+/// # Errors
+/// [`ControllerFault::NotFinite`] if the sum is not finite.
 pub(super) fn sum<const M: usize>(
     mut inputs: [f64; M],
     correction: [f64; M],

@@ -3,14 +3,15 @@
 use std::fmt;
 use std::time::Duration;
 
-/// Number of intervals. The last one begins at 0.26 s, beyond the period of any loop ([`RATES`](super::RATES)).
+/// Number of intervals. The last interval begins at 0.26 s, which exceeds the period of every loop
+/// ([`RATES`](super::RATES)).
 const INTERVALS: usize = 20;
-/// Longest bar, in characters.
+/// Length of the longest bar in characters.
 const LONGEST_BAR: u64 = 40;
 
-/// Histogram of the lateness of the loop's wake-ups: the jitter of its periods. The intervals are [0, 1) µs and [2ᵏ⁻¹, 2ᵏ) µs for
-/// k = 1, 2, …; the last one has no upper end. [`fmt::Display`] plots it, one line for each interval between the first and the
-/// last with a wake-up.
+/// Histogram of the lateness of the loop's wake-ups, which is the jitter of its periods. The intervals are
+/// [0, 1) µs and [2ᵏ⁻¹, 2ᵏ) µs for k = 1, 2, …. The last interval has no upper end. [`fmt::Display`] plots
+/// the histogram, with one line for each interval between the first and the last one with a wake-up.
 ///
 /// ```
 /// use gelenk_runtime::control_loop::Lateness;
@@ -30,7 +31,7 @@ const LONGEST_BAR: u64 = 40;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Lateness {
-    /// Wake-ups in each interval.
+    /// Number of wake-ups in each interval.
     pub counts: [u64; INTERVALS],
 }
 
@@ -42,7 +43,7 @@ impl Lateness {
         self.counts[index.min(INTERVALS - 1)] += 1;
     }
 
-    /// True if a wake-up was late by 1 µs or more.
+    /// Whether a wake-up was late by 1 µs or more.
     #[must_use]
     pub fn any(&self) -> bool {
         self.counts[1..].iter().any(|count| *count > 0)

@@ -1,21 +1,21 @@
-//! Feedback laws without memory.
+//! Feedback laws without internal state.
 
 use super::controller::ControllerFault;
 use crate::dynamics::{AttitudeError, DependentJoint, QuaternionJoint, numbered};
 use crate::trajectory::Sample;
 
-/// A feedback law without memory: maps desired and measured state to inputs. The control loop uses one as
-/// fallback and for the controlled stop. [`LawController`](super::LawController) follows a trajectory with
-/// one.
+/// A feedback law without internal state, which maps desired and measured state to inputs. The control loop
+/// uses a law as fallback and for the controlled stop. [`LawController`](super::LawController) follows a
+/// trajectory with a law.
 ///
 /// [`JointPd`](super::JointPd) and [`JointLqr`](super::JointLqr) evaluate the model along the desired motion,
 /// [`ComputedTorque`](super::ComputedTorque) at the measured state.
 pub trait JointLaw<const N: usize, const M: usize, const NY: usize = N> {
-    /// Inputs [the model's units] for a desired state, from the measured positions [rad or m] and velocities
-    /// [rad/s or m/s].
+    /// Inputs [N m, N or A] for a desired state, from the measured positions [rad or m] and velocities [rad/s
+    /// or m/s].
     ///
     /// # Errors
-    /// [`ControllerFault::NotFinite`].
+    /// [`ControllerFault::NotFinite`] if the inputs are not finite.
     fn inputs(
         &self,
         desired: &Sample<N, NY>,
@@ -23,13 +23,13 @@ pub trait JointLaw<const N: usize, const M: usize, const NY: usize = N> {
         velocities: &[f64; N],
     ) -> Result<[f64; M], ControllerFault>;
 
-    /// Inputs at `time` (s) of the loop, which started the trajectory at 0. The control loop calls this
+    /// Inputs at `time` (s) of the loop, in which the trajectory starts at 0. The control loop calls this
     /// method. Only laws for robots with driven joints depend on the time
-    /// ([`Dynamics::at_time`](crate::dynamics::Dynamics::at_time)); the default ignores it. While the loop
-    /// slows down along the path, `desired` is from an earlier time.
+    /// ([`Dynamics::at_time`](crate::dynamics::Dynamics::at_time)). The default ignores the time. While the
+    /// loop slows down along the path, `desired` belongs to an earlier time.
     ///
     /// # Errors
-    /// See [`Self::inputs`].
+    /// The errors of [`Self::inputs`].
     fn inputs_at_time(
         &self,
         time: f64,
@@ -41,9 +41,10 @@ pub trait JointLaw<const N: usize, const M: usize, const NY: usize = N> {
         self.inputs(desired, positions, velocities)
     }
 
-    /// Position and velocity of a follower at `time` (s), from those of the coordinates; the loop keeps its
-    /// limits. Laws for robots with driven joints know their motion. The default gives NaN for followers of
-    /// driven joints, so the loop brakes if they have limits.
+    /// Position and velocity of a joint that follows others, at `time` (s), for the given positions and
+    /// velocities of the coordinates. The loop keeps the limits of this joint. Laws for robots with driven
+    /// joints use the driven motion. The default gives NaN for joints that follow driven joints, so the loop
+    /// brakes if they have limits.
     fn dependent_motion_at_time(
         &self,
         time: f64,
@@ -59,7 +60,7 @@ pub trait JointLaw<const N: usize, const M: usize, const NY: usize = N> {
         numbered()
     }
 
-    /// Names of the inputs.
+    /// Names of the inputs, for messages of the loop.
     fn input_names(&self) -> [&'static str; M] {
         numbered()
     }
@@ -71,16 +72,16 @@ pub trait JointLaw<const N: usize, const M: usize, const NY: usize = N> {
         &[]
     }
 
-    /// `to ⊖ from` of the model, which the loop uses for distances.
+    /// The difference `to ⊖ from` of the model, which the loop uses for distances.
     fn difference(&self, from: &[f64; NY], to: &[f64; NY]) -> [f64; N] {
         const { assert!(NY == N, "a law for a robot with quaternions must compute their differences") }
         core::array::from_fn(|i| to[i] - from[i])
     }
 
-    /// Checks that the quaternions of positions are attitudes, like the model.
+    /// Checks that all quaternions in `positions` are attitudes, as the model does.
     ///
     /// # Errors
-    /// The first quaternion that is not an attitude.
+    /// [`AttitudeError`] for the first quaternion that is not an attitude.
     fn check_attitudes(&self, positions: &[f64; NY]) -> Result<(), AttitudeError> {
         const { assert!(NY == N, "a law for a robot with quaternions must check them") }
         let _ = positions;
@@ -88,7 +89,7 @@ pub trait JointLaw<const N: usize, const M: usize, const NY: usize = N> {
     }
 }
 
-/// The methods of a law that are those of the model of its `feed_forward`.
+/// Implements the methods of a law that call the model of its `feed_forward`.
 macro_rules! of_the_model {
     () => {
         fn dependent_motion_at_time(
@@ -124,7 +125,10 @@ macro_rules! of_the_model {
 }
 pub(super) use of_the_model;
 
-/// The inputs, or an error if they are not finite.
+/// Returns the inputs.
+///
+/// # Errors
+/// [`ControllerFault::NotFinite`] if the inputs are not finite.
 pub(super) fn finite<const M: usize>(inputs: [f64; M]) -> Result<[f64; M], ControllerFault> {
     if inputs.iter().all(|u| u.is_finite()) { Ok(inputs) } else { Err(ControllerFault::NotFinite) }
 }

@@ -1,4 +1,4 @@
-//! Controller that follows a trajectory with a feedback law without memory.
+//! Controller that follows a trajectory with a feedback law.
 
 use super::controller::{Command, Controller, ControllerFault, Cycle, Estimate};
 use super::joint_pd::JointPd;
@@ -9,8 +9,8 @@ use super::velocity_filter::VelocityFilter;
 use crate::trajectory::Trajectory;
 use core::hint::black_box;
 
-/// A [`JointLaw`] along a trajectory. Velocities are measured, or else differences of positions
-/// ([`VelocityFilter`]). Fails in periods without a measurement.
+/// A [`JointLaw`] along a trajectory. Velocities are measured velocities, or filtered differences of
+/// positions if velocities are not measured ([`VelocityFilter`]). A step without a measurement fails.
 #[derive(Debug, Clone)]
 pub struct LawController<L, R, const N: usize, const M: usize, const NY: usize = N> {
     law: L,
@@ -18,13 +18,13 @@ pub struct LawController<L, R, const N: usize, const M: usize, const NY: usize =
     period: f64,
     time_constant: f64,
     filter: VelocityFilter<N>,
-    /// Where the filter is.
+    /// Last positions of the filter.
     last: Unwrapped<N, NY>,
     /// Periods since the last measurement.
     age: u32,
 }
 
-/// [`JointPd`] along a trajectory.
+/// Controller with [`JointPd`] along a trajectory.
 pub type FeedForwardPd<D, R, const N: usize, const M: usize, const NY: usize = N> =
     LawController<JointPd<D, N, M, NY>, R, N, M, NY>;
 
@@ -33,8 +33,8 @@ where
     L: JointLaw<N, M, NY>,
     R: Trajectory<N, NY>,
 {
-    /// Controller with this period (s). Velocities that are not measured are filtered with `time_constant`
-    /// (s).
+    /// A controller with this period (s). If velocities are not measured, they are estimated with the
+    /// filter's `time_constant` (s).
     ///
     /// # Errors
     /// [`SettingError`] for a period that is not positive and finite, or a time constant outside 0 to 60 s.
@@ -53,7 +53,7 @@ where
         })
     }
 
-    /// The law, for changing its model during the motion.
+    /// The law, for example to change its model during the motion.
     pub fn law_mut(&mut self) -> &mut L {
         &mut self.law
     }

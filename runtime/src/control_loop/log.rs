@@ -11,28 +11,30 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// How long the writer sleeps when there is nothing to write. The loop never wakes it: that would be a system
-/// call.
+/// Time for which the writer sleeps if the queue is empty. The loop never wakes the writer, because this
+/// would be a system call.
 const IDLE: Duration = Duration::from_millis(5);
 
-/// One period.
+/// Record of one period.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LogRecord<const N: usize, const M: usize, const NY: usize = N> {
-    /// Time since the start of the trajectory (s), by the clock, which continues while a stop slows the
+    /// Time since the start of the trajectory (s). It follows the clock, also while a stop slows the
     /// trajectory down.
     pub time: f64,
-    /// Positions as read, also implausible ones [rad or m]; NaN without a reading.
+    /// Positions as read [rad or m], also implausible positions; NaN if no reading arrived.
     pub positions: [f64; NY],
-    /// Estimated velocities of the controller, or else of the loop [rad/s or m/s].
+    /// Velocities [rad/s or m/s], estimated by the controller, or by the loop if the controller has no
+    /// estimator.
     pub velocities: [f64; N],
-    /// Velocities as read [rad/s or m/s]; NaN without a reading; `None` in all records if the robot does not
-    /// measure them.
+    /// Velocities as read [rad/s or m/s]; NaN if no reading arrived; `None` in all records if the robot does
+    /// not measure velocities.
     pub measured_velocities: Option<[f64; N]>,
-    /// Drive forces at the joints as read [N m or N]; NaN or `None` like the velocities.
+    /// Drive forces at the joints as read [N m or N]; NaN if no reading arrived; `None` in all records if the
+    /// robot does not measure forces.
     pub measured_torques: Option<[f64; N]>,
     /// Desired positions [rad or m].
     pub desired: [f64; NY],
-    /// Inputs that the robot has from now on, in the model's units.
+    /// Inputs that act from now on [N m, N or A].
     pub inputs: [f64; M],
     /// Source of the inputs.
     pub source: Source,
@@ -42,11 +44,11 @@ pub struct LogRecord<const N: usize, const M: usize, const NY: usize = N> {
     pub iterations: u32,
     /// Lateness of the wake-up (ns).
     pub lateness: u64,
-    /// Time of read, control, check and write (ns).
+    /// Times for reading, control, check and writing (ns).
     pub stages: [u64; 4],
 }
 
-/// The loop's end of the log.
+/// End of the queue at which the loop adds records.
 #[derive(Debug)]
 pub struct LogSink<const N: usize, const M: usize, const NY: usize = N> {
     producer: Producer<LogRecord<N, M, NY>>,
@@ -62,16 +64,16 @@ impl<const N: usize, const M: usize, const NY: usize> LogSink<N, M, NY> {
     }
 }
 
-/// Counts of a written log.
+/// Numbers of records of a complete log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LogSummary {
-    /// Records in the file.
+    /// Number of records in the file.
     pub written: u64,
-    /// Records dropped because the queue was full.
+    /// Number of records that were dropped because the queue was full.
     pub dropped: u64,
 }
 
-/// The writer's end of the log.
+/// Handle of the thread that writes the log.
 #[derive(Debug)]
 pub struct LogWriter {
     thread: JoinHandle<io::Result<u64>>,
@@ -79,34 +81,35 @@ pub struct LogWriter {
 }
 
 impl LogWriter {
-    /// Waits until all records are in the file. Drop the loop (and with it its [`LogSink`]) first.
+    /// Waits until all records are in the file. Drop the loop, and with it its [`LogSink`], before this call.
     ///
     /// # Errors
-    /// [`io::Error`] of the file.
+    /// [`io::Error`] if the file cannot be written.
     pub fn finish(self) -> io::Result<LogSummary> {
         let written = self.thread.join().map_err(|_| io::Error::other("the log's writer panicked"))??;
         Ok(LogSummary { written, dropped: self.dropped.load(Ordering::Relaxed) })
     }
 }
 
-/// Largest capacity of the queue; its memory is allocated at the beginning.
+/// Largest capacity of the queue. Its memory is allocated at the start.
 pub const MAX_LOG_CAPACITY: usize = 1 << 20;
 
-/// A log to a CSV file, with a queue of `capacity` records. The writer empties it every 5 ms, so 1000 is
-/// enough. Call this before requesting real-time scheduling, so that the writer does not inherit it.
+/// A log in a CSV file, with a queue of `capacity` records. The writer empties the queue every 5 ms, so 1000
+/// records are enough. Call this function before requesting real-time scheduling, so that the writer does not
+/// inherit it.
 ///
-/// Columns; `NAME` is the name of a joint or input in `model`:
+/// The columns are, with the name `NAME` of a joint or input in `model`:
 ///
 /// - `time`
 /// - `q_NAME` …: positions as read, NaN without a reading
 /// - `dq_NAME` …: estimated velocities
-/// - `measured_dq_NAME` …, `measured_tau_NAME` …: velocities and forces measured by the drives, if any
+/// - `measured_dq_NAME` …, `measured_tau_NAME` …: velocities and forces that the drives measure, if they do
 /// - `desired_NAME` …: desired positions
 /// - `u_NAME` …: inputs
 /// - `source`, `believed`, `iterations`, `lateness_ns`, `read_ns`, `control_ns`, `check_ns`, `write_ns`
 ///
-/// `q` and `desired` have one column per position entry; robots with quaternions have more positions than velocities.
-/// Names with commas or quotation marks are quoted.
+/// `q` and `desired` have one column for each position entry. Robots with quaternions have more positions
+/// than velocities. Names with commas or quotation marks are quoted.
 ///
 /// # Errors
 /// [`io::Error`] if the file cannot be created or no thread can be started, or if the capacity is 0 or above
@@ -120,10 +123,10 @@ pub fn log_to_file<const N: usize, const M: usize, const NY: usize>(
     log_to(BufWriter::new(File::create(path)?), model, capacity)
 }
 
-/// [`log_to_file`] for any writer.
+/// A log like that of [`log_to_file`], for any writer.
 ///
 /// # Errors
-/// See [`log_to_file`].
+/// [`io::Error`] if no thread can be started, or if the capacity is 0 or above [`MAX_LOG_CAPACITY`].
 pub fn log_to<const N: usize, const M: usize, const NY: usize>(
     output: impl Write + Send + 'static,
     model: &impl Dynamics<N, M, NY>,

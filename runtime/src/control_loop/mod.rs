@@ -15,16 +15,16 @@
 //! ```
 //!
 //! [`ControlLoop`] connects a [`Controller`], a [`Transport`](crate::transport::Transport) and a [`Clock`].
-//! The guide to your own controller is [`write_a_controller`]. Limits and guards belong to the loop and do
-//! not rely on the controller. [`attaching_hardware`](crate::transport::attaching_hardware) lists the
-//! reaction to each fault, and the [`LoopReport`] counts the faults of a run.
+//! [`write_a_controller`] is the guide for own controllers. The loop checks limits and measurements itself
+//! and does not rely on the controller. [`attaching_hardware`](crate::transport::attaching_hardware) lists
+//! the reaction to each fault. The [`LoopReport`] counts the faults of a run.
 //!
-//! The speed limit, braking distance, fallback and log use velocities measured by the robot, after the guard
-//! has compared them with the positions. If the robot does not measure velocities, they are low-pass filtered
-//! differences of positions ([`VelocityFilter`]).
+//! Speed limit, braking distance, fallback and log use velocities that the robot measures, after the guard
+//! has compared them with the positions. If the robot does not measure velocities, low-pass filtered
+//! differences of positions are used ([`VelocityFilter`]).
 //!
-//! For real time call [`RealtimeRequest::apply`] in the loop's thread after all objects are constructed. In
-//! tests a [`VirtualClock`] makes a run exact and fast:
+//! For real time, call [`RealtimeRequest::apply`] in the thread of the loop after all objects are
+//! constructed. In tests, a [`VirtualClock`] makes a run deterministic and fast:
 //!
 //! ```
 //! use gelenk_runtime::control_loop::{

@@ -1,4 +1,4 @@
-//! Limits outside the optimizer: of written inputs, and of positions.
+//! Limits of the loop: of the written inputs, and of positions, speeds and following errors.
 
 use super::settings::{LoopSettings, SPEED_MARGIN};
 use crate::dynamics::{DependentJoint, Named};
@@ -7,25 +7,26 @@ use std::fmt;
 /// A limit that the robot violates, or would violate before its brakes stop it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LimitFault {
-    /// The position is outside its limits, or would be after braking.
+    /// The position is outside its limits, or would be outside after braking.
     Position {
-        /// Index of the coordinate; from N on joints that follow, in the order of
+        /// Index of the coordinate. From N on, the index minus N is that of a joint in
         /// [`LoopSettings::dependent_joints`](super::LoopSettings).
         joint: usize,
         /// Name of the joint.
         name: &'static str,
         /// Position [rad or m].
         position: f64,
-        /// Where the brakes would stop it [rad or m].
+        /// Position at which the brakes would stop the joint [rad or m].
         stopping: f64,
-        /// Limits [rad or m].
+        /// Lower and upper limit [rad or m].
         limits: [f64; 2],
-        /// The setting that they come from.
+        /// Name of the setting with these limits.
         setting: &'static str,
     },
     /// The speed is above its limit.
     Speed {
-        /// As of a position.
+        /// Index of the coordinate. From N on, the index minus N is that of a joint in
+        /// [`LoopSettings::dependent_joints`](super::LoopSettings).
         joint: usize,
         /// Name of the joint.
         name: &'static str,
@@ -33,7 +34,7 @@ pub enum LimitFault {
         speed: f64,
         /// Limit [rad/s or m/s].
         limit: f64,
-        /// The setting that it comes from.
+        /// Name of the setting with this limit.
         setting: &'static str,
     },
     /// The robot is too far from its desired position.
@@ -44,7 +45,7 @@ pub enum LimitFault {
         name: &'static str,
         /// Measured minus desired position [rad or m].
         error: f64,
-        /// Limit of its magnitude [rad or m].
+        /// Limit of the magnitude of the error [rad or m].
         limit: f64,
     },
 }
@@ -74,7 +75,7 @@ impl fmt::Display for LimitFault {
     }
 }
 
-/// Cuts inputs off at their limits; returns the number of changed inputs. The inputs must be finite.
+/// Clamps inputs to their limits. Returns the number of changed inputs. The inputs must be finite.
 pub(super) fn limit_inputs<const M: usize>(inputs: &mut [f64; M], limits: &[[f64; 2]; M]) -> u64 {
     let mut limited = 0;
     for (u, [low, high]) in inputs.iter_mut().zip(limits) {
@@ -86,10 +87,10 @@ pub(super) fn limit_inputs<const M: usize>(inputs: &mut [f64; M], limits: &[[f64
     limited
 }
 
-/// Checks position limits without braking distance; `names` are those of the joints.
+/// Checks position limits without braking distance. `names` are the names of the joints.
 ///
 /// # Errors
-/// [`LimitFault::Position`].
+/// [`LimitFault::Position`] for the first position outside its limits.
 pub(super) fn check_positions<const N: usize, const M: usize>(
     settings: &LoopSettings<N, M>,
     names: &[&'static str; N],
@@ -100,11 +101,12 @@ pub(super) fn check_positions<const N: usize, const M: usize>(
     check_dependent(settings.dependent_joints, [positions, positions], &[0.0; N], dependent)
 }
 
-/// Position and velocity of a follower, from those of the coordinates.
+/// Position and velocity of a joint that follows others, for given positions and velocities of the
+/// coordinates.
 pub(super) type DependentMotion<'a, const N: usize> =
     &'a dyn Fn(&DependentJoint<N>, (&[f64; N], &[f64; N])) -> [f64; 2];
 
-/// Position and speed of the robot, and distance from the desired position.
+/// State of the robot for the check of its limits.
 pub(super) struct Situation<'a, const N: usize> {
     pub positions: &'a [f64; N],
     pub velocities: &'a [f64; N],
@@ -173,7 +175,7 @@ fn check_stop<const N: usize, const M: usize>(
     Ok(())
 }
 
-/// - `stopping`: the coordinates where the brakes would stop them
+/// - `stopping`: positions of the coordinates at which the brakes would stop them
 fn check_dependent<const N: usize>(
     joints: &[DependentJoint<N>],
     [positions, stopping]: [&[f64; N]; 2],

@@ -1,18 +1,18 @@
-//! Real-time scheduling and locked memory, as far as permitted by the system.
+//! Real-time scheduling and locked memory, if the system permits them.
 
 use std::fmt;
 use thread_priority::{
     RealtimeThreadSchedulePolicy, ThreadPriority, ThreadPriorityValue, ThreadSchedulePolicy,
 };
 
-/// Result of a request.
+/// Answer of the system to a request.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Grant {
     /// The request was granted.
     Granted,
     /// There was no request.
     NotRequested,
-    /// The system rejected the request, with the reason.
+    /// The system rejected the request for this reason.
     Refused(String),
 }
 
@@ -26,30 +26,30 @@ impl fmt::Display for Grant {
     }
 }
 
-/// Requests of the loop's thread to the system.
+/// Requests of the loop's thread to the operating system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RealtimeRequest {
-    /// Priority 1 to 98 of `SCHED_FIFO`; `None` keeps the usual scheduling.
+    /// Priority 1 to 98 of `SCHED_FIFO`; `None` for the usual scheduling.
     pub priority: Option<u8>,
-    /// Keep all memory of the process in RAM.
+    /// Whether all memory of the process is kept in RAM.
     pub lock_memory: bool,
 }
 
 impl Default for RealtimeRequest {
-    /// Priority 80 and locked memory: above the interrupt threads of disks and network cards (50), below
-    /// those of the kernel.
+    /// Priority 80 and locked memory. This priority is above the interrupt threads of disks and network cards
+    /// (50) and below the threads of the kernel.
     fn default() -> Self {
         Self { priority: Some(80), lock_memory: true }
     }
 }
 
-/// Results of the requests. Show them to the operator: a loop without real-time scheduling runs, but misses
-/// deadlines on a busy machine.
+/// Results of the requests. Show them to the operator, because a loop without real-time scheduling runs but
+/// misses deadlines on a busy machine.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RealtimeReport {
-    /// `SCHED_FIFO` for the calling thread.
+    /// Result of the request for `SCHED_FIFO` for the calling thread.
     pub scheduling: Grant,
-    /// Locked memory of the process.
+    /// Result of the request for locked memory of the process.
     pub memory: Grant,
 }
 
@@ -60,12 +60,12 @@ impl fmt::Display for RealtimeReport {
 }
 
 impl RealtimeRequest {
-    /// Makes both requests for the calling thread. Call it in the loop's thread after everything is
-    /// constructed: threads started later would inherit the priority, and only existing memory is locked,
-    /// which is all that the loop uses.
+    /// Makes both requests for the calling thread. Call this method in the thread of the loop after all
+    /// objects are constructed: threads that are started later would inherit the priority, and only existing
+    /// memory is locked. The loop only uses existing memory.
     ///
-    /// Needs `CAP_SYS_NICE` and `CAP_IPC_LOCK`, or limits (`rtprio`, `memlock` in
-    /// `/etc/security/limits.conf`).
+    /// The requests need the capabilities `CAP_SYS_NICE` and `CAP_IPC_LOCK`, or limits (`rtprio`, `memlock`
+    /// in `/etc/security/limits.conf`).
     #[must_use]
     pub fn apply(&self) -> RealtimeReport {
         RealtimeReport {
@@ -103,8 +103,8 @@ fn request_scheduling(_: u8) -> Grant {
     Grant::Refused("available only on Linux".into())
 }
 
-/// `MCL_CURRENT` alone: with `MCL_FUTURE` and a small limit, the first allocation of another thread would end
-/// the process.
+/// Locks the present memory with `MCL_CURRENT`. With `MCL_FUTURE` and a small limit, the first allocation of
+/// another thread would end the process.
 #[cfg(target_os = "linux")]
 fn lock_memory() -> Grant {
     match rustix::mm::mlockall(rustix::mm::MlockAllFlags::CURRENT) {

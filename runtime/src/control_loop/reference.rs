@@ -2,21 +2,21 @@
 
 use crate::trajectory::{Sample, Trajectory};
 
-/// Time on the trajectory. It follows the clock until a controlled stop, during which it slows down to
-/// standstill:
+/// Time on the trajectory. It follows the clock until a controlled stop. During the stop of duration T_s,
+/// which begins at the time s_0, it slows down to standstill:
 ///
 /// ```text
 ///     s(t) = s_0 + t − t²/(2 T_s)        0 ≤ t ≤ T_s
 ///     y_d = y(s),  ẏ_d = y'(s) ṡ,  ÿ_d = y''(s) ṡ² + y'(s) s̈
 /// ```
 ///
-/// Therefore the robot stays on its path (Dahl, Nielsen, *Torque-limited path following by on-line trajectory
-/// time scaling*, IEEE Trans. Robotics and Automation 6 (1990)).
+/// Therefore the robot remains on its path (Dahl, Nielsen, *Torque-limited path following by on-line
+/// trajectory time scaling*, IEEE Trans. Robotics and Automation 6 (1990)).
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Reference {
-    /// Running at this time (s).
+    /// The trajectory is at this time (s).
     Running { time: f64 },
-    /// Stopping since `since` (s), for `elapsed` of `span` (s).
+    /// The trajectory stops from the time `since` (s) on. `elapsed` of `span` seconds have passed.
     Stopping { since: f64, elapsed: f64, span: f64 },
 }
 
@@ -28,7 +28,7 @@ impl Reference {
         }
     }
 
-    /// During a stop advances it by `step` seconds; otherwise sets the time to `time`.
+    /// Advances a stop by `step` seconds, or sets the time to `time` if there is no stop.
     pub fn advance(&mut self, time: f64, step: f64) {
         match self {
             Self::Running { time: now } => *now = time,
@@ -48,7 +48,7 @@ impl Reference {
         }
     }
 
-    /// Time since the trajectory stopped (s); `None` before.
+    /// Time since the trajectory has stopped (s); `None` before.
     pub fn standing(&self) -> Option<f64> {
         match *self {
             Self::Stopping { elapsed, span, .. } if elapsed >= span => Some(elapsed - span),

@@ -1,4 +1,4 @@
-//! Record of a run, with the reason for its end.
+//! Report of a run, with the reason for its end.
 
 use super::controller::ControllerFault;
 use super::guard::EncoderFault;
@@ -14,17 +14,17 @@ use thiserror::Error;
 /// Source of the inputs of a period.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Source {
-    /// The controller.
+    /// The inputs of the controller.
     Controller,
-    /// The controller's last plan, shifted.
+    /// The last plan of the controller, shifted.
     Plan,
-    /// The fallback law of the loop.
+    /// The inputs of the fallback law.
     Fallback,
-    /// The previous input, because nothing better was available.
+    /// The previous inputs, because no other inputs were available.
     Held,
-    /// Nothing was written, because the deadline was missed; the robot holds its inputs.
+    /// No inputs were written, because the deadline was missed. The robot holds its inputs.
     Late,
-    /// The brakes.
+    /// The brakes were commanded.
     Brake,
 }
 
@@ -43,31 +43,31 @@ impl Source {
     }
 }
 
-/// Reason why the loop stopped the robot.
+/// Reason for which the loop stopped the robot.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum StopReason {
-    /// A signal or another thread asked for it.
+    /// A signal or another thread requested the stop.
     #[error("asked to stop")]
     Requested,
     /// The controller failed for too many periods.
     #[error("controller: {0}")]
     Controller(ControllerFault),
-    /// Too many periods in a row without a reading.
+    /// No reading arrived for too many consecutive periods.
     #[error("no measurement arrived for more than `hold_periods` periods")]
     NoMeasurement,
-    /// The transport failed to read or write for too many periods in a row.
+    /// Reading or writing failed for too many consecutive periods.
     #[error("{0}")]
     Transport(TransportError),
-    /// No plausible reading for too many periods in a row.
+    /// No plausible reading arrived for too many consecutive periods.
     #[error("{0}")]
     Encoder(EncoderFault),
-    /// Too many deadlines in a row were missed.
+    /// Too many consecutive deadlines were missed.
     #[error("more than `hold_periods` deadlines in a row were missed")]
     DeadlineMissed,
-    /// A limit was reached.
+    /// The robot violated a limit.
     #[error("{0}")]
     Limit(LimitFault),
-    /// The robot's side restarted.
+    /// The program on the robot's side has restarted.
     #[error("the robot's side restarted during the motion, or another controller is connected")]
     Restarted,
     /// The brakes were engaged, but not by this loop.
@@ -75,7 +75,7 @@ pub enum StopReason {
     BrakedByRobot,
 }
 
-/// Reason why the loop did not start; the brakes stay engaged.
+/// Reason for which the loop did not start. The brakes remain engaged.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum Refusal {
     /// No measurement arrived.
@@ -90,7 +90,7 @@ pub enum Refusal {
     /// The robot is outside its limits.
     #[error("{0}")]
     Limit(LimitFault),
-    /// The robot is not where the trajectory begins.
+    /// The robot is too far from the start of the trajectory.
     #[error(
         "joint {} is at {position:.4}, but the trajectory begins at {start:.4}: move the robot there first",
         Named(.name)
@@ -105,7 +105,7 @@ pub enum Refusal {
         /// Position at which the trajectory begins [rad or m].
         start: f64,
     },
-    /// The inputs cannot hold the robot where it is.
+    /// The inputs cannot hold the robot at its present position within their limits.
     #[error(
         "input {} needs {needed:.4} to hold the robot, above its limit {limit:.4}",
         Named(.name)
@@ -115,9 +115,9 @@ pub enum Refusal {
         input: usize,
         /// Name of the input.
         name: &'static str,
-        /// The input that would hold the robot, in the input's unit; NaN if the model has no answer.
+        /// Input that would hold the robot [N m, N or A]; NaN if the fallback law gives no input.
         needed: f64,
-        /// The largest input that is allowed.
+        /// Violated limit of the input [N m, N or A].
         limit: f64,
     },
     /// The robot was not reachable.
@@ -163,27 +163,28 @@ pub struct Counts {
     /// Periods with the previous inputs.
     pub held: u64,
     /// Missed deadlines: periods whose inputs were not written before the next period, including skipped
-    /// ones.
+    /// periods.
     pub deadline_misses: u64,
-    /// Longest run of missed deadlines.
+    /// Largest number of consecutive missed deadlines.
     pub longest_miss: u64,
-    /// Readings that did not arrive.
+    /// Periods without a reading.
     pub missing: u64,
-    /// Readings with NaN or infinity.
+    /// Readings with NaN, infinity or a quaternion that is not an attitude.
     pub not_finite: u64,
-    /// Readings that jumped.
+    /// Readings in which a position jumped.
     pub jumps: u64,
-    /// Readings that were constant during desired motion.
+    /// Readings in which a position remained constant during desired motion.
     pub frozen: u64,
     /// Readings whose velocities contradicted their positions or were not finite.
     pub velocity_faults: u64,
-    /// Inputs cut off at their limit.
+    /// Inputs that were clamped to a limit.
     pub limited_inputs: u64,
-    /// Controller steps that failed or gave non-finite numbers, without those that lacked a measurement.
+    /// Controller steps that failed or gave numbers that are not finite, except for steps without a
+    /// measurement.
     pub controller_faults: u64,
     /// Failed writes, readings and brake commands of the transport.
     pub transport_errors: u64,
-    /// Stages that exceeded their budget, by [`Stage`](super::Stage).
+    /// Stages that exceeded their time budget, indexed by [`Stage`](super::Stage).
     pub budget_overruns: [u64; STAGES],
     /// Longest time of each stage.
     pub longest: [Duration; STAGES],
@@ -191,20 +192,20 @@ pub struct Counts {
     pub latest_wake: Duration,
     /// Lateness of all wake-ups.
     pub lateness: Lateness,
-    /// Periods before which the controller was warmed up.
+    /// Number of warm-ups of the controller.
     pub warm_ups: u64,
-    /// Warm-ups that exceeded their time ([`LoopSettings::warm_up`](super::LoopSettings::warm_up)): at most
-    /// one, because the loop then skips them.
+    /// Warm-ups that exceeded their time ([`LoopSettings::warm_up`](super::LoopSettings::warm_up)). There is
+    /// at most one, because the loop then omits later warm-ups.
     pub late_warm_ups: u64,
 }
 
-/// Result of [`ControlLoop::run`](super::ControlLoop::run), or counts so far.
+/// Result of [`ControlLoop::run`](super::ControlLoop::run), or the counts so far.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoopReport {
     /// End of the run.
     pub end: End,
-    /// Brakes reported by the robot after the loop's last brake command. If they are not engaged after a run,
-    /// check the robot.
+    /// State of the brakes that the robot reported after the last brake command of the loop. If they are not
+    /// engaged after a run, check the robot.
     pub brakes: Brakes,
     /// Counts of the run.
     pub counts: Counts,

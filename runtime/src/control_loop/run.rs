@@ -19,13 +19,13 @@ use std::time::Duration;
 /// Phase of the loop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Phase {
-    /// Not started; the loop has engaged the brakes, if it commanded them.
+    /// The loop has not started. The brakes are engaged if the loop has commanded them.
     Idle,
-    /// Following the trajectory.
+    /// The robot follows the trajectory.
     Running,
-    /// Slowing down along the path, then braking for this reason.
+    /// The robot slows down along the path, and then brakes for this reason.
     Stopping(StopReason),
-    /// Commanding the brakes for at most `left` more periods.
+    /// The loop commands the brakes for at most `left` more periods.
     Braking { end: End, left: u32 },
     /// The run has ended.
     Ended(End),
@@ -37,15 +37,15 @@ pub(super) struct State<const N: usize, const M: usize, const NY: usize> {
     pub phase: Phase,
     /// Clock time at the start of period 0.
     pub origin: Duration,
-    /// Number of the period.
+    /// Number of the current period.
     pub index: u64,
     pub reference: Reference,
     pub guard: EncoderGuard<N>,
-    /// Last plausible positions and last desired ones.
+    /// Last plausible positions, and last desired positions.
     pub believed: Unwrapped<N, NY>,
     pub desired: Unwrapped<N, NY>,
     pub filter: VelocityFilter<N>,
-    /// Inputs held by the robot.
+    /// Inputs that the robot holds.
     pub inputs: [f64; M],
     /// Consecutive periods without a plausible measurement.
     pub unmeasured: u32,
@@ -54,16 +54,18 @@ pub(super) struct State<const N: usize, const M: usize, const NY: usize> {
     /// Consecutive periods without a write.
     pub unwritten: u64,
     pub brakes: Brakes,
-    /// Whether velocities and torques were measured at the start; each then has columns in the log.
+    /// Whether velocities and torques were measured at the start. Measured quantities have columns in the
+    /// log.
     pub(super) measures: [bool; 2],
-    /// Whether warm-ups are used; false after one exceeded its time.
+    /// Whether warm-ups are made; false after a warm-up that exceeded its time.
     pub(super) warms_up: bool,
     pub counts: Counts,
 }
 
-/// Drives a robot along a trajectory at a fixed rate; the [module](super) documents each case.
+/// The loop that drives a robot along a trajectory at a fixed rate. The [module](super) documents the
+/// reaction to each fault.
 ///
-/// It owns its parts. To keep a transport or controller, pass it as `&mut`.
+/// The loop owns its parts. To keep a transport or controller, pass a `&mut` reference to it.
 pub struct ControlLoop<L, R, C, T, K, const N: usize, const M: usize, const NY: usize = N>
 where
     L: JointLaw<N, M, NY>,
@@ -76,7 +78,7 @@ where
     pub(super) period: Duration,
     /// Period (s).
     pub(super) seconds: f64,
-    /// Names of joints and inputs.
+    /// Names of joints and inputs, for messages.
     pub(super) joints: [&'static str; N],
     pub(super) inputs: [&'static str; M],
     pub(super) fallback: L,
@@ -97,12 +99,12 @@ where
     T: Transport<N, M, NY>,
     K: Clock,
 {
-    /// A loop that has not accessed the robot yet. `fallback` is used if the controller fails and for the
-    /// controlled stop; it is usually a [`JointPd`](super::JointPd).
+    /// A loop that has not accessed the robot yet. `fallback` is used for the controlled stop, and if the
+    /// controller fails. It is usually a [`JointPd`](super::JointPd).
     ///
     /// # Errors
-    /// [`SettingError`] for settings out of range, and for a trajectory whose duration is not a number. The
-    /// duration may be infinite; the loop then runs until a stop is requested.
+    /// [`SettingError`] for settings out of range, and for a trajectory whose duration is NaN. The duration
+    /// may be infinite. The loop then runs until a stop is requested.
     pub fn new(
         settings: LoopSettings<N, M>,
         fallback: L,
@@ -153,14 +155,14 @@ where
         })
     }
 
-    /// Sets a log that gets a record of every period.
+    /// Sets a log, which gets a record of every period.
     #[must_use]
     pub fn with_log(mut self, log: LogSink<N, M, NY>) -> Self {
         self.log = Some(log);
         self
     }
 
-    /// Sets a request that stops the loop.
+    /// Sets a stop request, which the loop checks in every period.
     #[must_use]
     pub fn with_stop_request(mut self, stop: StopRequest) -> Self {
         self.stop = stop;
@@ -177,7 +179,7 @@ where
         &self.controller
     }
 
-    /// Starts, runs all periods, brakes, and reports the run.
+    /// Starts the robot, runs all periods, engages the brakes, and reports the run.
     pub fn run(&mut self) -> LoopReport {
         if self.start().is_ok() {
             while self.period() {}
@@ -185,7 +187,7 @@ where
         self.report()
     }
 
-    /// Counts so far.
+    /// Report with the counts so far.
     #[must_use]
     pub fn report(&self) -> LoopReport {
         let end = match self.state.phase {
@@ -195,7 +197,7 @@ where
         LoopReport { end, brakes: self.state.brakes, counts: self.state.counts }
     }
 
-    /// Sleeps until the next period and runs it. Returns false after the end.
+    /// Sleeps until the next period and runs it. Returns false after the end of the run.
     pub fn period(&mut self) -> bool {
         if matches!(self.state.phase, Phase::Idle | Phase::Ended(_)) {
             return false;
@@ -230,7 +232,7 @@ where
         !matches!(self.state.phase, Phase::Ended(_))
     }
 
-    /// One period of control. The deadline is the beginning of the next.
+    /// One period of control. Its deadline is the beginning of the next period.
     fn drive(&mut self, skipped: u64, watch: &mut Stopwatch) -> LogRecord<N, M, NY> {
         let deadline = self.beginning_of(self.state.index + 1);
         let periods = u32::try_from(skipped).unwrap_or(u32::MAX).saturating_add(1);
@@ -283,7 +285,8 @@ where
         }
     }
 
-    /// True if written. What is late is not: it was computed for a period that is over.
+    /// Writes the inputs. Returns true if they were written. Late inputs are not written, because they were
+    /// computed for a period that is over.
     fn write(&mut self, inputs: &[f64; M], late: bool) -> bool {
         if late {
             self.miss(1);
@@ -315,8 +318,8 @@ where
         }
     }
 
-    /// Engages the brakes now and commands them again in the following periods. Has no effect if already
-    /// done.
+    /// Engages the brakes now, and commands them again in the following periods. Has no effect if the brakes
+    /// are already commanded.
     pub(super) fn engage(&mut self, end: End) {
         if self.is_driving() {
             let left = self.settings.brake_periods;
@@ -362,12 +365,13 @@ where
         }
     }
 
-    /// Logged value of quantity 0 (velocities) or 1 (torques): one in every period, if the robot measures it.
+    /// Logged value of quantity 0 (velocities) or 1 (torques), in every period if the robot measures the
+    /// quantity.
     fn logged(&self, quantity: usize, values: Option<[f64; N]>) -> Option<[f64; N]> {
         self.state.measures[quantity].then(|| values.unwrap_or([f64::NAN; N]))
     }
 
-    /// Whether inputs are written: brakes are neither engaged nor commanded.
+    /// Whether inputs are written, so the brakes are not commanded.
     pub(super) fn is_driving(&self) -> bool {
         matches!(self.state.phase, Phase::Running | Phase::Stopping(_))
     }
@@ -377,7 +381,7 @@ where
         self.state.origin.saturating_add(Duration::from_nanos(nanos))
     }
 
-    /// Time since the start of the trajectory, negative while the brakes release (s).
+    /// Time since the start of the trajectory (s), negative while the brakes are released.
     pub(super) fn time(&self) -> f64 {
         self.state.index as f64 * self.seconds - self.release_time()
     }
@@ -388,7 +392,7 @@ where
     }
 }
 
-/// Whatever ends the loop early, a panic included: the robot does not stay without brakes.
+/// Engages the brakes if the loop ends early, also by a panic.
 impl<L, R, C, T, K, const N: usize, const M: usize, const NY: usize> Drop
     for ControlLoop<L, R, C, T, K, N, M, NY>
 where

@@ -9,52 +9,53 @@ use crate::no_std::*;
 use core::fmt;
 use core::time::Duration;
 
-/// Factor on described speed limits at which the loop brakes. Predictive controllers use the limit itself as
-/// a soft limit.
+/// Factor of the speed limits of the description at which the loop brakes. Predictive controllers use the
+/// speed limit itself as a soft limit.
 pub const SPEED_MARGIN: f64 = 1.1;
 
 /// Allowed rates of the loop (Hz).
 pub const RATES: core::ops::RangeInclusive<f64> = 50.0..=1000.0;
 
 /// Settings of a [`ControlLoop`](super::ControlLoop). Start with [`for_robot`](Self::for_robot) and change
-/// what differs.
+/// single settings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoopSettings<const N: usize, const M: usize> {
     /// Periods per second, 50 to 1000 (Hz).
     pub rate: f64,
-    /// Consecutive periods without a plausible measurement, or with a missed deadline, that are bridged; the
-    /// robot then holds its inputs or follows the controller's prediction. In the next such period the loop
-    /// brakes.
+    /// Number of consecutive periods without a plausible measurement, or with a missed deadline, that the
+    /// loop tolerates. In these periods the robot holds its inputs or follows the controller's prediction. In
+    /// the next such period the loop brakes.
     pub hold_periods: u32,
-    /// Consecutive periods for which the plan of the last successful step is used if the controller fails.
+    /// Number of consecutive periods for which the plan of the last successful step is used if the controller
+    /// fails.
     pub plan_periods: u32,
-    /// Consecutive periods without a successful controller step, on plan or fallback, after which the loop
-    /// stops.
+    /// Number of consecutive periods without a successful controller step, on the plan or the fallback, after
+    /// which the loop makes a controlled stop.
     pub fallback_periods: u32,
     /// Allowed positions of the robot [rad or m].
     pub position_limits: [[f64; 2]; N],
     /// Speeds at which the loop brakes [rad/s or m/s].
     pub speed_limit: [f64; N],
-    /// Followers, whose limits apply in addition to `position_limits` and `speed_limit`; their speed limits
-    /// are multiplied by [`SPEED_MARGIN`].
+    /// Joints that follow others. Their limits apply in addition to `position_limits` and `speed_limit`.
+    /// Their speed limits are multiplied by [`SPEED_MARGIN`].
     pub dependent_joints: &'static [DependentJoint<N>],
-    /// Guaranteed deceleration of the brakes [rad/s² or m/s²]. The loop brakes if the robot would otherwise
-    /// stop outside `position_limits`. If infinite, the braking distance is ignored.
+    /// Deceleration that the brakes guarantee [rad/s² or m/s²]. The loop brakes if the robot would otherwise
+    /// stop outside `position_limits`. If the deceleration is infinite, the braking distance is 0.
     pub braking_deceleration: [f64; N],
     /// Distance from the desired position at which the loop brakes [rad or m]. This limit stops a drive with
     /// the wrong sign.
     pub following_error: [f64; N],
     /// Largest distance from the start of the trajectory at which the loop starts [rad or m].
     pub start_tolerance: [f64; N],
-    /// Lowest and highest value of each input, in its unit. Inputs of any controller are cut off there. 0
-    /// must be between them.
+    /// Lowest and highest value of each input [N m, N or A]. The inputs of every controller are clamped to
+    /// these values. 0 must be between them.
     pub input_limits: [[f64; 2]; M],
-    /// Torque–speed lines of motors. Inputs beyond them are cut off, at the controller's or the loop's
-    /// estimate of the speeds, because the motor cannot produce them.
+    /// Torque–speed lines of motors. Inputs beyond a line are clamped, because the motor cannot produce them.
+    /// The speed is the estimate of the controller, or of the loop if the controller has no estimator.
     pub torque_speed: &'static [TorqueSpeedLine<N>],
     /// Tolerances of the encoder guard.
     pub guard: GuardSettings<N>,
-    /// Time constant of the velocity estimate from positions, for speed check, fallback and log (s). It has
+    /// Time constant of the velocity estimate from positions (s), for speed check, fallback and log. It has
     /// no effect if the robot measures velocities.
     pub velocity_time_constant: f64,
     /// Speed below which a robot is at rest [rad/s or m/s].
@@ -63,33 +64,47 @@ pub struct LoopSettings<const N: usize, const M: usize> {
     pub stop_time: f64,
     /// Time between the end of the trajectory and the engagement of the brakes (s).
     pub settling_time: f64,
-    /// Release time of the brakes, during which the start position is held (s).
+    /// Release time of the brakes (s), in which the inputs hold the start position.
     pub release_time: f64,
-    /// Number of periods without a first reading after which the loop refuses to start.
+    /// Number of periods without a plausible reading after which the loop refuses to start.
     pub start_periods: u32,
-    /// Number of periods in which the loop commands the brakes until they are confirmed.
+    /// Largest number of periods in which the loop repeats the brake command until the brakes are engaged.
     pub brake_periods: u32,
-    /// Time before each period (s) in which the steps of controller and fallback are computed once to warm up
-    /// the caches; 0 disables it. Otherwise a step after a pause waits for memory. The time is at most half a
-    /// period. The loop measures a warm-up before the brakes are released, and disables warm-ups if one takes
-    /// longer. The cost is the time of a step and a second wake-up of the thread per period. Measured at 50
-    /// Hz (`benches/warm_up.rs`): the first step of joint PD or computed torque for six joints is twice as
-    /// fast, that of an LTV-MPC 1.2 to 1.7 times, the long step of an NMPC equally fast.
+    /// Time before each period (s), at most half a period, in which controller and fallback compute a step to
+    /// warm up the caches. 0 disables warm-ups. Without warm-up, the first step after a pause waits for
+    /// memory. The first warm-up is made before the brakes are released. A warm-up that takes longer than
+    /// this time disables all later ones. Warm-ups cost one more step and one more wake-up of the thread in
+    /// each period.
+    ///
+    /// Measured at 50 Hz (`benches/warm_up.rs`): with warm-up, the first step of joint PD or computed torque
+    /// for six joints is 2 times as fast, and an LTV-MPC step 1.2 to 1.7 times as fast. An NMPC step is long
+    /// and gains nothing.
     pub warm_up: f64,
-    /// Time budget of each stage; overruns are only counted. The loop reacts to missed deadlines.
+    /// Time budget of each stage. Exceeded budgets are only counted. The loop reacts to missed deadlines.
     pub budgets: [Duration; STAGES],
 }
 
 impl<const N: usize, const M: usize> LoopSettings<N, M> {
-    /// Settings for a robot with the limits of `model`: inputs up to the peak of motor and joint
-    /// ([`Dynamics::input_limits`]), positions up to their limits, speeds (also of followers) up to a tenth
-    /// above theirs ([`SPEED_MARGIN`]).
+    /// Settings for a loop with this rate (Hz) and the limits of `model`: inputs up to the peak of motor and
+    /// joint ([`Dynamics::input_limits`]), positions up to their limits, and speeds up to 1.1 times
+    /// ([`SPEED_MARGIN`]) their limits. The limits of joints that follow others are included.
     ///
-    /// Bridges 3 periods; falls back for at most 25 periods, 5 of them on the plan; brakes at a following
-    /// error of 0.1 rad (or m); starts within 0.05; accepts jumps up to twice the highest speed and 0.001,
-    /// constant readings during 0.02 of desired motion, and measured velocities that differ from those of the
-    /// positions by a tenth of the highest; warms up within a tenth of the period; assumes brakes that stop
-    /// the highest speed within 0.2 s; slows down within 0.5 s. For joints in metres, and for robots without
+    /// The other values are, with the speed limit v and the period T:
+    ///
+    /// | setting | value |
+    /// |---|---|
+    /// | `hold_periods`, `plan_periods`, `fallback_periods` | 3, 5, 25 |
+    /// | `following_error`, `start_tolerance` | 0.1, 0.05 rad (or m) |
+    /// | `braking_deceleration` | v/0.2 s |
+    /// | `guard.jump_speed`, `guard.jump_margin` | 2 v, 0.001 rad (or m) |
+    /// | `guard.frozen_motion` | 0.02 rad (or m) |
+    /// | `guard.velocity_mismatch` | 0.1 v |
+    /// | `velocity_time_constant`, `standstill_speed` | 0.01 s, 0.01 rad/s (or m/s) |
+    /// | `stop_time`, `settling_time`, `release_time` | 0.5 s, 0.1 s, 0 s |
+    /// | `start_periods`, `brake_periods` | 50, 10 |
+    /// | `warm_up` | 0.1 T |
+    ///
+    /// Set your own values for joints in metres, and for robots without speed limits.
     /// speed limits, set your own values.
     #[must_use]
     pub fn for_robot<const NY: usize>(rate: f64, model: &impl Dynamics<N, M, NY>) -> Self {
@@ -135,16 +150,18 @@ impl<const N: usize, const M: usize> LoopSettings<N, M> {
         }
     }
 
-    /// Length of a period, to the nanosecond.
+    /// Length of a period, rounded to nanoseconds.
     #[must_use]
     pub fn period(&self) -> Duration {
         Duration::from_nanos((1e9 / self.rate).round() as u64)
     }
 
-    /// - `joints`: joints with quaternions
+    /// Checks that positions of joints with quaternions have no limits.
+    ///
+    /// - `joints`: the joints with quaternions
     ///
     /// # Errors
-    /// [`SettingError`] for limits of the positions of these joints.
+    /// [`SettingError`] for the first limit of such a position.
     pub(super) fn check_quaternions(&self, joints: &[QuaternionJoint]) -> Result<(), SettingError> {
         for joint in joints {
             let entries = joint.velocity..joint.angular_velocity() + 3;
@@ -211,7 +228,7 @@ impl<const N: usize, const M: usize> LoopSettings<N, M> {
 pub struct SettingError {
     /// Name of the setting.
     pub name: &'static str,
-    /// Name of its joint or input; `None` for settings of the whole loop.
+    /// Name of the joint or input; `None` for settings of the whole loop.
     pub of: Option<&'static str>,
     /// Given value.
     pub value: f64,
@@ -243,7 +260,7 @@ pub(super) fn require(
     Err(SettingError { name, of: None, value, range })
 }
 
-/// [`require`] for one value per name in `names`.
+/// Checks one value for each name in `names`, like [`require`].
 pub(super) fn require_each<const L: usize>(
     name: &'static str,
     names: &[&'static str; L],

@@ -22,11 +22,12 @@ where
     T: Transport<N, M, NY>,
     K: Clock,
 {
-    /// Reads the position, checks that the robot may start there, writes the inputs that hold it, and
-    /// releases the brakes. [`run`](Self::run) calls it; call it only if you run the periods yourself.
+    /// Reads the position, checks that the robot may start there, writes the inputs that hold the robot, and
+    /// releases the brakes. [`run`](Self::run) calls this method. Call it only if you run the periods
+    /// yourself.
     ///
     /// # Errors
-    /// [`Refusal`]; the brakes are then engaged.
+    /// [`Refusal`] with the reason for which the loop does not start. The brakes are then engaged.
     pub fn start(&mut self) -> Result<(), Refusal> {
         let started = self.try_start();
         if let Err(refusal) = started {
@@ -81,7 +82,7 @@ where
         Ok(())
     }
 
-    /// Engages the brakes and reads, until a reading is finite.
+    /// Engages the brakes and reads until a reading is finite.
     fn first_reading(&mut self) -> Result<[f64; NY], Refusal> {
         let mut refusal = Refusal::NoMeasurement;
         for _ in 0..=self.settings.start_periods {

@@ -4,7 +4,7 @@ use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// A flag that the loop checks in every period. Clones share it.
+/// A flag that the loop checks in every period. Clones share the flag.
 #[derive(Debug, Clone, Default)]
 pub struct StopRequest(Arc<AtomicBool>);
 
@@ -15,11 +15,12 @@ impl StopRequest {
         Self::default()
     }
 
-    /// A request raised by SIGINT (Ctrl-C) and SIGTERM. These signals then no longer end the process: the
-    /// loop does, after the robot is at rest and its brakes are engaged. Further signals have no effect.
+    /// A request that is raised by SIGINT (Ctrl-C) and SIGTERM. These signals then no longer end the process.
+    /// Instead the loop ends after the robot is at rest and its brakes are engaged. Further signals have no
+    /// effect.
     ///
     /// # Errors
-    /// [`io::Error`] if the system rejects the handlers.
+    /// [`io::Error`] if the system rejects the signal handlers.
     pub fn on_signals() -> io::Result<Self> {
         let request = Self::new();
         for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {

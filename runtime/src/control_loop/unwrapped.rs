@@ -1,12 +1,12 @@
-//! Positions by velocity entry, so that guard, filter and limits can subtract them.
+//! Unwrapped positions, one entry for each velocity, which guard, filter and limits can subtract.
 
 use super::law::JointLaw;
 use crate::dynamics::plain_positions;
 
-/// Positions, and unwrapped coordinates of each joint that can be subtracted.
+/// Positions, and unwrapped coordinates that can be subtracted.
 ///
 /// For joints without quaternions the coordinates are the positions. For a joint with a quaternion they are
-/// the sum of the differences `y ⊖ y_before` between consecutive poses: their rate is v, and they never jump.
+/// the sum of the differences `y ⊖ y_before` between consecutive poses. Their rate is v, and they never jump.
 /// They describe only the motion, not the pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Unwrapped<const N: usize, const NY: usize> {
@@ -15,12 +15,12 @@ pub(super) struct Unwrapped<const N: usize, const NY: usize> {
 }
 
 impl<const N: usize, const NY: usize> Unwrapped<N, NY> {
-    /// Initial value; the coordinates of joints with quaternions are 0.
+    /// Value at the start, at which the coordinates of joints with quaternions are 0.
     pub fn at<const M: usize>(positions: [f64; NY], law: &impl JointLaw<N, M, NY>) -> Self {
         Self { positions, coordinates: plain_positions(law.quaternion_joints(), &positions) }
     }
 
-    /// Value at other positions, after a motion of the robot or its reference.
+    /// Value after a motion from the present positions to `positions`.
     pub fn moved_to<const M: usize>(&self, positions: &[f64; NY], law: &impl JointLaw<N, M, NY>) -> Self {
         let mut coordinates: [f64; N] = plain_positions(law.quaternion_joints(), positions);
         if N != NY {

@@ -1,13 +1,14 @@
-//! Velocities from positions, or as measured.
+//! Velocities that are measured or estimated from positions.
 
-/// Velocities of joints: as measured, or else low-pass filtered differences of positions,
+/// Velocities of joints: measured velocities, or low-pass filtered differences of positions with the time
+/// constant T_v and the time Δt between two positions,
 ///
 /// ```text
 ///     v̂ += Δt/(Δt + T_v) ((y − y_before)/Δt − v̂)
 /// ```
 ///
-/// The delay of a difference is Δt/2, that of the filter T_v. With T_v = 0 the velocity is the unfiltered
-/// difference.
+/// The delay of a difference is Δt/2. The delay of the filter is T_v. With T_v = 0 the velocity is the
+/// unfiltered difference.
 ///
 /// ```
 /// use gelenk_runtime::control_loop::VelocityFilter;
@@ -26,16 +27,16 @@ pub struct VelocityFilter<const N: usize> {
 }
 
 impl<const N: usize> VelocityFilter<N> {
-    /// A filter at rest at `positions` [rad or m]; `time_constant` is T_v (s), and values that are not
-    /// positive count as 0.
+    /// A filter at rest at `positions` [rad or m]. `time_constant` is T_v (s); values that are not positive
+    /// count as 0.
     #[must_use]
     pub fn new(time_constant: f64, positions: [f64; N]) -> Self {
         Self { time_constant: time_constant.max(0.0), positions, velocities: [0.0; N] }
     }
 
-    /// Updates with positions [rad or m], `span` seconds after the previous ones. Returns false and changes
-    /// nothing if the velocity is undefined: a span that is not positive, or numbers that are not finite or
-    /// overflow.
+    /// Updates the velocities with positions [rad or m], `span` seconds after the previous positions. Returns
+    /// false and changes nothing if the velocity is undefined, because `span` is not positive or a number is
+    /// not finite or overflows.
     pub fn update(&mut self, positions: &[f64; N], span: f64) -> bool {
         let weight = span / (span + self.time_constant);
         let velocities: [f64; N] = core::array::from_fn(|i| {
@@ -49,8 +50,8 @@ impl<const N: usize> VelocityFilter<N> {
         possible
     }
 
-    /// Updates with positions and measured velocities [rad/s or m/s], which are not filtered. Returns false
-    /// and changes nothing if a number is not finite.
+    /// Updates the filter with positions [rad or m] and measured velocities [rad/s or m/s], which are not
+    /// filtered. Returns false and changes nothing if a number is not finite.
     pub fn update_measured(&mut self, positions: &[f64; N], velocities: &[f64; N]) -> bool {
         let possible = positions.iter().chain(velocities).all(|x| x.is_finite());
         if possible {

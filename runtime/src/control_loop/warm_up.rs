@@ -1,4 +1,4 @@
-//! Warm-up of the caches by steps of the controller whose results are discarded.
+//! Warm-up of the caches by controller steps whose results are discarded.
 
 use super::controller::{Controller, Cycle};
 use super::law::JointLaw;
@@ -17,8 +17,8 @@ where
     T: Transport<N, M, NY>,
     K: Clock,
 {
-    /// First warm-up, while the brakes are engaged and time does not matter. If it exceeds the time of later
-    /// warm-ups, these are disabled.
+    /// First warm-up, while the brakes are engaged and the duration has no effect. If it exceeds its time,
+    /// later warm-ups are disabled.
     pub(super) fn first_warm_up(&mut self, positions: &[f64; NY]) {
         if self.state.warms_up {
             let begin = self.clock.now();
@@ -27,7 +27,7 @@ where
         }
     }
 
-    /// Warms up for the period that begins at `wake`, if the time set aside for it is still available.
+    /// Warms up for the period that begins at `wake`, if there is still enough time.
     pub(super) fn warm_up_before(&mut self, wake: Duration) {
         if !(self.state.warms_up && self.is_driving()) {
             return;

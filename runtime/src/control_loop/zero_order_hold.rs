@@ -8,7 +8,7 @@ use crate::no_std::*;
 /// Zero-order hold at a state.
 ///
 /// # Errors
-/// [`ControllerFault::TooFast`] with the joint for which it does not exist; [`ControllerFault::NotFinite`] if
+/// [`ControllerFault::TooFast`] with the joint that is too fast for it. [`ControllerFault::NotFinite`] if
 /// state or model are not finite.
 pub(crate) fn discretize<const N: usize, const M: usize, const NY: usize>(
     model: &impl Discretizable<N, M, NY>,
@@ -46,17 +46,17 @@ pub(crate) fn too_fast<const N: usize, const M: usize, const NY: usize>(
     })
 }
 
-/// Bound of the rates of ÿ = a y + b ẏ.
+/// Upper bound of the rates of `ÿ = A y + B ẏ` for the row sums a and b of A and B.
 pub(crate) fn rate(a: f64, b: f64) -> f64 {
     0.5 * (b + (b * b + 4.0 * a).sqrt())
 }
 
-/// Sum of the magnitudes in a row.
+/// Sum of the magnitudes of a row.
 pub(crate) fn magnitude<const N: usize>(row: &[f64; N]) -> f64 {
     row.iter().map(|x| x.abs()).sum()
 }
 
-/// The blocks of A_d as one matrix.
+/// Copies the blocks of A_d to one matrix.
 pub(crate) fn flat_state<const N: usize, const NX: usize>(
     blocks: &[[[[f64; N]; N]; 2]; 2],
     flat: &mut [[f64; NX]; NX],
@@ -69,7 +69,7 @@ pub(crate) fn flat_state<const N: usize, const NX: usize>(
     }
 }
 
-/// The blocks of B_d as one matrix.
+/// Copies the blocks of B_d to one matrix.
 pub(crate) fn flat_input<const N: usize, const M: usize, const NX: usize>(
     blocks: &[[[f64; M]; N]; 2],
     flat: &mut [[f64; M]; NX],

@@ -1,60 +1,62 @@
-//! Joint axes of a serial arm, found from its pose function.
+//! Joint axes of a serial arm, which are computed from its pose function.
 
 use super::{Pose, matrix, rotation, rows, skew, vector};
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 use thiserror::Error;
 
-/// Disagreement above which a pose function is not that of the geometry found [m, 1].
+/// Largest difference of a pose function from the computed geometry [m, 1].
 const TOLERANCE: f64 = 1e-9;
-/// Turn of one joint that shows its axis (rad).
+/// Rotation of one joint from which its axis is computed (rad).
 const PROBE: f64 = 1.0;
 
-/// Reasons why a pose function is not that of a supported arm.
+/// Reason for which a pose function does not belong to a supported arm.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum GeometryError {
     /// A joint does not rotate its frame about an axis by its coordinate.
     #[error("joint {} is not a revolute joint whose frame turns with its coordinate", .joint + 1)]
     NotRevolute {
-        /// Index of the joint; messages count from 1.
+        /// Index of the joint, from 0. Messages count from 1.
         joint: usize,
     },
-    /// The pose is not a product of turns about six axes.
+    /// The pose is not a product of rotations about six axes.
     #[error(
         "the pose function differs by {error} from six revolute joints in series with the frame on the last"
     )]
     NotSerial {
-        /// The largest difference found [m, 1].
+        /// Largest difference [m, 1].
         error: f64,
     },
-    /// The last three axes do not meet in one point, with the middle one across.
+    /// The last three axes do not meet in one point.
     #[error(
         "the axes of the last three joints miss a common point by {distance} m, so there is no spherical wrist"
     )]
     NoSphericalWrist {
-        /// Largest distance of an axis from the point (m).
+        /// Largest distance of an axis from the common point (m).
         distance: f64,
     },
-    /// The second and third axes are not parallel, or the first axis is parallel to them.
+    /// The arm before the wrist has an unsupported geometry: its second and third axes are not parallel, its
+    /// first axis is parallel to the second one, an axis of the wrist is parallel to the next one, or a link
+    /// has no length.
     #[error("the arm before the wrist has an unsupported geometry: {condition}")]
     NotSolved {
-        /// The condition that does not hold.
+        /// The condition that is not satisfied.
         condition: &'static str,
     },
 }
 
-/// An arm as a product of exponentials,
+/// An arm as a product of exponentials:
 ///
 /// ```text
 ///     T(y) = exp(ξ_1 y_1) … exp(ξ_6 y_6) T(0)
 /// ```
 ///
-/// where each joint rotates about an axis that is fixed at y = 0 (Murray, Li, Sastry, *A Mathematical
-/// Introduction to Robotic Manipulation*, 1994, section 3.2).
+/// The axis ξ_i of joint i is given at y = 0, and T is the pose of the frame (Murray, Li, Sastry, *A
+/// Mathematical Introduction to Robotic Manipulation*, 1994, section 3.2).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Screws {
     /// Unit vectors along the axes at y = 0, in the base frame.
     pub(super) axes: [Vector3<f64>; 6],
-    /// A point on each axis.
+    /// A point on each axis at y = 0, in the base frame (m).
     pub(super) points: [Vector3<f64>; 6],
     /// Pose of the frame at y = 0.
     pub(super) home_position: Vector3<f64>,
@@ -62,12 +64,12 @@ pub struct Screws {
 }
 
 impl Screws {
-    /// Finds the axes from a pose function: the pose with one joint turned, relative to the pose at zero, is
-    /// a rotation about the joint's axis.
+    /// Computes the axes from a pose function. The pose with one joint rotated, relative to the pose at y =
+    /// 0, is a rotation about the axis of this joint.
     ///
     /// # Errors
-    /// [`GeometryError::NotRevolute`]; [`GeometryError::NotSerial`] if poses at other configurations are not
-    /// the product of these rotations.
+    /// [`GeometryError::NotRevolute`] for a joint that does not rotate about an axis.
+    /// [`GeometryError::NotSerial`] if poses at other positions are not the product of these rotations.
     pub fn from_poses(pose: impl Fn(&[f64; 6]) -> Pose) -> Result<Self, GeometryError> {
         let (home_position, home_rotation) = pose(&[0.0; 6]);
         let mut screws = Self {
@@ -88,8 +90,8 @@ impl Screws {
         if error <= TOLERANCE { Ok(screws) } else { Err(GeometryError::NotSerial { error }) }
     }
 
-    /// Axis and the point on it closest to the origin, of the rotation by [`PROBE`] from the home pose to
-    /// `turned`.
+    /// Axis of the rotation by [`PROBE`] from the home pose to `turned`, and the point on it that is closest
+    /// to the origin. `None` if this motion is not a rotation by [`PROBE`].
     fn axis(&self, turned: &Pose) -> Option<(Vector3<f64>, Vector3<f64>)> {
         let turn = matrix(&turned.1) * self.home_rotation.transpose();
         let antisymmetric = (turn - turn.transpose()) * 0.5;
@@ -103,7 +105,7 @@ impl Screws {
         (unit && no_slide).then_some((axis.normalize(), point))
     }
 
-    /// Largest error over configurations with irregular angles at all joints.
+    /// Largest difference from the pose function in five configurations with irregular angles of all joints.
     fn largest_error(&self, pose: impl Fn(&[f64; 6]) -> Pose) -> f64 {
         (1..=5).fold(0.0_f64, |largest, k| {
             let y = core::array::from_fn(|j| (f64::from(k) * (2.7 + j as f64 * 1.9)).sin() * 3.0);
@@ -114,7 +116,7 @@ impl Screws {
         })
     }
 
-    /// Pose of the frame.
+    /// Pose of the frame at joint angles `y` (rad).
     #[must_use]
     pub fn pose(&self, y: &[f64; 6]) -> Pose {
         let (p, r) = self.transform(y, 0..6);
@@ -122,7 +124,7 @@ impl Screws {
         (position.into(), rows(&(r * self.home_rotation)))
     }
 
-    /// Product exp(ξ_i y_i) … over a range of joints, as displacement and rotation.
+    /// Displacement and rotation of the product exp(ξ_i y_i) … over a range of joints.
     pub(super) fn transform(
         &self,
         y: &[f64; 6],
@@ -137,8 +139,9 @@ impl Screws {
         (p, r)
     }
 
-    /// Joint velocities and accelerations for a given `velocity` and `acceleration` of the frame's origin,
-    /// linear parts first, in the base frame: `ẏ = J⁻¹ V`, `ÿ = J⁻¹ (A − J̇ ẏ)`. `None` if J is singular.
+    /// Joint velocities and accelerations for a velocity V and an acceleration A of the frame at its origin:
+    /// `ẏ = J⁻¹ V`, `ÿ = J⁻¹ (A − J̇ ẏ)`. V and A are in the base frame, with the linear part first [m/s,
+    /// rad/s; m/s², rad/s²]. `None` if J is singular.
     #[must_use]
     pub fn rates(
         &self,
@@ -167,8 +170,8 @@ impl Screws {
     }
 }
 
-/// J̇ ẏ: acceleration of the frame where joints do not accelerate, from link to link (Craig, *Introduction to
-/// Robotics*, 2005, section 6.2).
+/// The acceleration J̇ ẏ of the frame if the joints do not accelerate, computed from link to link (Craig,
+/// *Introduction to Robotics*, 2005, section 6.2).
 fn bias(axes: &[Vector3<f64>; 6], arms: &[Vector3<f64>; 6], rates: &Vector6<f64>) -> Vector6<f64> {
     let (mut linear, mut angular, mut omega) = (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
     for j in 0..6 {

@@ -2,8 +2,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-/// Pose of a frame in the base frame: position (m) and rotation matrix whose columns are the frame's axes.
-/// Generated pose functions return it.
+/// Pose of a frame in the base frame: position (m), and rotation matrix whose columns are the axes of the
+/// frame. Generated pose functions return this type.
 pub type Pose = ([f64; 3], [[f64; 3]; 3]);
 
 pub(super) fn vector(p: &[f64; 3]) -> Vector3<f64> {
@@ -18,12 +18,12 @@ pub(super) fn rows(m: &Matrix3<f64>) -> [[f64; 3]; 3] {
     core::array::from_fn(|i| core::array::from_fn(|j| m[(i, j)]))
 }
 
-/// The cross-product matrix.
+/// Matrix of the cross product with `w`.
 pub(super) fn skew(w: &Vector3<f64>) -> Matrix3<f64> {
     w.cross_matrix()
 }
 
-/// Rotation by `angle` about the unit vector `axis` (Rodrigues).
+/// Rotation by `angle` (rad) about the unit vector `axis` (Rodrigues).
 pub(super) fn rotation(axis: &Vector3<f64>, angle: f64) -> Matrix3<f64> {
     let (sin, cos) = angle.sin_cos();
     let k = skew(axis);

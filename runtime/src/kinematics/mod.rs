@@ -1,8 +1,8 @@
-//! Kinematics of six-axis arms with a spherical wrist: geometry from a pose function, and analytic inverse
-//! kinematics.
+//! Kinematics of six-axis arms with a spherical wrist: their geometry from a pose function, and analytic
+//! inverse kinematics.
 //!
 //! A generated module has a pose function for each frame, for example `frame_tool_pose(y)`. The geometry is
-//! found by calling it.
+//! computed from calls of this function.
 
 mod geometry;
 mod matrices;

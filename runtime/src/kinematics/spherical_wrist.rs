@@ -1,10 +1,10 @@
 //! Analytic inverse kinematics of six-axis arms with a spherical wrist.
 //!
 //! The wrist's centre does not depend on the last three joints, and the rotation of the wrist does not depend
-//! on the position. With parallel second and third axes each part is a sequence of equations `a cos y + b sin
-//! y = c` (Pieper, *The Kinematics of Manipulators under Computer Control*, 1968; the subproblems of Paden
-//! and Kahan in Murray, Li, Sastry, *A Mathematical Introduction to Robotic Manipulation*, 1994, section
-//! 3.3).
+//! on its position. If the second and third axes are parallel, each part leads to a sequence of equations
+//! `a cos y + b sin y = c` (Pieper, *The Kinematics of Manipulators under Computer Control*, 1968; the
+//! subproblems of Paden and Kahan in Murray, Li, Sastry, *A Mathematical Introduction to Robotic
+//! Manipulation*, 1994, section 3.3).
 
 use super::geometry::{GeometryError, Screws};
 use super::{Pose, matrix, rotation, vector};
@@ -12,12 +12,13 @@ use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::{PI, TAU};
 use thiserror::Error;
 
-/// Distances (m) and deviations of directions below this are none.
+/// Distances (m) and deviations of directions below this value count as zero.
 const GEOMETRY: f64 = 1e-8;
-/// Part of its largest value below which the lever of a joint counts as vanished. There two solutions fall
-/// together or a joint is free.
+/// Share of its largest value below which the lever of a joint counts as zero. Two solutions then coincide,
+/// or a joint is free.
 const SINGULAR: f64 = 1e-6;
-/// Part by which a target may lie beyond the reach from rounding; it is then stretched out to.
+/// Relative distance by which a target may be out of reach because of rounding. The arm is then fully
+/// stretched or folded.
 const REACH: f64 = 1e-12;
 
 /// A configuration in which the frame cannot move in every direction.
@@ -27,30 +28,31 @@ pub enum Singularity {
     Shoulder,
     /// The arm is stretched or folded, so its two elbow solutions coincide.
     Elbow,
-    /// The fourth joint's axis and the sixth's are aligned, so only the sum or difference of these joints
-    /// matters.
+    /// The axes of the fourth and sixth joints are aligned, so the pose depends only on the sum or difference
+    /// of these joints.
     Wrist,
 }
 
 /// One of the eight solution branches of a pose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Branch {
-    /// Solution of the first joint, one of two.
+    /// Which of both solutions of the first joint.
     pub shoulder: bool,
-    /// Solution of the third joint, one of two.
+    /// Which of both solutions of the third joint.
     pub elbow: bool,
-    /// Solution of the fifth joint, one of two.
+    /// Which of both solutions of the fifth joint.
     pub wrist: bool,
 }
 
 /// Joint angles for a pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Solution {
-    /// Angles (rad); among those that differ by full turns, the nearest to the given ones.
+    /// Joint angles (rad). Of the angles that differ by full turns, the ones closest to the given angles are
+    /// taken.
     pub positions: [f64; 6],
     /// Branch of the solution.
     pub branch: Branch,
-    /// Whether the shoulder, elbow and wrist are singular. A free joint has the given angle.
+    /// Whether shoulder, elbow and wrist are singular. A free joint has the given angle.
     pub singular: [bool; 3],
 }
 
@@ -62,10 +64,10 @@ impl Solution {
     }
 }
 
-/// Angles beyond have lost the digits that a pose needs (rad).
+/// Largest angle (rad). Larger angles have lost the digits that a pose needs.
 const FARTHEST: f64 = 1e6;
 
-/// Reasons why a pose cannot be reached.
+/// Reason for which a pose cannot be reached.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum KinematicsError {
     /// The wrist's centre would be too close to the first axis.
@@ -75,7 +77,7 @@ pub enum KinematicsError {
     TooCloseToFirstAxis {
         /// Distance of the wrist's centre from the first axis (m).
         distance: f64,
-        /// The least distance, which the arm's sideways offset demands (m).
+        /// Least distance of the wrist's centre (m), which is the lateral offset of the arm.
         least: f64,
     },
     /// The wrist's centre would be too far from, or too close to, the second axis.
@@ -83,19 +85,19 @@ pub enum KinematicsError {
         "the wrist's centre would be {distance} m from the second axis; the arm reaches {least} to {most} m"
     )]
     OutOfReach {
-        /// Distance of the wrist's centre, across the second axis (m).
+        /// Distance of the wrist's centre from the second axis, perpendicular to it (m).
         distance: f64,
-        /// The shortest (m).
+        /// Shortest distance that the arm reaches (m).
         least: f64,
-        /// The longest (m).
+        /// Longest distance that the arm reaches (m).
         most: f64,
     },
-    /// No fifth angle gives the orientation; wrists whose axes are not perpendicular do not reach every
-    /// orientation.
+    /// The fifth joint has no angle for the orientation. A wrist whose axes are not perpendicular does not
+    /// reach every orientation.
     #[error("the wrist cannot turn to this orientation")]
     Orientation,
-    /// Position, rotation or the given angles are not finite, an angle is beyond 1e6 rad, or the rotation
-    /// matrix is not one.
+    /// The pose or the given angles are not finite, an angle exceeds 1e6 rad, or the matrix is not a
+    /// rotation. The number is the deviation of the matrix from a rotation.
     #[error(
         "the pose is not valid: it has non-finite numbers, angles beyond 1e6 rad, or a matrix that is not a \
          rotation (error {0})"
@@ -107,16 +109,16 @@ pub enum KinematicsError {
         .joint + 1
     )]
     Limits {
-        /// Index of the joint that is beyond its limit in the best solution; messages count from 1.
+        /// Index of the joint with the largest violation in the best solution, from 0. Messages count from 1.
         joint: usize,
-        /// Amount (rad).
+        /// Amount of this violation (rad).
         excess: f64,
     },
 }
 
-/// An arm with supported inverse kinematics: the second and third axes are parallel, the first axis is not
-/// parallel to them, and the last three axes meet in a point. Most industrial arms are of this kind, for
-/// example the six-axis PowerCube and the Puma 560.
+/// An arm whose inverse kinematics is supported: the second and third axes are parallel, the first axis is
+/// not parallel to them, and the last three axes meet in one point. Most industrial arms have this geometry,
+/// for example the six-axis PowerCube and the Puma 560.
 ///
 /// ```
 /// use gelenk_generated::puma560;
@@ -133,11 +135,11 @@ pub enum KinematicsError {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SphericalWrist {
     screws: Screws,
-    /// The wrist's centre at y = 0.
+    /// Centre of the wrist at y = 0.
     center: Vector3<f64>,
 }
 
-/// Solutions for a pose, at least one.
+/// Solutions for a pose. There is at least one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InverseKinematics {
     solutions: [Option<Solution>; 8],
@@ -145,12 +147,12 @@ pub struct InverseKinematics {
 }
 
 impl InverseKinematics {
-    /// All solutions in the order of their branches: up to eight, all different.
+    /// All solutions in the order of their branches. There are up to eight different ones.
     pub fn all(&self) -> impl Iterator<Item = &Solution> {
         self.solutions.iter().flatten()
     }
 
-    /// The solution with the smallest maximum joint distance from `positions`.
+    /// The solution whose largest joint distance from `positions` (rad) is smallest.
     #[must_use]
     pub fn closest(&self, positions: &[f64; 6]) -> Solution {
         let mut best = self.first;
@@ -162,11 +164,11 @@ impl InverseKinematics {
         best
     }
 
-    /// The solution within `limits` (rad) that is closest to `positions`; angles may be changed by full
+    /// The solution within `limits` (rad) that is closest to `positions` (rad). Angles may be changed by full
     /// turns.
     ///
     /// # Errors
-    /// [`KinematicsError::Limits`]; a NaN limit is never satisfied.
+    /// [`KinematicsError::Limits`] if no solution is within the limits. A NaN limit is never satisfied.
     pub fn within(&self, limits: &[[f64; 2]; 6], positions: &[f64; 6]) -> Result<Solution, KinematicsError> {
         let no_number = |limits: &[f64; 2]| limits.iter().any(|l| l.is_nan());
         if let Some(joint) = limits.iter().position(no_number) {
@@ -209,11 +211,11 @@ impl InverseKinematics {
 }
 
 impl SphericalWrist {
-    /// Finds the geometry from a pose function, at y = 0 and with single joints turned, and checks it in
+    /// Computes the geometry from a pose function, at y = 0 and with single joints rotated, and checks it in
     /// other configurations.
     ///
     /// # Errors
-    /// [`GeometryError`] for other kinds of arms.
+    /// [`GeometryError`] if the arm has another geometry.
     pub fn from_poses(pose: impl Fn(&[f64; 6]) -> Pose) -> Result<Self, GeometryError> {
         Self::new(Screws::from_poses(pose)?)
     }
@@ -221,7 +223,8 @@ impl SphericalWrist {
     /// Checks that the axes have the supported geometry.
     ///
     /// # Errors
-    /// [`GeometryError::NoSphericalWrist`], [`GeometryError::NotSolved`].
+    /// [`GeometryError::NoSphericalWrist`] if the last three axes do not meet, [`GeometryError::NotSolved`]
+    /// for another unsupported geometry.
     pub fn new(screws: Screws) -> Result<Self, GeometryError> {
         let axes = &screws.axes;
         let across = |i: usize, j: usize| axes[i].cross(&axes[j]).norm();
@@ -259,21 +262,21 @@ impl SphericalWrist {
         &self.screws
     }
 
-    /// From the second to the third axis at y = 0, across both.
+    /// Vector from the second to the third axis at y = 0, perpendicular to both.
     fn upper_arm(&self) -> Vector3<f64> {
         off_axis(&self.screws, 1, &self.screws.points[2])
     }
 
-    /// From the third axis to the wrist's centre at y = 0, across the axis.
+    /// Vector from the third axis to the wrist's centre at y = 0, perpendicular to the axis.
     fn forearm(&self) -> Vector3<f64> {
         off_axis(&self.screws, 2, &self.center)
     }
 
-    /// All joint angles for `pose`. `near` selects among full turns, and gives the angles of joints that a
-    /// singularity leaves free.
+    /// All joint angles for `pose`. Angles are chosen close to `near` (rad) by full turns. Joints that a
+    /// singularity leaves free have their angle in `near`.
     ///
     /// # Errors
-    /// [`KinematicsError`] if there is no solution.
+    /// [`KinematicsError`] if there is no solution, or if the pose or the angles are not valid.
     pub fn solve(&self, pose: &Pose, near: &[f64; 6]) -> Result<InverseKinematics, KinematicsError> {
         let (position, target) = (vector(&pose.0), matrix(&pose.1));
         let off =
@@ -307,7 +310,8 @@ impl SphericalWrist {
         }
     }
 
-    /// Joint 1: the other joints cannot change the remaining coordinate of the wrist's centre along the second axis.
+    /// Angles of joint 1. The other joints cannot change the coordinate of the wrist's centre along the
+    /// second axis.
     fn first(&self, center: &Vector3<f64>, near: f64) -> Result<Pair, KinematicsError> {
         let (axes, points) = (&self.screws.axes, &self.screws.points);
         let r = center - points[0];
@@ -324,8 +328,8 @@ impl SphericalWrist {
         })
     }
 
-    /// Joint 3, by the distance of the wrist's centre from the second axis; and the centre as seen before
-    /// joint 1 has turned it.
+    /// Angles of joint 3 from the distance of the wrist's centre from the second axis, and the wrist's centre
+    /// before the rotation of joint 1.
     fn elbow(&self, center: &Vector3<f64>, y1: f64) -> Result<(Pair, Vector3<f64>), KinematicsError> {
         let (axes, points) = (&self.screws.axes, &self.screws.points);
         let p = points[0] + rotation(&axes[0], -y1) * (center - points[0]);
@@ -344,13 +348,14 @@ impl SphericalWrist {
         Ok((pair, p))
     }
 
-    /// Joint 2 turns the bent arm to the wrist's centre.
+    /// Angle of joint 2, which rotates the bent arm to the wrist's centre.
     fn second(&self, p: &Vector3<f64>, y3: f64) -> f64 {
         let bent = self.upper_arm() + rotation(&self.screws.axes[2], y3) * self.forearm();
         angle_about(&self.screws.axes[1], &bent, &off_axis(&self.screws, 1, p))
     }
 
-    /// Joints 4, 5, 6 make up for the rotation that the first three leave.
+    /// Adds the solutions with the angles of joints 4, 5, 6, which complete the rotation of the first three
+    /// joints to `turn`.
     fn wrist(
         &self,
         turn: &Matrix3<f64>,
@@ -411,7 +416,7 @@ impl Found {
     }
 }
 
-/// Two angles, or one where both fall together.
+/// Two angles, or one angle if both coincide.
 struct Pair {
     first: f64,
     second: Option<f64>,
@@ -424,8 +429,8 @@ impl Pair {
     }
 }
 
-/// Solutions of `a cos y + b sin y = c`, where |(a, b)| is at most `size` in some configuration. Where a and
-/// b vanish with c, every y is one, and `free` is taken. None if |c| is too large.
+/// Solutions of `a cos y + b sin y = c`. |(a, b)| is at most `size` in some configuration. If a, b and c are
+/// zero, every y is a solution, and `free` is taken. `None` if |c| is too large.
 fn solve_cos_sin(a: f64, b: f64, c: f64, size: f64, free: f64) -> Option<Pair> {
     let length = a.hypot(b);
     if length < SINGULAR * size && c.abs() < SINGULAR * size {
@@ -444,24 +449,25 @@ fn solve_cos_sin(a: f64, b: f64, c: f64, size: f64, free: f64) -> Option<Pair> {
     Some(Pair { first: middle + half, second: Some(middle - half), singular: false })
 }
 
-/// Parts of `v` along and across a unit vector.
+/// Parts of `v` along a unit vector and perpendicular to it.
 fn split(v: &Vector3<f64>, axis: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
     let along = axis * axis.dot(v);
     (along, v - along)
 }
 
-/// From an axis to a point, across the axis.
+/// Vector from the axis of a joint to a point, perpendicular to the axis.
 fn off_axis(screws: &Screws, joint: usize, point: &Vector3<f64>) -> Vector3<f64> {
     split(&(point - screws.points[joint]), &screws.axes[joint]).1
 }
 
-/// Angle about `axis` that turns the part of `from` perpendicular to the axis into the direction of that of `to`.
+/// Angle of a rotation about `axis` that takes the perpendicular part of `from` into the direction of the
+/// perpendicular part of `to`.
 fn angle_about(axis: &Vector3<f64>, from: &Vector3<f64>, to: &Vector3<f64>) -> f64 {
     let (from, to) = (split(from, axis).1, split(to, axis).1);
     axis.dot(&from.cross(&to)).atan2(from.dot(&to))
 }
 
-/// The point of axis `i` that is closest to axis `j`.
+/// Point of axis `i` that is closest to axis `j`.
 fn meeting_point(screws: &Screws, i: usize, j: usize) -> Vector3<f64> {
     let (w, v) = (screws.axes[i], screws.axes[j]);
     let between = screws.points[j] - screws.points[i];

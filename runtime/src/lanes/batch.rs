@@ -1,4 +1,4 @@
-//! The zero-order hold of a batch of robots, one in each lane.
+//! The zero-order hold of a batch of robots, one robot in each lane (number of a vector).
 
 use super::packed::{pack, unpack};
 use super::product::{Blocks, Half, Start, sum};
@@ -7,34 +7,35 @@ use crate::no_std::*;
 use crate::qp::lanes::{Vector, WIDTH, flat, flat_mut, largest, vectorized};
 use gelenk_kernels::discrete_time::shared::{COEFFICIENTS, MOST_DOUBLINGS, TERMS, halvings};
 
-/// Largest magnitude of a rate times the time for which two parts of the polynomial suffice: the rest of the series is below
-/// `0.34¹²/13! = 4e-16`.
+/// Largest norm of the system matrix times the time for which two parts of the polynomial are enough. The
+/// remainder of the series is then below `0.34¹²/13! = 4e-16`.
 const OF_TWO_PARTS: f64 = 0.34;
 
-/// A linearized robot `v̇ = A_y δ + A_v v + B_x u + c`, `δ̇ = D δ + v`, and where its period begins.
+/// A linearized robot `v̇ = A_y δ + A_v v + B_x u + c`, `δ̇ = D δ + v`, with its state at the beginning of
+/// the period.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Case<const N: usize, const M: usize> {
     pub by_y: [[f64; N]; N],
     pub by_v: [[f64; N]; N],
     pub by_u: [[f64; M]; N],
     pub rest: [f64; N],
-    /// D; not read of arms.
+    /// Matrix D, which is not used for arms.
     pub drift: [[f64; N]; N],
-    /// δ and v at the beginning.
+    /// δ and v at the beginning of the period.
     pub state: [[f64; N]; 2],
     pub input: [f64; M],
 }
 
-/// The hold of a [`Case`].
+/// Result of the hold of a [`Case`].
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Held<const N: usize, const M: usize> {
     /// A_d, row by row.
     pub state: [[[[f64; N]; 2]; N]; 2],
     /// B_d, row by row.
     pub input: [[[f64; M]; N]; 2],
-    /// δ and v at the end.
+    /// δ and v at the end of the period.
     pub next: [[f64; N]; 2],
-    /// False where the robot is too fast or not finite; the rest then has no meaning.
+    /// False if the robot is too fast or not finite. The other fields are then undefined.
     pub is_finite: bool,
 }
 
@@ -59,13 +60,14 @@ impl<const N: usize, const M: usize> Held<N, M> {
     };
 }
 
-/// One vector for each column of a block.
+/// A column of a block, one vector for each entry.
 type Column<V, const N: usize> = Blocks<V, N, 1, 1>;
 
-/// Memory of the method, which is that of `discrete_time::zero_order_hold` of gelenk-kernels: the comments there have the
-/// equations. Two things differ. Products are fused where the vectors are. And the Taylor polynomial has degree 11 instead of 17
-/// where the norms of the fourth and fifth power of A say that it suffices (Al-Mohy and Higham, SIAM J. Matrix Anal. Appl. 31,
-/// 2009, theorem 4.2).
+/// Memory of the method. It is the method of `discrete_time::zero_order_hold` in gelenk-kernels, whose
+/// comments have the equations, with two differences. Products are fused if the vector instructions have
+/// fused multiply-add. The Taylor polynomial has degree 11 instead of 17 if the norms of the fourth and fifth
+/// power of A prove that this degree is enough (Al-Mohy and Higham, SIAM J. Matrix Anal. Appl. 31, 2009,
+/// theorem 4.2).
 #[derive(Debug, Clone)]
 pub(super) struct Batch<V, const N: usize, const M: usize> {
     by_y: Blocks<V, N, 1, N>,
@@ -75,7 +77,7 @@ pub(super) struct Batch<V, const N: usize, const M: usize> {
     drift: Blocks<V, N, 1, N>,
     from: [Column<V, N>; 2],
     u: [V; M],
-    /// Upper halves of Aᵏ over the short time; that of A⁷ is the lower one of A⁶.
+    /// Upper halves of Aᵏ over the short time. The upper half of A⁷ is the lower half of A⁶.
     powers: Vec<Half<V, N>>,
     /// Upper half of Φ.
     integral: Half<V, N>,
@@ -108,9 +110,9 @@ impl<V: Vector, const N: usize, const M: usize> Batch<V, N, M> {
         }
     }
 
-    /// The holds of up to `WIDTH` cases; more are left out.
+    /// Computes the holds of up to `WIDTH` cases. Further cases are ignored.
     ///
-    /// - `turns`: whether the robots have drifts
+    /// - `turns`: whether the robots have drifts D
     pub fn hold(&mut self, cases: &[Case<N, M>], turns: bool, period: f64) -> &[Held<N, M>; WIDTH] {
         if let Some(last) = cases.len().min(WIDTH).checked_sub(1) {
             let cases = core::array::from_fn(|lane| &cases[lane.min(last)]);
@@ -160,7 +162,7 @@ impl<V: Vector, const N: usize, const M: usize> Batch<V, N, M> {
         pack(&mut self.u, cases.map(|case| &case.input[..]));
     }
 
-    /// `A_y ← A_y − A_v D`, `A_v ← A_v + D`: the robot in the rates `D δ + v`.
+    /// Transforms the robot to the rates `D δ + v` in place of v: `A_y ← A_y − A_v D`, `A_v ← A_v + D`.
     #[inline(always)]
     fn turn_rates(&mut self, cases: [&Case<N, M>; WIDTH]) {
         pack(entries_mut(&mut self.drift), cases.map(|case| case.drift.as_flattened()));
@@ -177,7 +179,7 @@ impl<V: Vector, const N: usize, const M: usize> Batch<V, N, M> {
         sum(&mut self.by_y, Start::Scaled(1.0, &start), of_v, &[(1, &negative)]);
     }
 
-    /// The change in velocities v from the one in the rates.
+    /// Transforms the change from the rates back to velocities v.
     #[inline(always)]
     fn turn_back(&mut self) {
         let [by_drift, minus, spare] = &mut self.spare;
@@ -203,14 +205,14 @@ impl<V: Vector, const N: usize, const M: usize> Batch<V, N, M> {
         sum(lower, Start::Scaled(1.0, &start), minus, &[(1, upper)]);
     }
 
-    /// How often the period is to be halved for the robot of each lane; `None` where it is too fast.
+    /// Number of halvings of the period for the robot of each lane; `None` if the robot is too fast.
     #[inline(always)]
     fn halvings(&self, period: f64) -> [Option<u32>; WIDTH] {
         let (a, b) = ([norm(&self.by_y)], [norm(&self.by_v)]);
         core::array::from_fn(|lane| halvings(flat(&a)[lane], flat(&b)[lane], period))
     }
 
-    /// Φ over the short time h of each lane, in units of which ẏ counts as h ẏ.
+    /// Computes Φ over the short time h of each lane. In its units ẏ is h ẏ.
     #[inline(always)]
     fn set_integral(&mut self, h: V) {
         let square = h * h;
@@ -239,7 +241,7 @@ impl<V: Vector, const N: usize, const M: usize> Batch<V, N, M> {
         sum(&mut self.integral, Start::Scaled(1.0, first), second, &[(0, left), (1, right)]);
     }
 
-    /// Φ over 2ᵏ times the time, with the number k of each lane.
+    /// Computes Φ over 2ᵏ times the time, with k = `counts` for each lane.
     #[inline(always)]
     fn double_integral(&mut self, counts: [u32; WIDTH]) {
         let [change, other, _] = &mut self.spare;
@@ -256,7 +258,7 @@ impl<V: Vector, const N: usize, const M: usize> Batch<V, N, M> {
         }
     }
 
-    /// `A_d − 1`, `B_d` and `c_d` from Φ.
+    /// Computes `A_d − 1`, `B_d` and `c_d` from Φ.
     #[inline(always)]
     fn set_changes(&mut self, h: V) {
         let (system, [upper, lower], integral) = (&mut self.spare[0], &mut self.change, &mut self.integral);
@@ -281,7 +283,7 @@ impl<V: Vector, const N: usize, const M: usize> Batch<V, N, M> {
         }
     }
 
-    /// `A_d − 1`, `B_d` and `c_d` over 2ᵏ times the time, with the number k of each lane.
+    /// Computes `A_d − 1`, `B_d` and `c_d` over 2ᵏ times the time, with k = `counts` for each lane.
     #[inline(always)]
     fn double_steps(&mut self, counts: [u32; WIDTH]) {
         for done in 0..counts.into_iter().max().unwrap_or(0) {
@@ -327,7 +329,7 @@ impl<V: Vector, const N: usize, const M: usize> Batch<V, N, M> {
         }
     }
 
-    /// Zero in the lanes whose results are finite, NaN in the others.
+    /// Zero in lanes whose results are finite, NaN in the other lanes.
     #[inline(always)]
     fn zero_if_finite(&self) -> V {
         let mut sum = V::zero();
@@ -342,7 +344,7 @@ impl<V: Vector, const N: usize, const M: usize> Batch<V, N, M> {
     }
 }
 
-/// Zero in the lanes whose numbers all are finite, NaN in the others.
+/// Zero in lanes in which all numbers are finite, NaN in the other lanes.
 #[inline(always)]
 fn zero_if_finite<V: Vector>(numbers: &[V]) -> V {
     let mut sum = V::zero();
@@ -352,7 +354,7 @@ fn zero_if_finite<V: Vector>(numbers: &[V]) -> V {
     sum
 }
 
-/// 1 in the lanes in which `‖A⁴‖^¼` or `‖A⁵‖^⅕` exceeds [`OF_TWO_PARTS`], 0 in the others.
+/// 1 in lanes in which `‖A⁴‖^¼` or `‖A⁵‖^⅕` exceeds [`OF_TWO_PARTS`], 0 in the other lanes.
 #[inline(always)]
 fn needs_third_part<V: Vector, const N: usize>(powers: &[Half<V, N>]) -> V {
     let (fourth, fifth, sixth) = (norm(&powers[4]), norm(&powers[5]), norm(&powers[6]));
@@ -363,7 +365,7 @@ fn needs_third_part<V: Vector, const N: usize>(powers: &[Half<V, N>]) -> V {
     V::select_positive(excess, V::one(), V::zero())
 }
 
-/// Puts back the entries of lanes that have had their number of steps.
+/// Restores the entries of lanes that have already made all of their steps.
 #[inline(always)]
 fn keep_done<V: Vector>(new: &mut [V], old: &[V], (counts, done): ([u32; WIDTH], u32)) {
     if counts.iter().all(|count| *count > done) {
@@ -383,7 +385,7 @@ fn of_lanes<V: Vector>(numbers: [f64; WIDTH]) -> V {
     vector
 }
 
-/// `Σ c_k Aᵏ` over the terms of each part.
+/// Computes `Σ c_k Aᵏ` over the terms of each part.
 #[inline(always)]
 fn combine<V: Vector, const N: usize, const P: usize>(
     powers: &[Half<V, N>],
@@ -411,7 +413,7 @@ fn combine<V: Vector, const N: usize, const P: usize>(
     }
 }
 
-/// The largest sum of magnitudes in a row.
+/// Largest sum of magnitudes in a row.
 #[inline(always)]
 fn norm<V: Vector, const N: usize, const B: usize>(blocks: &Blocks<V, N, B, N>) -> V {
     let mut largest = V::zero();

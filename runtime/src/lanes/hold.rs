@@ -1,4 +1,4 @@
-//! Zero-order holds of many robots, in the lanes of this processor.
+//! Zero-order holds of many robots with the vector instructions of this processor.
 
 use super::batch::{Batch, Case, Held};
 use crate::dynamics::{Discretization, Instructions, Linearization};
@@ -8,7 +8,8 @@ use crate::no_std::*;
 use crate::qp::avx2::{self, Avx2};
 use crate::qp::lanes::{Portable, WIDTH};
 
-/// The instructions of this processor for [`linearize_along`](crate::dynamics::Differentiable::linearize_along).
+/// The vector instructions of this processor, for
+/// [`linearize_along`](crate::dynamics::Differentiable::linearize_along).
 pub fn instructions() -> Instructions {
     #[cfg(all(target_arch = "x86_64", feature = "std"))]
     {
@@ -28,13 +29,15 @@ pub fn instructions() -> Instructions {
     Instructions::ANY
 }
 
-/// Exact zero-order holds `x⁺ = A_d x + B_d u + c_d` of many linearized robots, four at a time: what predictive controllers
-/// call along a horizon. A value of this type is the memory of the method; nothing is allocated after [`Self::new`].
+/// Exact zero-order holds `x⁺ = A_d x + B_d u + c_d` of many linearized robots, four at a time. Predictive
+/// controllers use them for all stages of a horizon. A value of this type is the memory of the method.
+/// Nothing is allocated after [`Self::new`].
 ///
-/// The method is that of [`Discretizable::discretize`](crate::dynamics::Discretizable::discretize), and so are the bounds of its
-/// errors. Its results differ from those in the last digits: products are fused where the processor can, and a shorter Taylor
-/// polynomial serves where it suffices. So the last digits depend on whether the processor has AVX2 with fused multiply-add. They
-/// do not depend on the other robots.
+/// The method and the bounds of its errors are those of
+/// [`Discretizable::discretize`](crate::dynamics::Discretizable::discretize). The results differ in the last
+/// digits for two reasons: products are fused if the processor has fused multiply-add, and the Taylor
+/// polynomial is shorter if this is accurate enough. The last digits therefore depend on whether the
+/// processor has AVX2 with fused multiply-add. They do not depend on the other robots.
 ///
 /// ```
 /// use gelenk_runtime::dynamics::Differentiable;
@@ -55,7 +58,7 @@ pub fn instructions() -> Instructions {
 #[derive(Debug, Clone)]
 pub struct ZeroOrderHolds<const N: usize, const M: usize>(Engine<N, M>);
 
-/// The method compiled for the lanes of this processor.
+/// The method, compiled for the vector instructions of this processor.
 #[derive(Debug, Clone)]
 enum Engine<const N: usize, const M: usize> {
     Portable(Box<Batch<Portable, N, M>>),
@@ -70,7 +73,7 @@ impl<const N: usize, const M: usize> Default for ZeroOrderHolds<N, M> {
 }
 
 impl<const N: usize, const M: usize> ZeroOrderHolds<N, M> {
-    /// Chooses the lanes, and allocates.
+    /// Chooses the vector instructions, and allocates all memory.
     pub fn new() -> Self {
         #[cfg(all(target_arch = "x86_64", feature = "std"))]
         if avx2::available() {
@@ -79,12 +82,12 @@ impl<const N: usize, const M: usize> ZeroOrderHolds<N, M> {
         Self(Engine::Portable(Box::new(Batch::new())))
     }
 
-    /// The hold of each robot over `period` (s). Every entry is +∞ where the robot is too fast for it, and where its
-    /// linearization is not finite.
+    /// Computes the hold of each robot over `period` (s). If a robot is too fast or its linearization is not
+    /// finite, every entry of its result is +∞.
     ///
-    /// - `drifts`: of robots with quaternions their [`drift`](crate::dynamics::Differentiable::drift)s, as
-    ///   [`Linearization::discretize_with`] takes them; of arms none
-    /// - `linear`, `drifts`, `results`: of equal length; what is longer is not read or written
+    /// - `drifts`: the [`drift`](crate::dynamics::Differentiable::drift)s of robots with quaternions, as for
+    ///   [`Linearization::discretize_with`]; `None` for arms
+    /// - `linear`, `drifts`, `results`: of equal length; additional elements of a longer slice are ignored
     pub fn discretize<const NY: usize>(
         &mut self,
         linear: &[Linearization<N, M, NY>],
@@ -107,7 +110,7 @@ impl<const N: usize, const M: usize> ZeroOrderHolds<N, M> {
         }
     }
 
-    /// The holds of up to `WIDTH` cases.
+    /// Computes the holds of up to `WIDTH` cases.
     ///
     /// - `turns`: whether the robots have drifts
     pub(crate) fn hold(&mut self, cases: &[Case<N, M>], turns: bool, period: f64) -> &[Held<N, M>; WIDTH] {
@@ -129,7 +132,7 @@ impl<const N: usize, const M: usize> Case<N, M> {
 }
 
 impl<const N: usize, const M: usize> Held<N, M> {
-    /// The hold of a case that began at zero, whose end is c_d.
+    /// The discretization of a case with a zero initial state, whose final state is c_d.
     fn discretization<const NY: usize>(&self) -> Discretization<N, M, NY> {
         let infinite = f64::INFINITY;
         if !self.is_finite {
@@ -142,7 +145,7 @@ impl<const N: usize, const M: usize> Held<N, M> {
         Discretization { state: self.blocks(), input: self.input, affine: self.next }
     }
 
-    /// A_d by blocks.
+    /// A_d as blocks.
     pub fn blocks(&self) -> [[[[f64; N]; N]; 2]; 2] {
         let mut blocks = [[[[0.0; N]; N]; 2]; 2];
         for half in 0..2 {

@@ -1,5 +1,6 @@
-//! Many states at once: generated functions over eight states in the form for the widest registers that this processor has
-//! ([`widest!`](crate::widest)), and zero-order holds four at a time ([`ZeroOrderHolds`]).
+//! Computations for many states at once. Generated functions for eight states are called in the version for
+//! the widest registers of this processor ([`widest!`](crate::widest)). Zero-order holds are computed four at
+//! a time ([`ZeroOrderHolds`]).
 
 pub(crate) mod batch;
 mod hold;
@@ -10,11 +11,12 @@ mod tests;
 
 pub use hold::{ZeroOrderHolds, instructions};
 
-/// Calls one of three forms of a function over lanes: for any processor, for AVX2, for AVX-512.
+/// Calls one of three versions of a generated function for eight states: for any processor, for AVX2, or for
+/// AVX-512.
 ///
-/// Generated with `--lanes linearize`, a module has `linearize_lanes`, `linearize_lanes_avx2` and
-/// `linearize_lanes_avx512`; the latter two on x86-64 only. All give the same bits. The linearization along a
-/// horizon, eight points at a time:
+/// With `--lanes linearize`, a generated module has `linearize_lanes`, and on x86-64 also
+/// `linearize_lanes_avx2` and `linearize_lanes_avx512`. The results of all versions have the same bits. This
+/// example linearizes along a horizon, eight points at a time:
 ///
 /// ```
 /// use gelenk_generated::powercube::{self as arm, Lanes, M, N};

@@ -1,8 +1,8 @@
-//! Numbers of several arrays side by side in vectors, and back.
+//! Conversion between several arrays and vectors that have one entry of each array.
 
 use crate::qp::lanes::{Vector, WIDTH, flat, flat_mut};
 
-/// Entry e of vector k is entry k of array e.
+/// Writes vectors: entry e of vector k is entry k of array e.
 #[inline(always)]
 pub(super) fn pack<V: Vector>(to: &mut [V], from: [&[f64]; WIDTH]) {
     let (fours, rest) = to.as_chunks_mut::<WIDTH>();

@@ -1,11 +1,11 @@
-//! Products of matrices whose entries are vectors: one lane of them is a matrix of numbers.
+//! Products of matrices whose entries are vectors. One number of each vector (lane) is a matrix of numbers.
 
 use crate::qp::lanes::{Vector, vectorized};
 
 /// N rows of B blocks with C columns.
 pub(super) type Blocks<V, const N: usize, const B: usize, const C: usize> = [[[V; C]; B]; N];
 
-/// The upper or lower half of a matrix over the state (y, ẏ): row by row its left and its right block.
+/// Upper or lower half of a matrix over the state (y, ẏ), row by row with its left and its right block.
 pub(super) type Half<V, const N: usize> = Blocks<V, N, 2, N>;
 
 /// First term of a sum.
@@ -13,13 +13,14 @@ pub(super) type Half<V, const N: usize> = Blocks<V, N, 2, N>;
 pub(super) enum Start<'a, V, const N: usize, const B: usize, const C: usize> {
     Zero,
     Scaled(f64, &'a Blocks<V, N, B, C>),
-    /// The blocks moved to the right by one, behind a block of zeros.
+    /// The blocks shifted to the right by one, after a block of zeros.
     Shifted(&'a Blocks<V, N, B, C>),
 }
 
-/// The arguments of [`sum`].
+/// Arguments of [`sum`].
 ///
-/// A slice keeps the compiler from loading all entries before the first product, for which it has no registers.
+/// `by` is a slice, so that the compiler does not load all entries before the first product, for which the
+/// registers would not suffice.
 #[derive(Clone, Copy)]
 struct Sum<'a, V, const N: usize, const B: usize, const C: usize> {
     start: Start<'a, V, N, B, C>,
@@ -27,7 +28,8 @@ struct Sum<'a, V, const N: usize, const B: usize, const C: usize> {
     by: &'a [(usize, &'a Blocks<V, N, B, C>)],
 }
 
-/// `result = start + Σ H_b X`: the blocks `H_b` of a half with the numbers b, and what each is multiplied by.
+/// Computes `result = start + Σ H_b X_b`. `by` contains the index b of each block `H_b` of the half, and its
+/// factor `X_b`.
 #[inline(always)]
 pub(super) fn sum<V: Vector, const N: usize, const B: usize, const C: usize>(
     result: &mut Blocks<V, N, B, C>,
@@ -39,7 +41,7 @@ pub(super) fn sum<V: Vector, const N: usize, const B: usize, const C: usize>(
     vectorized!(V, { by_tiles(result, &sum) });
 }
 
-/// Sums by tiles of up to three rows and four columns, whose sums stay in sixteen registers.
+/// Computes the sums in tiles of up to three rows and four columns, whose sums fit in sixteen registers.
 #[inline(always)]
 fn by_tiles<V: Vector, const N: usize, const B: usize, const C: usize>(
     result: &mut Blocks<V, N, B, C>,
@@ -56,7 +58,7 @@ fn by_tiles<V: Vector, const N: usize, const B: usize, const C: usize>(
     }
 }
 
-/// R rows of a block, from row i on.
+/// Computes R rows of a block, from row i on.
 #[inline(always)]
 fn rows<V: Vector, const N: usize, const B: usize, const C: usize, const R: usize>(
     result: &mut Blocks<V, N, B, C>,
@@ -75,7 +77,7 @@ fn rows<V: Vector, const N: usize, const B: usize, const C: usize, const R: usiz
     }
 }
 
-/// R rows and T columns; how many columns.
+/// Computes R rows and T columns. Returns the number of columns.
 #[inline(always)]
 fn tile<V: Vector, const N: usize, const B: usize, const C: usize, const R: usize, const T: usize>(
     result: &mut Blocks<V, N, B, C>,

@@ -8,8 +8,9 @@ macro_rules! delegated_methods {
             self.horizon.model()
         }
 
-        /// Findings from when the controller was made, which should be read before it drives: a trajectory beyond
-        /// the soft limits or a row, terminal weights of few digits. Empty if all is well.
+        /// Notes from the construction of the controller, for example a trajectory beyond the soft limits or
+        /// a row, or terminal weights with few accurate digits. Read them before the robot moves. Empty if
+        /// there are no notes.
         pub fn notes(&self) -> &[$crate::mpc::MpcNote] {
             &self.horizon.notes
         }

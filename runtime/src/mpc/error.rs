@@ -1,4 +1,4 @@
-//! Why there is no predictive controller.
+//! Errors of the construction of a predictive controller.
 
 use super::row::RowFault;
 use crate::control_loop::TooFast;
@@ -8,7 +8,7 @@ use crate::lqr::LqrError;
 use crate::qp::QpError;
 use thiserror::Error;
 
-/// Why there is no controller.
+/// Reason for which a controller cannot be made.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum MpcError {
     /// An option is out of its range.
@@ -16,84 +16,85 @@ pub enum MpcError {
     Option {
         /// Name of the option.
         option: &'static str,
-        /// Its component, if it has several.
+        /// Index of the component; `None` for an option with one value.
         index: Option<usize>,
-        /// The value that was given.
+        /// Value that was given.
         value: f64,
-        /// The range that is allowed.
+        /// Allowed range.
         range: &'static str,
     },
     /// A row cannot be used.
     #[error("row {row}: {fault}")]
     Row {
-        /// Its name.
+        /// Name of the row.
         row: String,
         /// Fault of the row.
         fault: RowFault,
     },
-    /// A joint follows several coordinates, and their bounds allow what its limits do not. A row keeps these.
+    /// A joint follows several coordinates, and the bounds of these coordinates allow positions or speeds
+    /// beyond the limits of the joint. A row for this joint is missing.
     #[error(
         "joint {} follows others and can leave its limits within theirs: give the options rows for it, \
          `.with_rows(MpcRow::of_limits(&robot))`, or rows of your own that have its name",
         Named(.joint)
     )]
     Dependent {
-        /// The joint.
+        /// Name of the joint.
         joint: &'static str,
     },
-    /// A motor gives less the faster it turns, and no row says so.
+    /// The torque of a motor falls with its speed, and a row for its torque–speed line is missing.
     #[error(
         "motor {} gives less torque the faster it turns, and no row keeps its torque–speed line: give the options all rows of the \
          robot, `.with_rows(MpcRow::of_limits(&robot))`, or rows of your own that have its name",
         Named(.motor)
     )]
     TorqueSpeed {
-        /// The motor, as its input is called.
+        /// Name of the motor, which is the name of its input.
         motor: &'static str,
     },
-    /// Positions of a joint with a quaternion have no limits.
+    /// A position of a joint with a quaternion has a limit, which is not allowed.
     #[error(
         "position_limits has a limit of joint {}, whose attitude is a quaternion: leave them infinite there", Named(.joint)
     )]
     Limit {
-        /// The joint.
+        /// Name of the joint.
         joint: &'static str,
     },
     /// A quaternion of the trajectory does not represent an attitude.
     #[error("at {time} s of the trajectory {error}")]
     Attitude {
-        /// Where on the trajectory (s).
+        /// Time on the trajectory (s).
         time: f64,
-        /// Its joint, and its fault.
+        /// Joint and fault of the quaternion.
         error: AttitudeError,
     },
-    /// Horizon or sizes do not suit the QP.
+    /// The horizon or the sizes are out of the range of the QP solver.
     #[error(transparent)]
     Qp(#[from] QpError),
-    /// There is no feed-forward for the model.
+    /// The feed-forward of the model cannot be computed.
     #[error(transparent)]
     FeedForward(#[from] FeedForwardError),
     /// The Riccati equation of the terminal weight has no solution.
     #[error("no terminal weight at {time} s of the trajectory: {reason}{}", remedy(.reason))]
     Terminal {
-        /// Where on the trajectory (s).
+        /// Time on the trajectory (s).
         time: f64,
-        /// Why.
+        /// Error of the Riccati solver.
         reason: LqrError,
     },
-    /// A joint of the model is too fast to be predicted over a period, at a state of the trajectory or at
-    /// rest there.
+    /// A joint of the model is too fast for the prediction over a period, at a state of the trajectory or at
+    /// rest at its position.
     #[error("at {time} s of the trajectory {what}")]
     TooFast {
-        /// Where on the trajectory (s).
+        /// Time on the trajectory (s).
         time: f64,
-        /// Which joint, and how fast.
+        /// Joint and its rate.
         what: TooFast,
     },
-    /// Trajectory or equations of motion are not finite.
+    /// The trajectory or the equations of motion are not finite.
     #[error("at {time} s trajectory or equations of motion are not finite")]
     NotFinite {
-        /// Where on the trajectory (s).
+        /// Time on the trajectory (s).
         time: f64,
     },
 }

@@ -1,4 +1,4 @@
-//! Common parts of the predictive controllers: estimate, reference over the horizon, QP, plan.
+//! Common parts of the predictive controllers: estimate, reference over the horizon, QP, and plan.
 
 use super::error::MpcError;
 use super::integrate::{Span, integrate, substeps};
@@ -19,19 +19,19 @@ use crate::qp::{QpProblem, QpReport, QpSolver, QpStage, QpStatus};
 use crate::trajectory::{Sample, Trajectory};
 use std::hint::black_box;
 
-/// Most periods that a step predicts over: what a stall of the loop may cost is bounded, and after as many
-/// the estimate says nothing.
+/// Largest number of periods over which a step predicts. It bounds the computing time after a stall of the
+/// loop; after more periods the estimate has no value.
 const MAX_BRIDGED: u32 = 100;
-/// Intervals of the trajectory at whose ends terminal weights are computed.
+/// Number of intervals of the trajectory at whose ends terminal weights are computed.
 const TERMINAL_INTERVALS: usize = 32;
 
-/// The plan of the last solved problem: states x_0 … x_K and inputs `u + d` of K periods.
+/// The plan, which is the solution of the last QP: states x_0 … x_K and inputs `u + d` of K periods.
 #[derive(Debug, Clone)]
 pub(super) struct Plan<const N: usize, const M: usize, const NY: usize> {
     pub states: Vec<Node<N, NY>>,
     pub inputs: Vec<[f64; M]>,
     disturbance: [f64; M],
-    /// When it begins on the trajectory (s); NaN while there is none.
+    /// Time on the trajectory at which the plan begins (s); NaN if there is no plan.
     pub start: f64,
 }
 
@@ -55,11 +55,11 @@ pub(super) struct Horizon<
     trajectory: T,
     pub options: MpcOptions<N, M, NR>,
     pub observer: DisturbanceObserver<N, M, NY>,
-    /// Runge–Kutta steps in a period.
+    /// Number of Runge–Kutta steps in a period.
     pub substeps: usize,
     problem: QpProblem<NX, M, NR>,
     solver: QpSolver<NX, M, NR>,
-    /// P and K at `TERMINAL_INTERVALS + 1` times evenly over the trajectory.
+    /// Weights P and gains K at `TERMINAL_INTERVALS + 1` equidistant times of the trajectory.
     terminal: Vec<([[f64; NX]; NX], [[f64; NX]; M])>,
     /// Index of the weight and gain of this step.
     regulator: usize,
@@ -67,9 +67,9 @@ pub(super) struct Horizon<
     deviations: f64,
     pub reference: Reference<N, M, NY>,
     pub plan: Plan<N, M, NY>,
-    /// When the problem of the last solution begins (s); NaN if the next one has nothing to start from.
+    /// Time at which the last solved QP begins (s); NaN if the next QP has a cold start.
     solved: f64,
-    /// The input that acts from now on, if it acts one period late.
+    /// The last computed input. It acts from now on if inputs act one period late.
     under_way: [f64; M],
     /// Time of the last step on the trajectory (s).
     time: f64,
@@ -127,7 +127,7 @@ where
         Ok(horizon)
     }
 
-    /// Notes of cases that the implicit midpoint rule does not suit.
+    /// Adds the notes of joints for which the implicit midpoint rule is not suitable.
     pub fn note_alternating(&mut self) {
         let (start, period) = (self.trajectory.sample(0.0).positions, self.options.period);
         let notes = self.model().at_time(0.0, |model| alternating(model, &start, period));
@@ -138,8 +138,8 @@ where
         self.feed_forward.model()
     }
 
-    /// Goes on with another model: estimate, plan and terminal weights stay, Runge–Kutta steps are added
-    /// where the new friction is steeper at rest.
+    /// Replaces the model. Estimate, plan and terminal weights are kept. The number of Runge–Kutta steps is
+    /// raised if the friction of the new model is steeper at rest.
     pub fn set_model(&mut self, model: D) -> Result<(), FeedForwardError> {
         self.feed_forward.set_model(model)?;
         self.reference.forget();
@@ -166,7 +166,7 @@ where
         row::set_matrices(problem, &options.rows, options.limit_penalty);
     }
 
-    /// Terminal weights and Runge–Kutta steps along the trajectory.
+    /// Computes the terminal weights and the number of Runge–Kutta steps along the trajectory.
     fn look_along(&mut self) -> Result<(), MpcError> {
         let mut input_weight = self.problem.input_weight;
         for i in 0..M {
@@ -204,7 +204,8 @@ where
         Ok(())
     }
 
-    /// The zero-order hold at a state of the trajectory, and the Runge–Kutta steps that a period needs there.
+    /// The zero-order hold at a state of the trajectory. Raises `substeps` to the number of steps that a
+    /// period needs there.
     fn look_at(
         &mut self,
         time: f64,
@@ -234,11 +235,13 @@ where
         self.drop_plan();
     }
 
-    /// Takes in the measurement. Returns when the horizon begins on the trajectory, and in which state.
+    /// Takes in the measurement. Returns the time on the trajectory at which the horizon begins, and the
+    /// state at this time.
     ///
     /// # Errors
-    /// [`ControllerFault::Stalled`] after more than `MAX_BRIDGED` periods; the next step goes on from this
-    /// measurement. [`ControllerFault::NotFinite`] for a time that is not a number.
+    /// [`ControllerFault::Stalled`] after more than `MAX_BRIDGED` periods; the next step continues from this
+    /// measurement. [`ControllerFault::Attitude`] for a measured quaternion that is not an attitude.
+    /// [`ControllerFault::NotFinite`] for a time that is not finite.
     pub fn observe(&mut self, cycle: &Cycle<N, M, NY>) -> Result<(f64, Node<N, NY>), ControllerFault> {
         self.time = cycle.time;
         self.take_in(cycle)?;
@@ -261,8 +264,8 @@ where
         Ok((start, Node { positions: ahead.0, velocities: ahead.1 }))
     }
 
-    /// Moves the estimate on and corrects it. One that a wild reading has made infinite begins anew from this
-    /// measurement.
+    /// Predicts the estimate and corrects it by the measurement. If an extreme measurement has made the
+    /// estimate infinite, it starts again at this measurement.
     fn take_in(&mut self, cycle: &Cycle<N, M, NY>) -> Result<(), ControllerFault> {
         let check = |positions| self.model().check_attitudes(positions);
         let attitudes = cycle.positions.as_ref().map_or(Ok(()), check);
@@ -298,13 +301,13 @@ where
         attitudes.map_err(ControllerFault::Attitude)
     }
 
-    /// When the horizon of a step at `time` begins (s).
+    /// Time at which the horizon of a step at `time` begins (s).
     pub fn start_at(&self, time: f64) -> f64 {
         if self.options.delay { time + self.options.period } else { time }
     }
 
-    /// Computes for the caches alone what [`observe`](Self::observe) and [`solve`](Self::solve) will: neither
-    /// estimate nor plan change, and the solution from which the next solve starts stays.
+    /// Computes what [`observe`](Self::observe) and [`solve`](Self::solve) will compute, only to warm up the
+    /// caches. Estimate, plan and the start of the next QP do not change.
     pub fn rehearse(&mut self, next: &Cycle<N, M, NY>) {
         let span = self.span(next.time - self.options.period);
         let (y, v) = (self.observer.positions(), self.observer.velocities());
@@ -312,7 +315,7 @@ where
         self.solver.rehearse(&self.problem);
     }
 
-    /// Desired states and feed-forward from `start` (s) on.
+    /// Computes desired states and feed-forward from `start` (s) on.
     pub fn look_ahead(&mut self, start: f64) {
         let passed = self.reference.look_ahead(start, &self.trajectory, &self.feed_forward);
         if self.options.linearization == LinearizationPoint::Reference {
@@ -325,8 +328,8 @@ where
         Span { start, period: self.options.period, substeps: self.substeps }
     }
 
-    /// Moves the plan to begin at `start` (s): shifted, its end filled with the feed-forward and the
-    /// reference; all of it, if there is no plan.
+    /// Shifts the plan so that it begins at `start` (s), and fills its end with the feed-forward and the
+    /// reference. If there is no plan, all of it is filled.
     pub fn shift_plan(&mut self, start: f64) {
         let stages = self.options.horizon;
         let periods = ((start - self.plan.start) / self.options.period).round();
@@ -345,7 +348,7 @@ where
         self.plan.start = start;
     }
 
-    /// Stage `k` of the QP, in deviations from the reference.
+    /// Sets stage `k` of the QP, in deviations from the reference.
     pub fn set_stage(&mut self, k: usize, prediction: &Prediction<'_, N, M, NY>) {
         let (at, u) = &prediction.at;
         let model = self.feed_forward.model();
@@ -376,7 +379,7 @@ where
         stage.affine = affine;
     }
 
-    /// Stage `k` of an arm from the hold that begins at the reference.
+    /// Sets stage `k` of an arm from the hold that begins at the reference.
     pub fn set_stage_from_reference(&mut self, k: usize, held: &Held<N, M>) {
         let (stage, end) = (&mut self.problem.stages[k], &self.reference.nodes[k + 1]);
         let (state, input) = (held.state.as_flattened().as_flattened(), held.input.as_flattened());
@@ -387,7 +390,7 @@ where
         stage.affine = next.from(end, self.feed_forward.model());
     }
 
-    /// Solves from `state` at `start` (s) on; the stages are set.
+    /// Solves the QP that begins in `state` at `start` (s). The stages must be set.
     pub fn solve(&mut self, start: f64, state: &Node<N, NY>) -> Result<Command<M>, ControllerFault> {
         let disturbance = *self.observer.disturbance();
         self.problem.initial_state = state.from(&self.reference.nodes[0], self.feed_forward.model());
@@ -414,7 +417,8 @@ where
         Ok(Command { inputs: self.input(0), iterations })
     }
 
-    /// Solves from the last solution, moved by the periods since then; from a cold start where nothing of it is left.
+    /// Solves the QP from the last solution, shifted by the periods since then, or with a cold start if these
+    /// are K or more.
     fn solve_problem(&mut self, start: f64) -> QpReport {
         let periods = ((start - self.solved) / self.options.period).round();
         self.solved = start;
@@ -432,7 +436,7 @@ where
         (self.plan.start, self.solved) = (f64::NAN, f64::NAN);
     }
 
-    /// Gives up the plan. `fault` is that of a problem whose data are finite.
+    /// Drops the plan. Returns `fault` if the data of the QP are finite, and `NotFinite` otherwise.
     fn refuse(&mut self, fault: ControllerFault) -> ControllerFault {
         self.drop_plan();
         let stages = self.problem.stages.iter().all(|stage| {
@@ -485,7 +489,7 @@ where
         }
     }
 
-    /// Terminal weight and gain computed nearest to the end of the horizon.
+    /// Sets the terminal weight and the gain whose time is nearest to the end of the horizon.
     fn set_terminal(&mut self, start: f64) {
         let end = start + self.options.horizon as f64 * self.options.period;
         let share = (end / self.trajectory.duration()).clamp(0.0, 1.0);
@@ -506,7 +510,7 @@ where
         }
     }
 
-    /// Input of period `k` of the plan, within its bounds to the last bit.
+    /// Input of period `k` of the plan, clamped to its bounds.
     fn input(&self, k: usize) -> [f64; M] {
         core::array::from_fn(|i| {
             let [low, high] = self.options.input_limits[i];
@@ -524,7 +528,7 @@ where
         Estimate { positions: *self.observer.positions(), velocities: *self.observer.velocities() }
     }
 
-    /// State `k` and input `u + d` of the plan.
+    /// State `k` and input `u + d` of period `k` of the plan.
     pub fn planned_point(&self, k: usize) -> (Node<N, NY>, [f64; M]) {
         (self.plan.states[k], self.plan.inputs[k])
     }

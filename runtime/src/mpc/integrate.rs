@@ -1,16 +1,18 @@
-//! Whole periods of the nonlinear robot, in as many Runge–Kutta steps as its fastest motion needs.
+//! Integration of the nonlinear robot over whole periods, with the number of Runge–Kutta steps that its
+//! fastest motion needs.
 
 use crate::control_loop::ControllerFault;
 use crate::control_loop::zero_order_hold::{magnitude, rate, too_fast};
 use crate::dynamics::{Discretizable, Linearization, Step};
 
-/// The fastest rate of the robot times the length of a Runge–Kutta step stays below this; the method is
-/// stable up to 2.78.
+/// Upper bound of the fastest rate of the robot times the length of a Runge–Kutta step. The method is stable
+/// up to 2.78.
 const STABLE: f64 = 2.5;
-/// More steps than this are not taken, however stiff the robot.
+/// Largest number of steps in a period, even for a stiffer robot.
 const MAX_SUBSTEPS: usize = 1000;
 
-/// Steps that a period needs: no part of the robot is faster than ν = (b + √(b² + 4a))/2 with a = ‖∂ÿ/∂y‖, b = ‖∂ÿ/∂ẏ‖.
+/// Number of steps in a period. No part of the robot is faster than ν = (b + √(b² + 4a))/2 with a = ‖∂ÿ/∂y‖,
+/// b = ‖∂ÿ/∂ẏ‖.
 pub(super) fn substeps<const N: usize, const M: usize, const NY: usize>(
     linear: &Linearization<N, M, NY>,
     period: f64,
@@ -26,10 +28,10 @@ fn norm<const N: usize>(a: &[[f64; N]; N]) -> f64 {
 
 /// A step of the implicit midpoint rule.
 ///
-/// - `at`: positions and velocities before, and the accelerations that are the guess
+/// - `(y, v, a)`: positions and velocities before the step, and the guess of the accelerations
 ///
 /// # Errors
-/// As [`discretize`](crate::control_loop::zero_order_hold::discretize).
+/// The errors of [`discretize`](crate::control_loop::zero_order_hold::discretize).
 pub(super) fn midpoint<const N: usize, const M: usize, const NY: usize>(
     model: &impl Discretizable<N, M, NY>,
     (y, v, a): (&[f64; NY], &[f64; N], &[f64; N]),
@@ -43,16 +45,16 @@ pub(super) fn midpoint<const N: usize, const M: usize, const NY: usize>(
 /// A period of the nonlinear robot.
 #[derive(Clone, Copy)]
 pub(super) struct Span {
-    /// When it begins (s).
+    /// Time at which the period begins (s).
     pub start: f64,
-    /// Its length (s).
+    /// Length of the period (s).
     pub period: f64,
-    /// Runge–Kutta steps in it.
+    /// Number of Runge–Kutta steps in the period.
     pub substeps: usize,
 }
 
 impl Span {
-    /// When the steps begin (s).
+    /// Times at which the steps begin (s).
     pub fn steps(self) -> impl Iterator<Item = f64> {
         (0..self.substeps).map(move |k| self.start + k as f64 * self.length())
     }
@@ -106,7 +108,7 @@ pub(super) fn add_product<const N: usize, const C: usize>(
     }
 }
 
-/// Positions before velocities.
+/// State vector with the positions before the velocities.
 pub(super) fn join<const N: usize, const NX: usize>(y: &[f64; N], v: &[f64; N]) -> [f64; NX] {
     let mut state = [0.0; NX];
     state[..N].copy_from_slice(y);

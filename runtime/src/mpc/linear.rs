@@ -15,9 +15,10 @@ use crate::lanes::{ZeroOrderHolds, instructions};
 use crate::qp::lanes::WIDTH;
 use crate::trajectory::{Sample, Trajectory};
 
-/// Linear time-varying MPC: predictions by the exact zero-order hold of the affine linearization in the
-/// middle of each period, of the desired trajectory with its feed-forward or of the previous plan; by option by
-/// the implicit midpoint rule ([`PredictionRule`]). See the [module](super).
+/// Linear time-varying MPC. Its predictions are the exact zero-order hold of the affine linearization in the
+/// middle of each period, around the previous plan or around the desired trajectory with its feed-forward. An
+/// option selects the implicit midpoint rule instead ([`PredictionRule`]). The equations are in the
+/// [module](super).
 ///
 /// ```
 /// use gelenk_runtime::control_loop::{Controller, Cycle};
@@ -49,7 +50,7 @@ pub struct LtvMpc<
     memory: Memory<N, M, NY>,
 }
 
-/// Stages that are computed together.
+/// Memory for the stages that are computed together.
 #[derive(Debug, Clone)]
 struct Memory<const N: usize, const M: usize, const NY: usize> {
     stages: Vec<usize>,
@@ -81,7 +82,7 @@ where
     /// computed.
     ///
     /// # Errors
-    /// [`MpcError`].
+    /// [`MpcError`] with the reason for which the controller cannot be made.
     pub fn new(model: D, trajectory: T, options: MpcOptions<N, M, NR>) -> Result<Self, MpcError>
     where
         D: PhaseSpace<NX>,
@@ -95,17 +96,18 @@ where
 
     delegated_methods!();
 
-    /// Goes on with another model from the next step on, e.g. with friction that was identified in operation.
-    /// Estimate and plan stay; so do the terminal weights, which stand for what lies beyond the horizon and
-    /// change little with friction. Allocates nothing if the input matrix is the same.
+    /// Replaces the model from the next step on, for example by a model with friction that was identified in
+    /// operation. Estimate and plan are kept. The terminal weights are kept too, because they represent the
+    /// time after the horizon and change little with friction. Allocates nothing if the input matrix is the
+    /// same.
     ///
     /// # Errors
-    /// [`FeedForwardError::InputMatrix`]; the model then stays.
+    /// [`FeedForwardError::InputMatrix`] if the input matrix cannot be used; the old model is then kept.
     pub fn set_model(&mut self, model: D) -> Result<(), FeedForwardError> {
         self.horizon.set_model(model)
     }
 
-    /// Linearizes and discretizes the horizon that begins at `start`.
+    /// Linearizes and discretizes the horizon that begins at `start` (s).
     fn predict(&mut self, start: f64) -> Result<(), ControllerFault> {
         if self.horizon.options.linearization == LinearizationPoint::Plan {
             self.horizon.shift_plan(start);
@@ -117,7 +119,7 @@ where
         set
     }
 
-    /// Sets the stages that are not those of the period before: around the plan all of them.
+    /// Sets all stages that are not kept from the previous period. Around the plan no stage is kept.
     fn set_stages(&mut self) -> Result<(), ControllerFault> {
         if self.horizon.options.prediction == PredictionRule::ExactHold {
             return self.set_held_stages();
@@ -131,7 +133,8 @@ where
         Ok(())
     }
 
-    /// Sets the stages by the exact zero-order hold: linearized over all stages, then held several at a time.
+    /// Sets the stages by the exact zero-order hold. All stages are linearized first, then several holds are
+    /// computed at a time.
     fn set_held_stages(&mut self) -> Result<(), ControllerFault> {
         let (horizon, Memory { stages, points, linear, cases, holds }) =
             (&mut self.horizon, &mut self.memory);
@@ -158,7 +161,7 @@ where
         Ok(())
     }
 
-    /// Stage `k` by the implicit midpoint rule.
+    /// Sets stage `k` by the implicit midpoint rule.
     fn set_midpoint_stage(&mut self, k: usize) -> Result<(), ControllerFault> {
         let (horizon, period) = (&self.horizon, self.horizon.options.period);
         let (at, a, u) = match horizon.options.linearization {
@@ -196,7 +199,7 @@ where
     D: Discretizable<N, M, NY>,
     T: Trajectory<N, NY>,
 {
-    /// The point at which stage `k` is linear.
+    /// The point around which stage `k` is linearized.
     fn middle(&self, k: usize) -> Point<N, M, NY> {
         let time = self.reference.middle_time(k);
         match self.options.linearization {
@@ -212,7 +215,8 @@ where
         }
     }
 
-    /// Where the robot of stage `k` begins: an arm at the reference, another one where it is linear.
+    /// Sets the state in which the hold of stage `k` begins: at the reference for an arm, at the point of
+    /// linearization for a robot with quaternions.
     fn begin(&self, k: usize, point: &Point<N, M, NY>, case: &mut Case<N, M>) {
         if N != NY {
             case.drift = self.model().drift(&point.velocities);
@@ -240,7 +244,7 @@ where
         self.model().at_time(*time, fault)
     }
 
-    /// Stage `k` is set. Around the reference it may serve the next period too.
+    /// Marks stage `k` as set. Around the reference the next period may use it too.
     fn mark_set(&mut self, k: usize) {
         self.reference.is_set[k] = self.options.linearization == LinearizationPoint::Reference;
     }
@@ -265,7 +269,8 @@ where
 
     delegated_controller_methods!();
 
-    /// Computes reference, stages and solution. The step computes them again, or keeps those that are equal. Estimate and plan stay.
+    /// Computes reference, stages and solution. The step computes them again, or keeps those that are equal.
+    /// Estimate and plan do not change.
     fn warm_up(&mut self, next: &Cycle<N, M, NY>) {
         let start = self.horizon.start_at(next.time);
         self.horizon.look_ahead(start);

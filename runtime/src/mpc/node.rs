@@ -1,9 +1,9 @@
-//! States of reference and plan, and predictions in their deviations.
+//! States of reference and plan, and predictions of deviations from the reference.
 
 use super::integrate::{add_product, join};
 use crate::dynamics::{Dynamics, plain_positions};
 
-/// A state.
+/// State with positions and velocities.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Node<const N: usize, const NY: usize> {
     pub positions: [f64; NY],
@@ -15,7 +15,7 @@ impl<const N: usize, const NY: usize> Node<N, NY> {
         self.positions.iter().chain(&self.velocities).all(|x| x.is_finite())
     }
 
-    /// The deviation `(y ⊖ y_ref, v − v_ref)` of this state.
+    /// Deviation `(y ⊖ y_ref, v − v_ref)` of this state from `reference`.
     #[inline]
     pub fn from<const M: usize, const NX: usize>(
         &self,
@@ -26,7 +26,7 @@ impl<const N: usize, const NY: usize> Node<N, NY> {
         join(&displacement, &core::array::from_fn(|i| self.velocities[i] - reference.velocities[i]))
     }
 
-    /// The state that deviates from this one by so much.
+    /// State with the given deviation from this one.
     #[inline]
     pub fn moved<const M: usize, const NX: usize>(
         &self,
@@ -40,7 +40,7 @@ impl<const N: usize, const NY: usize> Node<N, NY> {
         }
     }
 
-    /// Halfway to the next state.
+    /// State halfway between this one and the next one.
     pub fn middle<const M: usize>(&self, next: &Self, model: &impl Dynamics<N, M, NY>) -> Self {
         let positions = if N == NY {
             core::array::from_fn(|i| 0.5 * (self.positions[i] + next.positions[i]))
@@ -52,8 +52,8 @@ impl<const N: usize, const NY: usize> Node<N, NY> {
         Self { positions, velocities }
     }
 
-    /// Coordinates and velocities, by velocity entry: what limits and rows are about, which joints with a quaternion
-    /// do not have.
+    /// Positions and velocities, one entry for each velocity. Limits and rows apply to them. The positions of
+    /// joints with a quaternion, which have neither limits nor rows, are 0.
     pub fn coordinates<const M: usize, const NX: usize>(&self, model: &impl Dynamics<N, M, NY>) -> [f64; NX] {
         join(&plain_positions(model.quaternion_joints(), &self.positions), &self.velocities)
     }
@@ -63,19 +63,21 @@ impl<const N: usize, const NY: usize> Node<N, NY> {
 pub(super) struct Prediction<'a, const N: usize, const M: usize, const NY: usize> {
     pub state: &'a [[[[f64; N]; N]; 2]; 2],
     pub input: &'a [[[f64; M]; N]; 2],
-    /// x⁺ for the state and the input `at`.
+    /// Predicted state x⁺ after the state and the input `at`.
     pub next: Node<N, NY>,
     pub at: (Node<N, NY>, [f64; M]),
 }
 
-/// Blocks of derivatives by state and by input.
+/// Blocks of derivatives with respect to state and input.
 type Blocks<const N: usize, const M: usize> = ([[[[f64; N]; N]; 2]; 2], [[[f64; M]; N]; 2]);
 
-/// The blocks of a prediction as derivatives of deviations from a reference by deviations from it.
+/// The blocks of a prediction, as derivatives of the deviation from the reference after the period with
+/// respect to the deviation before it.
 ///
-/// With `y = y_ref ⊕ e` and `e⁺ = y⁺ ⊖ y_ref⁺`, `∂e⁺/∂e = J_r⁻¹(e⁺) A J_r(e)` in the rows and columns of positions.
+/// With `y = y_ref ⊕ e` and `e⁺ = y⁺ ⊖ y_ref⁺`, `∂e⁺/∂e = J_r⁻¹(e⁺) A J_r(e)` in the rows and columns of
+/// positions, where J_r is the right Jacobian of the rotation.
 ///
-/// - `before`, `after`: e and e⁺ of the prediction
+/// - `before`, `after`: the deviations e and e⁺ of the prediction
 pub(super) fn in_deviations<const N: usize, const M: usize, const NY: usize>(
     prediction: &Prediction<'_, N, M, NY>,
     (before, after): (&[f64; N], &[f64; N]),

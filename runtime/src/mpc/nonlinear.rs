@@ -11,13 +11,14 @@ use crate::dynamics::{Discretizable, PhaseSpace};
 use crate::feed_forward::FeedForwardError;
 use crate::trajectory::Trajectory;
 
-/// Nonlinear MPC: multiple shooting with Runge–Kutta integration, a Gauss–Newton step of sequential quadratic
-/// programming per period (real-time iteration), exact sensitivities. See the [module](super).
+/// Nonlinear MPC: multiple shooting with Runge–Kutta integration and exact sensitivities, and one
+/// Gauss–Newton step of sequential quadratic programming per period (real-time iteration). The equations are
+/// in the [module](super).
 ///
-/// A period has two parts. [`prepare`](Self::prepare) integrates and differentiates the shifted plan and
-/// needs no measurement; [`feedback`](Self::feedback) takes the measurement and solves the QP, so that only
-/// this lies between measurement and input. [`Controller::step`] does both, the first only if it has not
-/// been done.
+/// The work of a period has two parts. [`prepare`](Self::prepare) integrates and differentiates the shifted
+/// plan and needs no measurement. [`feedback`](Self::feedback) takes the measurement and solves the QP. If
+/// `prepare` was called before, only the second part lies between measurement and input. [`Controller::step`]
+/// does both parts, the first one only if it has not been done.
 #[derive(Debug, Clone)]
 pub struct Nmpc<
     D,
@@ -29,7 +30,7 @@ pub struct Nmpc<
     const NY: usize = N,
 > {
     horizon: Horizon<D, T, N, M, NX, NR, NY>,
-    /// Start of the prepared horizon (s); NaN if none is.
+    /// Time at which the prepared horizon begins (s); NaN if no horizon is prepared.
     prepared: f64,
 }
 
@@ -40,10 +41,10 @@ where
     T: Trajectory<N, NY>,
 {
     /// A controller of `model` along `trajectory`. All memory is allocated here, and all terminal weights are
-    /// computed. [`MpcOptions::linearization`] and [`MpcOptions::prediction`] have no influence.
+    /// computed. [`MpcOptions::linearization`] and [`MpcOptions::prediction`] have no effect.
     ///
     /// # Errors
-    /// [`MpcError`].
+    /// [`MpcError`] with the reason for which the controller cannot be made.
     pub fn new(model: D, trajectory: T, options: MpcOptions<N, M, NR>) -> Result<Self, MpcError>
     where
         D: PhaseSpace<NX>,
@@ -53,25 +54,26 @@ where
 
     delegated_methods!();
 
-    /// Goes on with another model from the next step on, e.g. with friction that was identified in operation.
-    /// Estimate and plan stay; so do the terminal weights, which stand for what lies beyond the horizon and
-    /// change little with friction. Allocates nothing if the input matrix is the same.
+    /// Replaces the model from the next step on, for example by a model with friction that was identified in
+    /// operation. Estimate and plan are kept. The terminal weights are kept too, because they represent the
+    /// time after the horizon and change little with friction. Allocates nothing if the input matrix is the
+    /// same.
     ///
     /// # Errors
-    /// [`FeedForwardError::InputMatrix`]; the model then stays.
+    /// [`FeedForwardError::InputMatrix`] if the input matrix cannot be used; the old model is then kept.
     pub fn set_model(&mut self, model: D) -> Result<(), FeedForwardError> {
         self.prepared = f64::NAN;
         self.horizon.set_model(model)
     }
 
-    /// Prepares the next period, which follows `time` (s), the one of the last [`feedback`](Self::feedback).
+    /// Prepares the period after `time` (s), the time of the last [`feedback`](Self::feedback).
     pub fn prepare(&mut self, time: f64) {
         let period = self.horizon.options.period;
         let ahead = if self.horizon.options.delay { 2.0 } else { 1.0 };
         self.predict(time + ahead * period);
     }
 
-    /// Integrates and differentiates the plan, shifted to begin at `start`.
+    /// Integrates and differentiates the plan, shifted to begin at `start` (s).
     fn predict(&mut self, start: f64) {
         self.horizon.look_ahead(start);
         self.horizon.shift_plan(start);
@@ -96,10 +98,10 @@ where
         }
     }
 
-    /// Takes in the measurement and gives the input of this period.
+    /// Takes in the measurement and returns the input of this period.
     ///
     /// # Errors
-    /// As [`Controller::step`].
+    /// The errors of [`Controller::step`].
     pub fn feedback(&mut self, cycle: &Cycle<N, M, NY>) -> Result<Command<M>, ControllerFault> {
         let (start, state) = self.horizon.observe(cycle)?;
         let late = (start - self.prepared).abs() > 1e-6 * self.horizon.options.period;
@@ -128,8 +130,8 @@ where
 
     delegated_controller_methods!();
 
-    /// All that this writes, the step writes anew: reference, stages, solution. Estimate and plan stay, and
-    /// stages that [`prepare`](Nmpc::prepare) has set.
+    /// Computes reference, stages and solution, which the step computes again. Estimate, plan and stages that
+    /// [`prepare`](Nmpc::prepare) has set do not change.
     fn warm_up(&mut self, next: &Cycle<N, M, NY>) {
         if self.prepared.is_nan() {
             let start = self.horizon.start_at(next.time);

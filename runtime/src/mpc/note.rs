@@ -1,4 +1,4 @@
-//! Notes of a predictive controller about its task, before it begins.
+//! Notes of a predictive controller about its task, which are made before it starts.
 
 use super::options::MpcOptions;
 use super::row::MpcRow;
@@ -6,76 +6,79 @@ use crate::dynamics::{DependentJoint, Discretizable, Dynamics, Named, jumps, pla
 use crate::trajectory::{Sample, Trajectory};
 use std::fmt;
 
-/// Intervals of the trajectory at whose ends it is compared with the soft limits.
+/// Number of intervals of the trajectory at whose ends it is compared with the soft limits.
 const INTERVALS: usize = 256;
 
-/// Something that a controller does otherwise than its user may expect; found when it is made, see
-/// [`LtvMpc::notes`](super::LtvMpc::notes).
+/// Note about a behaviour of the controller that its user may not expect. Notes are made together with the
+/// controller, see [`LtvMpc::notes`](super::LtvMpc::notes).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MpcNote {
-    /// The trajectory moves a joint faster than its soft limit: the controller will lag behind, and a
+    /// The trajectory moves a joint faster than its soft limit. The controller will lag behind. Such a
     /// following error is not a fault of the robot.
     Speed {
         /// Name of the joint.
         joint: &'static str,
-        /// When it is furthest beyond (s).
+        /// Time at which the speed exceeds its limit most (s).
         time: f64,
-        /// Its speed then [rad/s or m/s].
+        /// Speed of the joint at this time [rad/s or m/s].
         speed: f64,
-        /// [`MpcOptions::velocity_limits`].
+        /// Limit in [`MpcOptions::velocity_limits`] [rad/s or m/s].
         limit: f64,
     },
-    /// The trajectory leaves the soft limits of a joint's position: the controller will stay behind.
+    /// The trajectory leaves the soft limits of the position of a joint. The controller will stop at the
+    /// limits.
     Position {
         /// Name of the joint.
         joint: &'static str,
-        /// When it is furthest beyond (s).
+        /// Time at which the position is furthest beyond its limits (s).
         time: f64,
-        /// Its position then [rad or m].
+        /// Position of the joint at this time [rad or m].
         position: f64,
-        /// [`MpcOptions::position_limits`].
+        /// Limits in [`MpcOptions::position_limits`] [rad or m].
         limits: [f64; 2],
     },
-    /// The trajectory, or the feed-forward along it, is beyond a row: the controller will lag or stay behind.
+    /// The trajectory with its feed-forward violates a row. The controller will lag behind it or stop at the
+    /// limit.
     Row {
         /// Name of the row.
         row: &'static str,
-        /// When it is furthest beyond (s).
+        /// Time at which the row is violated most (s).
         time: f64,
         /// Value of the row at that time, in its unit.
         value: f64,
-        /// Its sides.
+        /// Lower and upper side of the row.
         limits: [f64; 2],
     },
-    /// A joint follows a driven one and has limits, which change with the driven motion: the controller does not keep them.
+    /// A joint follows a driven joint and has limits. The limits of the coordinates change with the driven
+    /// motion, and the controller does not keep them.
     Dependent {
         /// Name of the joint.
         joint: &'static str,
     },
-    /// Friction of a joint jumps at rest, as an exact `sign` does. Its slope is taken as 0 on either side, so
-    /// that predictions know nothing of sticking: the joint may stop short of its goal. Controllers take a
-    /// model with smooth friction.
+    /// The friction of a joint is discontinuous at rest, as with an exact `sign`. Linear predictions take the
+    /// slope 0 on both sides of the jump, so they do not predict sticking: the joint may stop before its
+    /// goal. Use a model with smooth friction for the controller.
     DryFriction {
         /// Name of the joint.
         joint: &'static str,
         /// Height of the jump [N m or N].
         jump: f64,
     },
-    /// The predicted velocity of a joint alternates by the implicit midpoint rule: friction at rest, as at the start of the
-    /// trajectory, stops it within much less than a period, see
+    /// The implicit midpoint rule predicts a velocity of a joint that alternates in sign. The reason is that
+    /// friction at rest, at the start of the trajectory, stops the joint within much less than a period. See
     /// [`PredictionRule::ImplicitMidpoint`](super::PredictionRule::ImplicitMidpoint).
     Alternating {
         /// Name of the joint.
         joint: &'static str,
-        /// Its velocity after a period as a part of that before, negative.
+        /// Ratio of the velocities after and before a period, negative.
         share: f64,
     },
-    /// The Riccati equation of a terminal weight was not solved to the digits that rounding allows. The
-    /// weight is the cost of a stabilizing regulator that may not be the optimal one.
+    /// The Riccati equation of a terminal weight was not solved to rounding accuracy. The weight is the cost
+    /// of a regulator that is stabilizing, but may not be optimal.
     Terminal {
-        /// Where on the trajectory the residual is largest (s).
+        /// Time on the trajectory at which the residual is largest (s).
         time: f64,
-        /// It, relative to the weight.
+        /// Largest residual of the Riccati equation relative to the weight.
         residual: f64,
     },
 }
@@ -128,8 +131,8 @@ impl fmt::Display for MpcNote {
     }
 }
 
-/// Where the trajectory is beyond the soft limits: one note for each joint and limit. Samples that are not
-/// finite are reported elsewhere.
+/// Notes of positions and speeds of the trajectory beyond the soft limits, at most one for each joint and
+/// limit. Samples that are not finite are reported elsewhere.
 pub(super) fn beyond_limits<const N: usize, const M: usize, const NR: usize, const NY: usize>(
     model: &impl Dynamics<N, M, NY>,
     trajectory: &impl Trajectory<N, NY>,
@@ -154,14 +157,14 @@ pub(super) fn beyond_limits<const N: usize, const M: usize, const NR: usize, con
     notes
 }
 
-/// The joints whose limits follow a driven motion.
+/// Notes of the joints with limits that follow a driven joint.
 pub(super) fn not_kept<const N: usize>(joints: &[DependentJoint<N>]) -> Vec<MpcNote> {
     let limited = |joint: &&DependentJoint<N>| joint.has_position_limit() || joint.has_velocity_limit();
     let following = joints.iter().filter(limited).filter(|joint| joint.follows_driven_joints());
     following.map(|joint| MpcNote::Dependent { joint: joint.name }).collect()
 }
 
-/// Samples over the whole trajectory, with their times.
+/// Samples of the whole trajectory, with their times.
 fn samples<const N: usize, const NY: usize>(
     trajectory: &impl Trajectory<N, NY>,
 ) -> Vec<(f64, Sample<N, NY>)> {
@@ -171,7 +174,8 @@ fn samples<const N: usize, const NY: usize>(
         .collect()
 }
 
-/// Sample with positions by velocity entry: 0 for joints with a quaternion, which have neither limits nor rows.
+/// Sample with one position for each velocity entry. The positions of joints with a quaternion are 0; they
+/// have neither limits nor rows.
 fn coordinates<const N: usize, const M: usize, const NY: usize>(
     model: &impl Dynamics<N, M, NY>,
     sample: &Sample<N, NY>,
@@ -183,7 +187,8 @@ fn coordinates<const N: usize, const M: usize, const NY: usize>(
     }
 }
 
-/// Where the trajectory with its feed-forward `inputs`, by time and sample, is beyond a row: one note for each row.
+/// Notes of the rows that the trajectory with its feed-forward violates, at most one for each row. `inputs`
+/// gives the feed-forward for a time and a sample.
 pub(super) fn beyond_rows<const N: usize, const M: usize, const NR: usize, const NY: usize>(
     model: &impl Dynamics<N, M, NY>,
     trajectory: &impl Trajectory<N, NY>,
@@ -204,7 +209,8 @@ pub(super) fn beyond_rows<const N: usize, const M: usize, const NR: usize, const
     rows.iter().filter_map(of_row).collect()
 }
 
-/// Joints whose friction jumps at rest at `positions`, under the load of gravity and springs there.
+/// Notes of the joints whose friction is discontinuous at rest at `positions`, under the load of gravity and
+/// springs there.
 pub(super) fn dry_friction<const N: usize, const M: usize, const NY: usize>(
     model: &impl Dynamics<N, M, NY>,
     positions: &[f64; NY],
@@ -222,7 +228,7 @@ pub(super) fn dry_friction<const N: usize, const M: usize, const NY: usize>(
         .collect()
 }
 
-/// Joints whose velocity alternates by the implicit midpoint rule, at rest at these positions.
+/// Notes of the joints whose velocity alternates with the implicit midpoint rule, at rest at `positions`.
 pub(super) fn alternating<const N: usize, const M: usize, const NY: usize>(
     model: &impl Discretizable<N, M, NY>,
     positions: &[f64; NY],
@@ -235,7 +241,7 @@ pub(super) fn alternating<const N: usize, const M: usize, const NY: usize>(
     negative.map(|(joint, share)| MpcNote::Alternating { joint, share }).collect()
 }
 
-/// The sample furthest beyond, if one is; rounding at a limit that is just touched is not.
+/// The sample with the largest `excess`; `None` if no sample exceeds its limit by more than rounding.
 fn worst<const N: usize, const NY: usize>(
     samples: &[(f64, Sample<N, NY>)],
     excess: impl Fn(f64, &Sample<N, NY>) -> f64,

@@ -1,28 +1,30 @@
-//! State and input disturbance from encoder angles.
+//! Kalman filter for the state and the input disturbance from encoder angles.
 
 use super::error::{MpcError, require};
 use super::integrate::{Span, integrate};
 use crate::dynamics::{Discretizable, Dynamics, Step};
 
-/// Noise that the filter reckons with: standard deviations, random per period.
+/// Noise that the observer assumes, as standard deviations. The noises of different periods are independent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ObserverOptions<const N: usize, const M: usize> {
-    /// Standard deviation of a measured position [rad or m]: the encoder's step over √12, plus noise. > 0.
+    /// Standard deviation of a measured position [rad or m], > 0: the encoder's resolution divided by √12,
+    /// plus other noise.
     pub encoder_noise: [f64; N],
-    /// Standard deviation of the velocity's change in a period that the model does not explain [rad/s or
-    /// m/s]. ≥ 0.
+    /// Standard deviation of the velocity change in a period that the model does not explain [rad/s or m/s],
+    /// ≥ 0.
     pub velocity_noise: [f64; N],
-    /// Standard deviation of the disturbance's change in a period, in units of the input. 0: no disturbance
-    /// is estimated.
+    /// Standard deviation of the change of the disturbance in a period, in units of the input, ≥ 0. If it is
+    /// 0, the disturbance is not estimated.
     pub disturbance_noise: [f64; M],
-    /// Standard deviation of a measured velocity [rad/s or m/s], > 0, for robots whose drives measure them.
-    /// None: measured velocities are not used.
+    /// Standard deviation of a measured velocity [rad/s or m/s], > 0, for robots whose drives measure
+    /// velocities. `None` if measured velocities are not used.
     pub velocity_sensor_noise: Option<[f64; N]>,
 }
 
 impl<const N: usize, const M: usize> Default for ObserverOptions<N, M> {
-    /// Encoders of 1e-5 rad, velocity changes of 1e-3 rad/s, no disturbance: its size follows from the motors' limits, as
-    /// [`MpcOptions::new`](super::MpcOptions::new) sets it.
+    /// Encoder noise of 1e-5 rad (or m), velocity changes of 1e-3 rad/s (or m/s), and no disturbance.
+    /// [`MpcOptions::new`](super::MpcOptions::new) sets the noise of the disturbance according to the limits
+    /// of the motors.
     fn default() -> Self {
         Self {
             encoder_noise: [1e-5; N],
@@ -50,44 +52,45 @@ impl<const N: usize, const M: usize> ObserverOptions<N, M> {
     }
 }
 
-/// Kalman filter on the augmented state (y, ẏ, d), where the disturbance d acts like an input and is constant
-/// but for its noise:
+/// Kalman filter for the augmented state (y, ẏ, d). The disturbance d acts like an input, and is constant
+/// except for its noise:
 ///
 /// ```text
 ///     (y, ẏ)⁺ = f(y, ẏ, u + d)     d⁺ = d     measured: y
 /// ```
 ///
-/// Extended: prediction by the nonlinear robot, covariance by its exact sensitivities (Anderson, Moore,
-/// *Optimal Filtering*, 1979, section 8.2); the disturbance model for offset-free control as in Pannocchia,
-/// Rawlings, *AIChE J.* 49 (2003). Positions are taken one after another, which is the same as all at once,
-/// their noise being independent. Of robots with quaternions it is the filter of the error state `(y ⊖ ŷ, v − v̂,
-/// d − d̂)`, with the sensitivities along ⊕ (Solà, *Quaternion kinematics for the error-state Kalman filter*, 2017,
-/// section 6).
+/// The filter is an extended Kalman filter: it predicts with the nonlinear robot, and the covariance with the
+/// exact sensitivities of the robot (Anderson, Moore, *Optimal Filtering*, 1979, section 8.2). The
+/// disturbance model for offset-free control is from Pannocchia, Rawlings, *AIChE J.* 49 (2003). The measured
+/// positions are processed one after another. The result is the same as for all at once, because their noises
+/// are independent. For robots with quaternions it is the filter of the error state
+/// `(y ⊖ ŷ, v − v̂, d − d̂)`, with the sensitivities along ⊕ (Solà, *Quaternion kinematics for the
+/// error-state Kalman filter*, 2017, section 6).
 #[derive(Debug, Clone)]
 pub struct DisturbanceObserver<const N: usize, const M: usize, const NY: usize = N> {
     options: ObserverOptions<N, M>,
     positions: [f64; NY],
     velocities: [f64; N],
     disturbance: [f64; M],
-    /// Covariance, rows of 2 N + M numbers, and memory for its prediction.
+    /// Covariance of the augmented state, rows of 2 N + M entries. `work` is memory for its prediction.
     covariance: Vec<f64>,
     work: Vec<f64>,
     /// Fᵀ of the last prediction, without the columns of the disturbance.
     transition: Vec<f64>,
-    /// Correction of the augmented state by the measurements, before it is moved.
+    /// Correction of the augmented state by the measurements, before it is applied to the state.
     correction: Vec<f64>,
 }
 
 impl<const N: usize, const M: usize> DisturbanceObserver<N, M> {
-    /// At rest at y = 0, with memory allocated.
+    /// An observer at rest at y = 0. All memory is allocated here.
     ///
     /// # Errors
-    /// [`MpcError::Option`].
+    /// [`MpcError::Option`] for the first standard deviation out of its range.
     pub fn new(options: ObserverOptions<N, M>) -> Result<Self, MpcError> {
         Self::starting_at(&[0.0; N], options)
     }
 
-    /// Takes in measured positions.
+    /// Corrects the estimate by measured positions [rad or m].
     pub fn correct(&mut self, measured: &[f64; N]) {
         self.correct_sums(measured);
     }
@@ -96,10 +99,10 @@ impl<const N: usize, const M: usize> DisturbanceObserver<N, M> {
 impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, NY> {
     const SIZE: usize = 2 * N + M;
 
-    /// At rest at these positions, with memory allocated.
+    /// An observer at rest at these positions. All memory is allocated here.
     ///
     /// # Errors
-    /// [`MpcError::Option`].
+    /// [`MpcError::Option`] for the first standard deviation out of its range.
     pub fn starting_at(positions: &[f64; NY], options: ObserverOptions<N, M>) -> Result<Self, MpcError> {
         options.check()?;
         let mut observer = Self {
@@ -116,7 +119,8 @@ impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, 
         Ok(observer)
     }
 
-    /// Begins at a known state without disturbance; uncertain by one period's noise.
+    /// Starts again at a known state without disturbance. The initial covariance is the noise of one period,
+    /// and for the positions also that of the encoders.
     pub fn reset(&mut self, positions: &[f64; NY], velocities: &[f64; N]) {
         (self.positions, self.velocities) = (*positions, *velocities);
         self.disturbance = [0.0; M];
@@ -127,7 +131,7 @@ impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, 
         }
     }
 
-    /// Variance that a period adds to number `i` of the augmented state.
+    /// Variance that a period adds to entry `i` of the augmented state.
     fn noise(&self, i: usize) -> f64 {
         let deviation = if i < N {
             0.0
@@ -139,8 +143,9 @@ impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, 
         deviation * deviation
     }
 
-    /// Moves on by `period` (s), over which `inputs` acted, in `substeps` Runge–Kutta steps. Robots with driven joints need
-    /// the time too, see [`predict_from`](Self::predict_from): without it the estimate becomes NaN.
+    /// Predicts the estimate over `period` (s), in which `inputs` acted, in `substeps` Runge–Kutta steps.
+    /// Robots with driven joints need the time too, see [`predict_from`](Self::predict_from). For them this
+    /// method makes the estimate NaN.
     pub fn predict(
         &mut self,
         model: &impl Discretizable<N, M, NY>,
@@ -151,7 +156,8 @@ impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, 
         self.predict_from(f64::NAN, model, inputs, period, substeps);
     }
 
-    /// Moves on by `period` (s) from the time `start` (s) on, over which `inputs` acted, in `substeps` Runge–Kutta steps.
+    /// Predicts the estimate over `period` (s) from the time `start` (s) on, in `substeps` Runge–Kutta steps.
+    /// `inputs` acted in this period.
     pub fn predict_from(
         &mut self,
         start: f64,
@@ -167,7 +173,8 @@ impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, 
         self.predict_covariance(&step);
     }
 
-    /// `F P Fᵀ` and the noise; F differs from the identity in the rows of y and ẏ alone.
+    /// Predicts the covariance P as `F P Fᵀ` plus the noise. F differs from the identity only in the rows of
+    /// y and ẏ.
     fn predict_covariance(&mut self, step: &Step<N, M, NY>) {
         let n = Self::SIZE;
         // Fᵀ without the columns of d. Loops over its rows are vectorized.
@@ -195,8 +202,8 @@ impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, 
         }
     }
 
-    /// Takes in measured positions: their difference `y ⊖ ŷ` from the estimate, by velocity entry. Attitudes are
-    /// measured as quaternions, with errors in the body's own frame.
+    /// Corrects the estimate by measured positions. The innovation is `y ⊖ ŷ`, with one entry for each
+    /// velocity. Attitudes are measured as quaternions. Their errors are in the body's own frame.
     pub fn correct_by(&mut self, model: &impl Dynamics<N, M, NY>, measured: &[f64; NY]) {
         if N == NY {
             return self.correct_sums(measured);
@@ -205,7 +212,8 @@ impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, 
         self.correct_entries(model, 0, &difference, &noise);
     }
 
-    /// Takes in measured velocities, if [`ObserverOptions::velocity_sensor_noise`] says how good they are.
+    /// Corrects the estimate by measured velocities [rad/s or m/s], if
+    /// [`ObserverOptions::velocity_sensor_noise`] is given.
     pub fn correct_velocities_by(&mut self, model: &impl Dynamics<N, M, NY>, measured: &[f64; N]) {
         if N == NY {
             return self.correct_velocity_sums(measured);
@@ -216,7 +224,7 @@ impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, 
         }
     }
 
-    /// For robots whose positions are sums: N = NY.
+    /// Corrects by positions for robots without quaternions (N = NY).
     fn correct_sums(&mut self, measured: &[f64; NY]) {
         for m in 0..N {
             let innovation = measured[m] - self.positions[m];
@@ -224,7 +232,7 @@ impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, 
         }
     }
 
-    /// For robots whose positions are sums: N = NY.
+    /// Corrects by velocities for robots without quaternions (N = NY).
     fn correct_velocity_sums(&mut self, measured: &[f64; N]) {
         let Some(noise) = self.options.velocity_sensor_noise else {
             return;
@@ -235,7 +243,8 @@ impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, 
         }
     }
 
-    /// Corrects by measured entries from `first` on, one after another, and moves the state at the end.
+    /// Corrects by measured entries from index `first` on, one after another, and moves the state after the
+    /// last one.
     fn correct_entries(
         &mut self,
         model: &impl Dynamics<N, M, NY>,
@@ -260,7 +269,7 @@ impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, 
         }
     }
 
-    /// Corrects by one measurement of number `m` of the augmented state.
+    /// Corrects by one measurement of entry `m` of the augmented state.
     fn take(&mut self, m: usize, innovation: f64, noise: f64, mut add: impl FnMut(&mut Self, usize, f64)) {
         let n = Self::SIZE;
         let variance = self.covariance[m * n + m] + noise * noise;
@@ -286,8 +295,7 @@ impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, 
         }
     }
 
-    /// Whether every estimate is finite. A reading so wild that the prediction from it overflows leaves
-    /// others.
+    /// Whether the whole estimate is finite. An extreme measurement can make the next prediction overflow.
     pub(super) fn is_finite(&self) -> bool {
         let state = self.positions.iter().chain(&self.velocities);
         state.chain(&self.disturbance).all(|x| x.is_finite())
@@ -303,13 +311,13 @@ impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, 
         &self.velocities
     }
 
-    /// Estimated d, in units of the input.
+    /// Estimated disturbance d, in units of the input.
     pub fn disturbance(&self) -> &[f64; M] {
         &self.disturbance
     }
 }
 
-/// Entry (i, k) of (A_d, B_d).
+/// Entry (i, k) of the matrix (A_d, B_d).
 fn sensitivity<const N: usize, const M: usize, const NY: usize>(
     step: &Step<N, M, NY>,
     i: usize,

@@ -6,26 +6,28 @@ use super::row::{MpcRow, RowFault, range};
 use crate::dynamics::{DependentJoint, Dynamics, LimitRows, Limits, Named, QuaternionJoint};
 use crate::qp::{Penalty, QpSettings};
 
-/// Standard deviation of a disturbance's change in a period by default, as a part of the largest input. At periods of 2, 10 and
-/// 20 ms an arm of seven axes stays calm with it although its joints stick and the model is smooth; with three times as much it
-/// swings (`tests/mpc_observer.rs`).
+/// Default standard deviation of the change of a disturbance in a period, as a share of the largest input.
+/// With this value and periods of 2, 10 and 20 ms, an arm with seven axes does not oscillate although its
+/// joints stick and the friction of the model is smooth. With three times this value it oscillates
+/// (`tests/mpc_observer.rs`).
 const DISTURBANCE_SHARE: f64 = 3e-4;
 
-/// Where the linear predictions are taken.
+/// States around which [`LtvMpc`](super::LtvMpc) linearizes its predictions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LinearizationPoint {
-    /// Along the desired trajectory and its feed-forward. Good while errors are small. Where friction is
-    /// steep at rest, a joint that should rest but does not is taken for one that hardly moves: far from its
-    /// goal it is driven back and forth by full inputs (seen: 4 mrad on the PowerCube after a motion that its
-    /// torque was too small for). A step predicts its last period alone: the others are kept from the step before, until the
+    /// The desired trajectory with its feed-forward. This suits small errors. If friction is steep at rest,
+    /// it has a disadvantage: the prediction takes a moving joint for a joint at rest, which hardly moves.
+    /// Far from its goal the joint is then driven back and forth by full inputs. This was seen on the
+    /// PowerCube with an error of 4 mrad, after a motion for which its torque was too small. A step predicts
+    /// only its last period. The predictions of the other periods are kept from the previous step until the
     /// motion or the model changes.
     Reference,
-    /// Along the plan of the step before, moved on by the time that has passed.
+    /// The plan of the previous step, shifted by the time since then.
     #[default]
     Plan,
 }
 
-/// How [`LtvMpc`](super::LtvMpc) predicts over a period.
+/// Rule by which [`LtvMpc`](super::LtvMpc) predicts the state after a period.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum PredictionRule {
     /// The exact zero-order hold of the linearization in the middle of the period,
@@ -33,48 +35,51 @@ pub enum PredictionRule {
     #[default]
     ExactHold,
     /// The implicit midpoint rule with its exact sensitivities,
-    /// [`Discretizable::midpoint_step`](crate::dynamics::Discretizable::midpoint_step). With m, D and K the Jacobians of the
-    /// inverse dynamics in the middle of the period, K less ∂(B u)/∂y, for arms:
+    /// [`Discretizable::midpoint_step`](crate::dynamics::Discretizable::midpoint_step). For arms, with m, D
+    /// and K' the Jacobians of the inverse dynamics with respect to ÿ, ẏ and y in the middle of the period, K
+    /// = K' − ∂(B u)/∂y, and the period T:
     ///
     /// ```text
     ///     (m + T/2 D + T²/4 K) δv⁺ = (m − T/2 D − T²/4 K) δv − T K δy + T B δu − T r,   δy⁺ = δy + T/2 (δv + δv⁺)
     /// ```
     ///
-    /// It costs little more than these Jacobians, and has an error of order T³ in a period. The hold has only that of the
-    /// linearization. The middle has the acceleration of the plan, (v⁺ − v)/T, or of the reference, and r is the force
-    /// that the plan lacks there.
+    /// The acceleration in the middle is that of the plan, (v⁺ − v)/T, or of the reference. r is the force
+    /// that the equations of motion lack there. The rule costs little more than these Jacobians. In each
+    /// period it has an error of order T³. The exact hold only has the error of the linearization.
     ///
-    /// It is not L-stable: where friction stops a velocity within much less than T, its predicted sign alternates from period
-    /// to period. Friction that is so steep at rest needs [`Self::ExactHold`]; the controller notes the joint
-    /// ([`MpcNote::Alternating`](super::MpcNote::Alternating)).
+    /// The rule is not L-stable: if friction stops a velocity within much less than T, the sign of the
+    /// predicted velocity alternates from period to period. Such steep friction at rest needs
+    /// [`Self::ExactHold`]. The controller then has the note
+    /// [`MpcNote::Alternating`](super::MpcNote::Alternating) with the joint.
     ///
     /// Source: Hairer, Lubich, Wanner, *Geometric Numerical Integration*, 2006, sections I.1 and VI.4.
     ImplicitMidpoint,
 }
 
-/// The weight P of the state at the end of the horizon: the cost after it, by an optimal regulator
-/// without limits.
+/// The weight P of the state at the end of the horizon. `½ δxᵀ P δx` is the cost after the horizon with an
+/// optimal regulator without limits.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum TerminalWeight {
-    /// P solves the discrete Riccati equation. It exists where the inputs can bring all errors to rest.
+    /// P solves the discrete Riccati equation. A solution exists if the inputs can bring all errors to rest.
     #[default]
     Riccati,
-    /// Costs at the time t beyond the horizon count e^(−t/τ) of their value: P solves the Riccati equation of
-    /// √γ A and √γ B with γ = e^(−T/τ). For robots a part of which no input reaches, as the momentum of a
-    /// body that floats freely: its errors stay, and without discount they would cost infinitely much. Give
-    /// this part the weights 0, and τ several time constants of the part that is controlled: then P is close to
-    /// the cost without discount there. It exists where errors that no input reaches grow slower than e^(t/2τ).
+    /// A cost at the time t after the end of the horizon is multiplied by e^(−t/τ). P solves the Riccati
+    /// equation of √γ A and √γ B with γ = e^(−T/τ). This weight is for robots with a part that no input
+    /// reaches, for example the momentum of a body that floats freely: the errors of this part remain, and
+    /// without discount they would cost infinitely much. Set the weights of this part to 0, and τ to several
+    /// time constants of the controlled part. For the controlled part, P is then close to the weight without
+    /// discount. A solution exists if errors that no input reaches grow slower than e^(t/(2τ)).
     ///
     /// Source: Postoyan, Buşoniu, Nešić, Daafouz, *Stability analysis of discrete-time infinite-horizon optimal
     /// control with discounted cost*, IEEE Trans. Automatic Control 62 (2017).
     Discounted {
-        /// τ (s), positive.
+        /// Time constant τ of the discount (s), positive.
         time_constant: f64,
     },
 }
 
 impl TerminalWeight {
-    /// √γ for the period (s).
+    /// Factor √γ of A and B for the period (s).
     pub(super) fn discount(self, period: f64) -> f64 {
         match self {
             Self::Riccati => 1.0,
@@ -83,30 +88,31 @@ impl TerminalWeight {
     }
 }
 
-/// Weights, bounds and structure of a predictive controller of a robot with `N` coordinates and `M` inputs,
-/// and, if there are any, with `NR` rows.
+/// Weights, bounds and structure of a predictive controller for a robot with `N` coordinates and `M` inputs.
+/// `NR` is the number of rows, see [`MpcRow`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct MpcOptions<const N: usize, const M: usize, const NR: usize = 0> {
     /// Sample time T (s).
     pub period: f64,
-    /// Stages of the horizon, 1..=100.
+    /// Number K of periods in the horizon, 1 to 100.
     pub horizon: usize,
-    /// Weights of position errors [1/rad² or 1/m²], ≥ 0: of `y ⊖ y_ref` where y has quaternions.
+    /// Weights of the position errors [1/rad² or 1/m²], ≥ 0. The position errors are `y ⊖ y_ref` if y has
+    /// quaternions.
     pub position_weight: [f64; N],
     /// Weights of velocity errors [s²/rad² or s²/m²], ≥ 0.
     pub velocity_weight: [f64; N],
-    /// Weights of the deviation from the feed-forward [1/(N m)², 1/N² or 1/A²], ≥ 0; with the rate weight >
-    /// 0.
+    /// Weights of the deviations from the feed-forward [1/(N m)², 1/N² or 1/A²], ≥ 0. The sum of this weight
+    /// and the rate weight of an input must be positive.
     pub input_weight: [f64; M],
-    /// Weights of the input's rate of change [s²/(N m)² …], ≥ 0.
+    /// Weights of the rates of change of the inputs [s²/(N m)², s²/N² or s²/A²], ≥ 0.
     pub input_rate_weight: [f64; M],
-    /// The weight of the state at the end of the horizon.
+    /// Weight of the state at the end of the horizon.
     pub terminal_weight: TerminalWeight,
-    /// Hard lower and upper bounds of the inputs.
+    /// Hard lower and upper bounds of the inputs [N m, N or A].
     pub input_limits: [[f64; 2]; M],
-    /// Soft lower and upper bounds of the positions; infinite if there is none.
+    /// Soft lower and upper bounds of the positions [rad or m], infinite for positions without a bound.
     pub position_limits: [[f64; 2]; N],
-    /// Soft bounds of the speeds; infinite if there is none.
+    /// Soft bounds of the speeds [rad/s or m/s], infinite for speeds without a bound.
     pub velocity_limits: [f64; N],
     /// Probability, above 1/2, that a predicted input, position or speed is within a limit although the model's friction is
     /// uncertain ([`Dynamics::friction_uncertainty`]). The plan keeps limits that are narrower by Φ⁻¹(p) standard deviations of
@@ -115,28 +121,36 @@ pub struct MpcOptions<const N: usize, const M: usize, const NR: usize = 0> {
     pub limit_probability: Option<f64>,
     /// Limits of sums of positions, velocities and inputs, see [`Self::with_rows`].
     pub rows: [MpcRow<N, M>; NR],
-    /// Penalty of a violated soft bound, per rad, m, rad/s or m/s; of a soft row per its unit.
+    /// Penalty of violated soft bounds, per rad, m, rad/s or m/s, and of violated soft rows, per unit of the
+    /// row.
     pub limit_penalty: Penalty,
-    /// Where [`LtvMpc`](super::LtvMpc) linearizes.
+    /// States around which [`LtvMpc`](super::LtvMpc) linearizes.
     pub linearization: LinearizationPoint,
-    /// How [`LtvMpc`](super::LtvMpc) predicts. Terminal weights are those of the exact hold with both.
+    /// Prediction rule of [`LtvMpc`](super::LtvMpc). Terminal weights are computed from the exact hold with
+    /// both rules.
     pub prediction: PredictionRule,
-    /// True if an input acts one period after the measurement that it was computed from.
+    /// Whether an input acts one period after the measurement from which it was computed.
     pub delay: bool,
-    /// The observer's noise.
+    /// Noise of the disturbance observer.
     pub observer: ObserverOptions<N, M>,
-    /// The QP solver's tolerances.
+    /// Tolerances of the QP solver.
     pub qp: QpSettings,
 }
 
 impl<const N: usize, const M: usize, const NR: usize> MpcOptions<N, M, NR> {
-    /// Options with the model's limits (inputs up to the peak of motor and joint, [`Dynamics::input_limits`];
-    /// positions; speeds; both narrowed to what joints that follow one of them allow; rows of joints that follow several and of
-    /// motors whose torque falls with their speed, [`MpcRow::of_limits`]) and weights for a robot in SI units: position errors
-    /// 1e4, velocity errors 1e2 (errors vanish with a time constant of 0.1 s), deviations of the input 1e-3 per full input.
-    /// QP to a millionth of its cost. No delay, linearization around the plan. The observer estimates a disturbance of every input,
-    /// which changes by 3e-4 of the largest input in a period, and reckons with encoders of 1e-5 rad (or m), see
-    /// [`Self::with_encoders`].
+    /// Default options: the limits of the model, and weights for a robot in SI units.
+    ///
+    /// - Input limits: the peak of motor and joint ([`Dynamics::input_limits`]).
+    /// - Position and velocity limits: those of the model, narrowed to the limits of joints that follow one
+    ///   coordinate.
+    /// - Rows: the limits of joints that follow several coordinates, and the torque–speed lines of motors
+    ///   ([`MpcRow::of_limits`]).
+    /// - Weights: 1e4 for position errors and 1e2 for velocity errors, so that errors decay with a time
+    ///   constant of 0.1 s. The weight of an input is 1e-3 per square of its limit.
+    /// - Tolerance of the QP: a millionth of its cost.
+    /// - No delay, exact hold, linearization around the plan.
+    /// - Observer: it estimates a disturbance of each input, with a standard deviation of 3e-4 of the largest
+    ///   input per period. The encoder noise is 1e-5 rad (or m), see [`Self::with_encoders`].
     pub fn new<D, const NY: usize>(model: &D, period: f64, horizon: usize) -> Self
     where
         D: Dynamics<N, M, NY> + LimitRows<NR>,
@@ -172,16 +186,17 @@ impl<const N: usize, const M: usize, const NR: usize> MpcOptions<N, M, NR> {
         }
     }
 
-    /// The same options for encoders with these steps at their joints [rad or m]; rounding by a step has a standard
-    /// deviation of step/√12.
+    /// The same options for encoders with these resolutions of the positions [rad or m]. The rounding error
+    /// of a resolution has the standard deviation resolution/√12.
     #[must_use]
     pub fn with_encoders(mut self, steps: [f64; N]) -> Self {
         self.observer.encoder_noise = steps.map(|step| step / 12.0_f64.sqrt());
         self
     }
 
-    /// The same options with these rows in place of theirs: torque–speed lines of motors, limits of dependent joints, any others.
-    /// A robot that has limits of sums needs theirs among them, [`MpcRow::of_limits`].
+    /// The same options with `rows` in place of their present rows. Rows may be torque–speed lines of motors,
+    /// limits of dependent joints, or any other limits of sums. If the robot has limits of sums, `rows` must
+    /// contain the rows of [`MpcRow::of_limits`].
     #[must_use]
     pub fn with_rows<const ROWS: usize>(self, rows: [MpcRow<N, M>; ROWS]) -> MpcOptions<N, M, ROWS> {
         MpcOptions {
@@ -238,10 +253,13 @@ impl<const N: usize, const M: usize, const NR: usize> MpcOptions<N, M, NR> {
         self.observer.check()
     }
 
+    /// Checks that bounds and rows keep all limits of sums. Limits of joints that follow driven joints change
+    /// with time, and are not checked.
+    ///
     /// # Errors
-    /// [`MpcError::Dependent`] for the first joint whose limits neither bounds nor a row of its name keep, and
-    /// [`MpcError::TorqueSpeed`] for the first motor whose line no row of its name with its input keeps. Limits of joints that
-    /// follow driven ones, which change with time, do not become rows.
+    /// [`MpcError::Dependent`] for the first joint whose limits are kept neither by the bounds nor by a row
+    /// with its name. [`MpcError::TorqueSpeed`] for the first motor whose torque–speed line is kept by no row
+    /// with its name and its input.
     pub(super) fn check_sums(&self, limits: &Limits<N, M>) -> Result<(), MpcError> {
         // A motor may be called as a joint is: rows with inputs are those of motors.
         let has_row = |name: &str, of: fn(&MpcRow<N, M>) -> &[f64; N]| {
@@ -265,7 +283,7 @@ impl<const N: usize, const M: usize, const NR: usize> MpcOptions<N, M, NR> {
         Ok(())
     }
 
-    /// Whether the bounds of the positions keep those of a joint.
+    /// Whether the bounds of the positions keep the position limits of a dependent joint.
     fn keep_position(&self, joint: &DependentJoint<N>) -> bool {
         let [least, most] = range(&joint.ratios, &self.position_limits).map(|end| joint.offset + end);
         let [low, high] = joint.position;
@@ -274,16 +292,18 @@ impl<const N: usize, const M: usize, const NR: usize> MpcOptions<N, M, NR> {
         least >= low - rounding(low) && most <= high + rounding(high)
     }
 
-    /// Whether the bounds of the speeds keep that of a joint.
+    /// Whether the bounds of the speeds keep the velocity limit of a dependent joint.
     fn keep_velocity(&self, joint: &DependentJoint<N>) -> bool {
         let [_, fastest] = range(&joint.ratios, &self.velocity_limits.map(|limit| [-limit, limit]));
         fastest <= joint.velocity * (1.0 + ROUNDING)
     }
 
-    /// - `joints`: those with a quaternion
+    /// Checks that positions of joints with a quaternion have no limits.
+    ///
+    /// - `joints`: the joints with a quaternion
     ///
     /// # Errors
-    /// [`MpcError::Limit`] and [`MpcError::Row`] for limits of their positions.
+    /// [`MpcError::Limit`] for a bound of such a position, [`MpcError::Row`] for a row with such a position.
     pub(super) fn check_quaternions(&self, joints: &[QuaternionJoint]) -> Result<(), MpcError> {
         for joint in joints {
             let entries = joint.velocity..joint.angular_velocity() + 3;
@@ -302,6 +322,7 @@ impl<const N: usize, const M: usize, const NR: usize> MpcOptions<N, M, NR> {
     }
 }
 
-/// Bounds that were divided by a ratio, and are multiplied by it, are rounded.
+/// Relative tolerance for the rounding of bounds that were divided by a ratio and are multiplied by the ratio
+/// here.
 const ROUNDING: f64 = 1e-9;
 const NOT_NEGATIVE: &str = "finite and not negative";

@@ -1,5 +1,6 @@
-//! The reference over the horizon: desired states and feed-forward. What the period before has computed of the same instants is
-//! kept, and with it the stages that are linearized there.
+//! The reference over the horizon: desired states and feed-forward. Values that the previous period has
+//! computed for the same times are kept, and with them the stages of the QP that are linearized at the
+//! reference.
 
 use super::node::Node;
 use crate::dynamics::Dynamics;
@@ -8,29 +9,31 @@ use crate::feed_forward::FeedForward;
 use crate::no_std::*;
 use crate::trajectory::{Sample, Trajectory};
 
-/// Largest distance of a start from the instants of the start before, in periods: rounding of the times of a loop.
+/// Largest distance between the times of two horizons that count as equal, in periods. It allows for the
+/// rounding of the times of a loop.
 const ROUNDING: f64 = 1e-9;
 
 #[derive(Debug, Clone)]
 pub(super) struct Reference<const N: usize, const M: usize, const NY: usize> {
-    /// x_ref at the K + 1 nodes.
+    /// Desired states x_ref at the K + 1 nodes of the horizon.
     pub nodes: Vec<Node<N, NY>>,
-    /// The desired state in the middle of each of the K periods.
+    /// Desired state in the middle of each of the K periods.
     pub middles: Vec<Sample<N, NY>>,
-    /// u_ff in the middle of each period.
+    /// Feed-forward u_ff in the middle of each period.
     pub inputs: Vec<[f64; M]>,
-    /// Whether the stage of each period is set for this reference.
+    /// Whether the stage of each period in the QP is set for this reference.
     pub is_set: Vec<bool>,
     period: f64,
-    /// Node k is at `first + (passed + k) period`, so that an instant of several horizons is one number. NaN before the first start.
+    /// Node k is at the time `first + (passed + k) period`, so that the time of a node is the same number in
+    /// several horizons. NaN before the first call.
     first: f64,
     passed: f64,
-    /// True if the model is another one than that of the last call.
+    /// Whether the model has changed since the last call.
     is_stale: bool,
 }
 
 impl<const N: usize, const M: usize, const NY: usize> Reference<N, M, NY> {
-    /// - `neutral`: any state
+    /// - `neutral`: any valid state
     pub fn new(periods: usize, period: f64, neutral: Node<N, NY>) -> Self {
         Self {
             nodes: vec![neutral; periods + 1],
@@ -44,12 +47,12 @@ impl<const N: usize, const M: usize, const NY: usize> Reference<N, M, NY> {
         }
     }
 
-    /// Nothing is kept, because the model is another one.
+    /// Marks all kept values as invalid, because the model has changed.
     pub fn forget(&mut self) {
         self.is_stale = true;
     }
 
-    /// The middle of period `k` (s).
+    /// Time of the middle of period `k` (s).
     pub fn middle_time(&self, k: usize) -> f64 {
         self.time(k as f64 + 0.5)
     }
@@ -58,10 +61,12 @@ impl<const N: usize, const M: usize, const NY: usize> Reference<N, M, NY> {
         self.first + (self.passed + nodes) * self.period
     }
 
-    /// The reference from `start` (s) on; how many periods have passed since the one before, all K if nothing of it is kept.
+    /// Computes the reference from `start` (s) on. Returns the number of periods since the previous
+    /// reference, or K if no value of the previous reference is kept.
     ///
-    /// The motion is sampled anew, because it may change. Feed-forward and stages are kept where it has not changed; of robots with
-    /// driven joints none are, because the motion of these may change too.
+    /// The motion is sampled anew, because it may change. Feed-forward and stages are kept for samples that
+    /// are equal to the previous ones. For robots with driven joints nothing is kept, because the driven
+    /// motion may change too.
     pub fn look_ahead<D: Dynamics<N, M, NY>>(
         &mut self,
         start: f64,
@@ -97,7 +102,7 @@ impl<const N: usize, const M: usize, const NY: usize> Reference<N, M, NY> {
         passed
     }
 
-    /// Begins at `start` (s); how many periods have passed since the last start.
+    /// Sets the start to `start` (s). Returns the number of periods since the previous start.
     fn begin(&mut self, start: f64) -> usize {
         let periods = self.inputs.len();
         let since = (start - self.time(0.0)) / self.period;

@@ -1,20 +1,20 @@
-//! Rows: limits of sums of positions, velocities and inputs.
+//! Rows: limits of sums of positions, velocities and inputs in a predictive controller.
 
 use crate::dynamics::{DependentJoint, Dynamics, LimitRows, Named, TorqueSpeedLine};
 use crate::qp::{Penalty, QpProblem};
 use crate::trajectory::Sample;
 use std::fmt;
 
-/// A limit of a sum of positions, velocities and inputs,
+/// A limit of a sum of positions y, velocities ẏ and inputs u,
 ///
 /// ```text
 ///     lower ≤ G_y y + G_v ẏ + G_u u ≤ upper
 /// ```
 ///
-/// at the sample times of the horizon. Rows with inputs hold from now on, with the velocity with which their
-/// period begins; rows of positions and velocities alone hold from the next sample time on, since nothing
-/// changes the present state. An input acts for a whole period, over which the velocity changes: where a drive
-/// has no reserve, let the limit leave room for that.
+/// at the sample times of the horizon. A row with inputs holds from the present time on, with the positions
+/// and velocities at the beginning of each period. A row without inputs holds from the next sample time on,
+/// because the present state cannot be changed. An input acts for a whole period, in which the velocity
+/// changes. If a drive has no reserve, choose a limit with a margin for this change.
 ///
 /// ```
 /// use gelenk_runtime::control_loop::{Controller, Cycle};
@@ -45,35 +45,36 @@ use std::fmt;
 pub struct MpcRow<const N: usize, const M: usize> {
     /// Name of the row in errors and notes.
     pub name: &'static str,
-    /// G_y, per rad or m.
+    /// Coefficients G_y of the positions, per rad or m.
     pub positions: [f64; N],
-    /// G_v, per rad/s or m/s.
+    /// Coefficients G_v of the velocities, per rad/s or m/s.
     pub velocities: [f64; N],
-    /// G_u, per N m, N or A.
+    /// Coefficients G_u of the inputs, per N m, N or A.
     pub inputs: [f64; M],
-    /// Lower side; −∞ if there is none.
+    /// Lower side; −∞ for a row without a lower limit.
     pub lower: f64,
-    /// Upper side; +∞ if there is none.
+    /// Upper side; +∞ for a row without an upper limit.
     pub upper: f64,
-    /// Behaviour if the row cannot be kept.
+    /// Hard or soft.
     pub kind: RowKind,
 }
 
 /// How strictly a row is kept.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum RowKind {
-    /// Exactly, to [`QpSettings::feasibility`](crate::qp::QpSettings). Where hard rows contradict each other or
-    /// the limits of the inputs, the sum of their violations is as small as it can be.
+    /// The row is kept exactly, to [`QpSettings::feasibility`](crate::qp::QpSettings). If hard rows
+    /// contradict each other or the limits of the inputs, the sum of their violations is minimal.
     Hard,
-    /// Softly, with [`MpcOptions::limit_penalty`](super::MpcOptions::limit_penalty) per unit of the row.
+    /// The row is soft, with the penalty [`MpcOptions::limit_penalty`](super::MpcOptions::limit_penalty) per
+    /// unit of the row.
     Soft,
-    /// Softly, with a penalty of its own.
+    /// The row is soft, with this penalty.
     Penalized(Penalty),
 }
 
 impl<const N: usize, const M: usize> MpcRow<N, M> {
-    /// `lower ≤ G_y y + G_v ẏ + G_u u ≤ upper`; hard if it has inputs, which can always be chosen, and soft
-    /// if it has none, since a disturbance may leave no way to keep it.
+    /// The row `lower ≤ G_y y + G_v ẏ + G_u u ≤ upper`. A row with inputs is hard, because its inputs can be
+    /// chosen. A row without inputs is soft, because after a disturbance it may be impossible to keep.
     pub const fn new(
         name: &'static str,
         positions: [f64; N],
@@ -85,13 +86,16 @@ impl<const N: usize, const M: usize> MpcRow<N, M> {
         if row.has_inputs() { row.hard() } else { row }
     }
 
-    /// The torque–speed line of a motor, `|G_u u + c ẏ| ≤ limit`; hard. With the usual sign, `c > 0` for a
-    /// motor that turns with the joint, torque is short where it drives and plentiful where it brakes.
+    /// The torque–speed line of a motor, `|G_u u + c ẏ| ≤ limit`, as a hard row. `inputs` is G_u and `slopes`
+    /// is c. If the motor turns in the direction of the joint, c is positive. Then the available torque is
+    /// small if the motor drives and large if it brakes.
     ///
-    /// A DC motor of torque constant k (N m/A), speed constant k (V s/rad), resistance R (Ω) at the voltage U
-    /// (V) has limit = k U/R and, at the gear ratio i, c = i k²/R: with speed ω, |R I + k ω| ≤ U. From a data
-    /// sheet: the stall torque, and i times stall torque over no-load speed. A description has these as `stall_torque` and
-    /// `no_load_speed` of a drive; its module then has the row, [`Self::of_limits`].
+    /// A DC motor with the torque constant k (N m/A), the speed constant k (V s/rad) and the resistance R (Ω)
+    /// at the voltage U (V) keeps |R I + k ω| ≤ U, where I is the current (A) and ω the speed (rad/s). With
+    /// the gear ratio i this gives limit = k U/R and c = i k²/R. In terms of a data sheet, the limit is the
+    /// stall torque, and c is i times the stall torque divided by the no-load speed. A description has these
+    /// values as `stall_torque` and `no_load_speed` of a drive. Its module then has the row, see
+    /// [`Self::of_limits`].
     pub const fn torque_speed_line(
         name: &'static str,
         inputs: [f64; M],
@@ -101,7 +105,8 @@ impl<const N: usize, const M: usize> MpcRow<N, M> {
         Self::new(name, [0.0; N], slopes, inputs, [-limit, limit]).hard()
     }
 
-    /// The limits of a joint that follows the coordinates, `lower ≤ G y + g₀ ≤ upper`; soft.
+    /// The limits `lower ≤ G y + g₀ ≤ upper` of a joint that follows the coordinates, as a soft row. `ratios`
+    /// is G and `offset` is g₀ [rad or m].
     pub const fn dependent_joint(
         name: &'static str,
         ratios: [f64; N],
@@ -111,9 +116,11 @@ impl<const N: usize, const M: usize> MpcRow<N, M> {
         Self::new(name, ratios, [0.0; N], [0.0; M], [lower - offset, upper - offset])
     }
 
-    /// The rows of a robot that has limits of sums, with the names of their joints and motors: of positions, then of speeds of
-    /// joints that follow several coordinates, then the torque–speed lines of motors; none for other robots.
-    /// [`MpcOptions::new`](super::MpcOptions::new) takes them. To add rows of your own, take them apart: `let [forearm] = …`.
+    /// The rows of a robot with limits of sums, each with the name of its joint or motor. The first rows are
+    /// the position limits of joints that follow several coordinates, then come their velocity limits, then
+    /// the torque–speed lines of motors. Other robots have no rows.
+    /// [`MpcOptions::new`](super::MpcOptions::new) takes these rows. To add rows of your own, destructure the
+    /// array: `let [forearm] = …`.
     ///
     /// ```
     /// use gelenk_runtime::mpc::{LtvMpc, MpcOptions, MpcRow};
@@ -159,19 +166,19 @@ impl<const N: usize, const M: usize> MpcRow<N, M> {
         Self::new(joint.name, [0.0; N], joint.ratios, [0.0; M], sides)
     }
 
-    /// The same row, kept exactly.
+    /// The same row as a hard row.
     #[must_use]
     pub const fn hard(self) -> Self {
         Self { kind: RowKind::Hard, ..self }
     }
 
-    /// The same row, kept softly.
+    /// The same row as a soft row.
     #[must_use]
     pub const fn soft(self) -> Self {
         Self { kind: RowKind::Soft, ..self }
     }
 
-    /// The same row, kept softly with a penalty of its own.
+    /// The same row as a soft row with this penalty.
     #[must_use]
     pub const fn penalized(self, penalty: Penalty) -> Self {
         Self { kind: RowKind::Penalized(penalty), ..self }
@@ -188,13 +195,13 @@ impl<const N: usize, const M: usize> MpcRow<N, M> {
         false
     }
 
-    /// `G_y y + G_v ẏ + G_u u`.
+    /// Value `G_y y + G_v ẏ + G_u u` of the row.
     #[must_use]
     pub fn value(&self, positions: &[f64; N], velocities: &[f64; N], inputs: &[f64; M]) -> f64 {
         dot(&self.positions, positions) + dot(&self.velocities, velocities) + dot(&self.inputs, inputs)
     }
 
-    /// How far it is beyond its limits; not positive where it is kept.
+    /// Distance of the value beyond its limits; not positive if the row is kept.
     pub(super) fn excess(&self, sample: &Sample<N>, inputs: &[f64; M]) -> f64 {
         let value = self.value(&sample.positions, &sample.velocities, inputs);
         (self.lower - value).max(value - self.upper)
@@ -236,12 +243,12 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Whether the QP takes a penalty.
+/// Whether the QP solver accepts a penalty.
 pub(super) fn is_penalty(p: &Penalty) -> bool {
     p.linear > 0.0 && p.linear.is_finite() && p.quadratic >= 0.0 && p.quadratic.is_finite()
 }
 
-/// Least and largest sum of products of factors and values within their limits.
+/// Least and largest value of `Σ factors[i] values[i]` for values within `limits`.
 pub(super) fn range<const M: usize>(factors: &[f64; M], limits: &[[f64; 2]; M]) -> [f64; 2] {
     let mut range = [0.0; 2];
     for (factor, [low, high]) in factors.iter().zip(limits) {
@@ -254,7 +261,7 @@ pub(super) fn range<const M: usize>(factors: &[f64; M], limits: &[[f64; 2]; M]) 
     range
 }
 
-/// Fault of a row.
+/// Reason for which a row cannot be used.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum RowFault {
     /// A coefficient is infinite or NaN.
@@ -262,38 +269,38 @@ pub enum RowFault {
         /// The coefficient.
         value: f64,
     },
-    /// The sides do not form an interval: NaN, lower above upper, infinite inwards, or beyond all numbers in units of
-    /// the largest coefficient.
+    /// The sides do not form an interval. A side is NaN, the lower side is above the upper side, the lower
+    /// side is +∞, the upper side is −∞, or a side divided by the largest coefficient overflows.
     Sides {
         /// Lower side.
         lower: f64,
         /// Upper side.
         upper: f64,
     },
-    /// All coefficients are zero, and zero lies outside the sides.
+    /// All coefficients are zero, and zero is not between the sides.
     Zero {
         /// Lower side.
         lower: f64,
         /// Upper side.
         upper: f64,
     },
-    /// The row has a position of a joint with a quaternion, whose entries of y are not coordinates.
+    /// The row contains a position of a joint with a quaternion.
     Attitude {
-        /// The joint.
+        /// Name of the joint.
         joint: &'static str,
     },
-    /// A hard row of inputs alone that no inputs within their limits keep.
+    /// A hard row has only inputs, and no inputs within their limits keep it.
     OutOfReach {
         /// Lower side.
         lower: f64,
         /// Upper side.
         upper: f64,
-        /// The least value that inputs within their limits give.
+        /// Least value of the row for inputs within their limits.
         least: f64,
-        /// The largest one.
+        /// Largest value of the row for inputs within their limits.
         most: f64,
     },
-    /// The penalty is not positive and finite.
+    /// The linear penalty is not positive, the quadratic penalty is negative, or a penalty is not finite.
     Penalty {
         /// [`Penalty::linear`].
         linear: f64,
@@ -333,9 +340,9 @@ impl fmt::Display for RowFault {
     }
 }
 
-/// Matrices and penalties of the rows, which stay.
+/// Sets the matrices and penalties of the rows, which remain constant.
 ///
-/// - `soft`: the penalty of soft rows that have none of their own
+/// - `soft`: penalty of soft rows without a penalty of their own
 pub(super) fn set_matrices<const N: usize, const M: usize, const NX: usize, const NR: usize>(
     problem: &mut QpProblem<NX, M, NR>,
     rows: &[MpcRow<N, M>; NR],
@@ -358,7 +365,8 @@ pub(super) fn set_matrices<const N: usize, const M: usize, const NX: usize, cons
     }
 }
 
-/// Sides of the rows in deviations from the reference: of `u + d − u_ff` where a row has inputs.
+/// Sets the sides of the rows for deviations from the reference. A row with inputs is a limit of the
+/// deviation `u + d − u_ff`.
 pub(super) fn set_sides<const N: usize, const M: usize, const NX: usize, const NR: usize>(
     problem: &mut QpProblem<NX, M, NR>,
     rows: &[MpcRow<N, M>; NR],

@@ -1,29 +1,32 @@
 //! Dry friction and brakes without approximation: sliding and sticking joints.
 //!
-//! Friction with `sign ẏ` is discontinuous at ẏ = 0. There a method with error control would need ever
-//! smaller steps, and a joint at rest would chatter. Therefore each joint with a discontinuity has one of
-//! three modes. If it slides forward or backward, its friction is continued smoothly beyond ẏ = 0, and the
-//! integration stops at a sign change of ẏ. If it sticks, ÿ = 0 and the friction is the force that holds the
-//! joint. This force must be between the friction of both directions; the integration stops when it leaves
-//! this range:
+//! Friction with `sign ẏ` is discontinuous at ẏ = 0. At the discontinuity an integration with error control
+//! would need ever smaller steps, and a joint at rest would chatter. Therefore each joint with a
+//! discontinuity has one of three modes. In the modes "forward" and "backward" the joint slides, its friction
+//! is continued smoothly beyond ẏ = 0, and the integration stops at a sign change of ẏ. In the mode "stuck",
+//! ÿ = 0, and the friction is the force that holds the joint. This force must be between the friction of both
+//! directions. The integration stops if the force leaves this range:
 //!
 //! ```text
 //!     M ÿ + k = q + B u − σ        ẏ_i = ÿ_i = 0 and τ_i(0−) ≤ σ_i + τ_i(0) ≤ τ_i(0+) for joints that stick,  σ_i = 0 for others
 //! ```
 //!
-//! With load-dependent friction, the range of a sticking joint depends on the load τ_l (the drive's force
-//! without friction, here `B u` minus all friction): `|τ_l| s₁(0−)` and `|τ_l| s₁(0+)` are added to its ends.
+//! Here τ_i is the friction law of joint i and σ_i the additional force that holds a stuck joint. With
+//! load-dependent friction, the range of a sticking joint depends on the load τ_l, which is the force of the
+//! drive without friction, here `B u` minus all friction. Then `|τ_l| s₁(0−)` and `|τ_l| s₁(0+)` are added to
+//! the ends of the range, where s₁ is the friction per unit of load.
 //!
-//! An engaged brake adds to the friction. Finding the joints that stick is a linear complementarity problem,
-//! solved by exchanging the worst violation (Pfeiffer, Glocker, *Multibody Dynamics with Unilateral
-//! Contacts*, 1996, section 5; Filippov, *Differential Equations with Discontinuous Righthand Sides*, 1988,
-//! chapter 2).
+//! An engaged brake is additional friction. Finding the joints that stick is a linear complementarity
+//! problem. It is solved by exchanging the mode of the joint with the largest violation (Pfeiffer, Glocker,
+//! *Multibody Dynamics with Unilateral Contacts*, 1996, section 5; Filippov, *Differential Equations with
+//! Discontinuous Righthand Sides*, 1988, chapter 2).
 
 use super::integrator::{Flow, Motion};
 use crate::dynamics::{Dynamics, JUST_MOVING, jumps, load, position_rates, under_load};
 use nalgebra::{SMatrix, SVector};
 
-/// Part of the friction's range by which a sticking joint must be overloaded to break loose.
+/// Share of the range of friction by which the holding force of a sticking joint must exceed the range until
+/// the joint breaks loose.
 const BREAK_LOOSE: f64 = 1e-9;
 
 /// Mode of a joint.
@@ -52,21 +55,21 @@ pub(super) type PushForce<const N: usize, const NY: usize> = dyn Fn(&[f64; NY]) 
 /// Equations of motion with the mode of each joint.
 pub(super) struct Joints<'d, D, const N: usize, const M: usize, const NY: usize> {
     pub model: &'d D,
-    /// Time at which the integration's time is 0 (s).
+    /// Time of the plant at which the time of the integration is 0 (s).
     pub start: f64,
     pub inputs: &'d [f64; M],
-    /// Torques of the engaged brakes.
+    /// Friction torques of the engaged brakes [N m or N].
     pub brakes: &'d [f64; N],
-    /// External forces.
+    /// External forces; `None` if there are no external forces.
     pub push: Option<&'d PushForce<N, NY>>,
     pub modes: [Mode; N],
-    /// Speed that the integration cannot resolve. A joint's direction changes beyond it, and a joint is at
-    /// rest below twice this speed.
+    /// Speed below the resolution of the integration. The direction of a joint changes beyond this speed. A
+    /// joint is at rest below twice this speed.
     pub rest: f64,
 }
 
 impl<'d, D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Joints<'d, D, N, M, NY> {
-    /// The same joints of the robot as it is at some time.
+    /// The same joints with the model at another time.
     fn of<'e>(&self, model: &'e D) -> Joints<'e, D, N, M, NY>
     where
         'd: 'e,
@@ -74,7 +77,7 @@ impl<'d, D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize>
         Joints { model, ..*self }
     }
 
-    /// Sets the modes for a motion at a time of the integration (s), and sets speeds of joints at rest to
+    /// Sets the modes for a motion at a time of the integration (s), and sets the speeds of joints at rest to
     /// zero.
     pub fn settle_at(&mut self, time: f64, motion: &mut Motion<N, NY>) {
         self.modes = self.model.at_time(self.start + time, |model| {
@@ -84,7 +87,7 @@ impl<'d, D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize>
         });
     }
 
-    /// Friction just before and just after rest, brakes included.
+    /// Friction just before and just after rest, including brakes.
     fn friction_range(&self, y: &[f64; NY]) -> [Range; N] {
         let (at_rest, shares) = (self.model.friction_at_rest(y), self.model.load_friction_at_rest(y));
         core::array::from_fn(|i| {
@@ -119,7 +122,8 @@ impl<'d, D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize>
         }
     }
 
-    /// The resting joint that violates its mode most, and the mode that it should have.
+    /// The joint at rest with the largest violation of its mode, and the mode that it should have; `None` if
+    /// no mode is violated.
     fn worst(
         &self,
         motion: &Motion<N, NY>,
@@ -153,7 +157,7 @@ impl<'d, D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize>
         worst
     }
 
-    /// Accelerations, the friction torques of joints that stick, and the loads of all.
+    /// Accelerations, friction forces of the joints that stick, and loads of all joints.
     fn solve(&self, motion: &Motion<N, NY>) -> Solution<N> {
         let y = &motion.positions;
         let v = self.directed(&motion.velocities);
@@ -199,14 +203,14 @@ impl<'d, D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize>
         Solution { accelerations, friction, loads }
     }
 
-    /// True if a joint that sticks is held by more than its friction can.
+    /// Whether the friction cannot hold a joint that sticks.
     fn is_overloaded(&self, motion: &Motion<N, NY>) -> bool {
         let Solution { friction, loads, .. } = self.solve(motion);
         let range = self.friction_range(&motion.positions);
         (0..N).any(|i| self.modes[i] == Mode::Stuck && overload(friction[i], range[i].under(loads[i])) != 0.0)
     }
 
-    /// Velocities as friction laws should see them: joints that slide never leave their direction.
+    /// Velocities for the friction laws. Joints that slide keep their direction.
     fn directed(&self, v: &[f64; N]) -> [f64; N] {
         core::array::from_fn(|i| match self.modes[i] {
             Mode::Smooth => v[i],
@@ -220,16 +224,16 @@ impl<'d, D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize>
 /// Solution of the equations of motion for the modes of the joints.
 struct Solution<const N: usize> {
     accelerations: [f64; N],
-    /// Friction torques of the joints that stick.
+    /// Friction forces of the joints that stick [N m or N].
     friction: [f64; N],
-    /// Force of the drives without friction.
+    /// Forces of the drives without friction [N m or N].
     loads: [f64; N],
 }
 
 /// Friction of a joint just before and just after rest.
 #[derive(Debug, Clone, Copy)]
 struct Range {
-    /// Without load.
+    /// Friction without load.
     unloaded: [f64; 2],
     /// Friction per unit of load.
     shares: [f64; 2],
@@ -245,7 +249,7 @@ impl Range {
     }
 }
 
-/// Amount by which a sticking joint's friction exceeds its range; 0 within the range.
+/// Amount by which the holding force of a sticking joint exceeds the range of friction; 0 within the range.
 fn overload(friction: f64, [low, high]: [f64; 2]) -> f64 {
     let margin = BREAK_LOOSE * (high - low);
     if friction > high + margin {

@@ -11,14 +11,13 @@ use differential_equations::ode::{ODE, OrdinaryNumericalMethod};
 use differential_equations::status::Status;
 use differential_equations::traits::State;
 
-/// Steps to one event, or to the end of a period, after which the integration gives up; a smooth robot needs
-/// about ten.
+/// Largest number of steps until an event or the end of a period. A smooth robot needs about ten.
 const MAX_STEPS: usize = 20_000;
-/// Steps in one period, over all of its events.
+/// Largest number of steps in one period, including all of its events.
 pub(super) const MAX_PERIOD_STEPS: usize = 100_000;
 const TOO_SMALL: &str =
     "its steps became too small, because accelerations are not finite or the model is stiff or discontinuous";
-/// Halvings that locate an event: to the last bit of a period.
+/// Number of bisections that locate an event, enough for the last bit of a period.
 const BISECTIONS: usize = 60;
 
 /// Positions and velocities, or their derivatives.
@@ -76,15 +75,15 @@ impl<const N: usize, const NY: usize> State<f64> for Motion<N, NY> {
     }
 }
 
-/// A motion that is smooth until an event. Times are from `start` to `end` of an integration (s).
+/// A motion that is smooth until an event. Times are times of the integration (s).
 pub(super) trait Flow<const N: usize, const NY: usize> {
-    /// Rates ẏ.
+    /// Rates ẏ of the positions.
     fn rates(&self, motion: &Motion<N, NY>) -> [f64; NY];
 
-    /// Accelerations v̇.
+    /// Accelerations v̇ at `time` (s).
     fn accelerations(&self, time: f64, motion: &Motion<N, NY>) -> [f64; N];
 
-    /// Whether an event has happened.
+    /// Whether an event has happened until `time` (s).
     fn has_ended(&self, time: f64, motion: &Motion<N, NY>) -> bool;
 }
 
@@ -97,7 +96,7 @@ impl<const N: usize, const NY: usize, F: Flow<N, NY>> ODE<f64, Motion<N, NY>> fo
     }
 }
 
-/// End of an integration.
+/// State at the end of an integration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Arrival<const N: usize, const NY: usize> {
     pub time: f64,
@@ -105,7 +104,7 @@ pub(super) struct Arrival<const N: usize, const NY: usize> {
     pub by_event: bool,
 }
 
-/// First step of a new integration (s).
+/// First step of an integration without an earlier step (s).
 const FIRST_STEP: f64 = 1e-3;
 
 type Method<const N: usize, const NY: usize> =
@@ -114,7 +113,7 @@ type Method<const N: usize, const NY: usize> =
 #[derive(Clone)]
 pub(super) struct Integrator<const N: usize, const NY: usize> {
     method: Method<N, NY>,
-    /// Step that the error control proposed last; the first guess for the next call.
+    /// Step that the error control proposed last (s), which is the first step of the next call.
     step: f64,
 }
 
@@ -128,11 +127,11 @@ impl<const N: usize, const NY: usize> Integrator<N, NY> {
         Self { method, step: FIRST_STEP }
     }
 
-    /// Integrates from `start` to `end` (s), or to the first event of `flow`, in at most `budget` steps;
-    /// reduces the budget.
+    /// Integrates from `start` to `end` (s), or to the first event of `flow`, in at most `budget` steps.
+    /// Reduces the budget by the number of steps.
     ///
     /// # Errors
-    /// The reason why the integration stopped.
+    /// The reason for which the integration stopped.
     pub fn advance(
         &mut self,
         flow: &impl Flow<N, NY>,
@@ -195,7 +194,7 @@ impl<const N: usize, const NY: usize> Integrator<N, NY> {
         Err("it took more than 20000 steps")
     }
 
-    /// The event in the last step, by bisection on the dense output.
+    /// Locates the event in the last step by bisection on the dense output.
     fn locate(&mut self, flow: &impl Flow<N, NY>) -> Arrival<N, NY> {
         let (mut before, mut after) = (self.method.t_prev(), self.method.t());
         let mut motion = *self.method.y();

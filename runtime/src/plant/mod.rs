@@ -1,16 +1,18 @@
-//! A simulated robot for testing controllers: exact motion, imperfect inputs and measurements.
+//! A simulated robot (plant) for testing controllers, with exact motion and imperfect inputs and
+//! measurements.
 //!
 //! ```text
 //!     M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u_applied        u_applied constant over a period
 //! ```
 //!
-//! Positions of robots with quaternions are integrated as `ẏ = T(y) v` with the same error control;
-//! quaternions are normalized after every period.
+//! For robots with quaternions, positions are integrated as `ẏ = T(y) v` with the same error control.
+//! Quaternions are normalized after every period.
 //!
-//! The plant has its own model: any [`Dynamics`], with other masses or friction than the controller's, and
-//! with exact `sign` instead of a smooth one. [`PlantOptions`] lists the imperfections of inputs and
-//! measurements. For driven joints use a [`DrivenRobot`](crate::driven::DrivenRobot) with their motion; its
-//! time is that of the plant, 0 at the last [`reset`](Plant::reset).
+//! The plant has its own model. It may be any [`Dynamics`], with other masses or friction than the model of
+//! the controller, and with exact `sign` instead of a smooth function. [`PlantOptions`] lists the
+//! imperfections of inputs and measurements. For driven joints use a
+//! [`DrivenRobot`](crate::driven::DrivenRobot) with their motion. Its time is that of the plant, which is 0
+//! at the last [`reset`](Plant::reset).
 
 mod dry_friction;
 mod integrator;
@@ -29,41 +31,44 @@ use rand_distr::StandardNormal;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-/// Changes between sticking and sliding in one period after which the integration gives up.
+/// Largest number of changes between sticking and sliding in one period.
 const MAX_EVENTS: usize = 1000;
-/// Brakes hold this many times the peak effort of their joint, where the options do not say.
+/// Ratio of the torque of a brake to the peak effort of its joint, if the options give no torque.
 const BRAKE_RESERVE: f64 = 2.0;
 
-/// Last measurement.
+/// A measurement of the plant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measurement<const N: usize, const NY: usize = N> {
-    /// Time of the measurement (s), earlier than the plant's time if measurements were lost.
+    /// Time of the measurement (s). It is earlier than the time of the plant if measurements were lost.
     pub time: f64,
-    /// Positions of the joints [rad or m] with rounding and noise of the encoders; attitudes are quaternions.
+    /// Positions of the joints [rad or m], with rounding and noise of the encoders. Attitudes are
+    /// quaternions.
     pub positions: [f64; NY],
-    /// Velocities of the joints [rad/s or m/s], if measured ([`PlantOptions::velocity_noise`]).
+    /// Velocities of the joints [rad/s or m/s]; `None` if they are not measured
+    /// ([`PlantOptions::velocity_noise`]).
     pub velocities: Option<[f64; N]>,
-    /// Drive forces B u_applied at the joints over the last period [N m or N], if measured
+    /// Drive forces B u_applied at the joints in the last period [N m or N]; `None` if they are not measured
     /// ([`PlantOptions::torque_noise`]).
     pub torques: Option<[f64; N]>,
 }
 
-/// Generalized forces from outside that act until a time (s).
+/// External generalized forces that act until the time `end` (s).
 #[derive(Clone)]
 struct Push<const N: usize, const NY: usize> {
     end: f64,
     force: Arc<PushForce<N, NY>>,
 }
 
-/// Generalized forces `Jᵀ w` of a force and a moment [N, N m] at the origin of a frame.
+/// Generalized forces `Jᵀ w` [N m or N] of a force and a moment w [N, N m] at the origin of a frame.
 ///
-/// - `jacobian`: Jacobian of this origin in the axes of `wrench`, linear part first
+/// - `jacobian`: Jacobian J of this origin in the axes of `wrench`, with the linear part first
+/// - `wrench`: force and moment w
 #[must_use]
 pub fn wrench_forces<const N: usize>(jacobian: &[[f64; N]; 6], wrench: &[f64; 6]) -> [f64; N] {
     core::array::from_fn(|i| jacobian.iter().zip(wrench).map(|(row, w)| row[i] * w).sum())
 }
 
-/// A simulated robot that moves in periods with constant inputs.
+/// A simulated robot that moves in periods, in which its inputs are constant.
 ///
 /// ```
 /// use gelenk_runtime::plant::{Plant, PlantOptions};
@@ -84,13 +89,13 @@ pub struct Plant<D, const N: usize, const M: usize, const NY: usize = N> {
     brake_torque: [f64; N],
     brakes_engaged: bool,
     integrator: Integrator<N, NY>,
-    /// Since the last reset (s).
+    /// Time since the last reset (s).
     time: f64,
     motion: Motion<N, NY>,
     measurement: Measurement<N, NY>,
-    /// Inputs under way, the oldest first; always `delay` many between calls.
+    /// Inputs that have not arrived yet, oldest first. Between calls the queue has `delay` entries.
     queue: VecDeque<[f64; M]>,
-    /// Input that arrived last, before noise, rounding and limit.
+    /// Last input that arrived, before noise, rounding and limits.
     received: [f64; M],
     applied: [f64; M],
     push: Option<Push<N, NY>>,
@@ -106,7 +111,8 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
     /// here.
     ///
     /// # Errors
-    /// [`PlantError::Option`].
+    /// [`PlantError::Option`] for an option out of range, [`PlantError::SharedFriction`] for dry friction
+    /// that acts on several joints together.
     pub fn new(model: D, options: PlantOptions<N, M>) -> Result<Self, PlantError> {
         options.check(&model.joint_names(), &model.input_names())?;
         options.check_quaternions(&model.joint_names(), model.quaternion_joints())?;
@@ -142,11 +148,11 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         Ok(plant)
     }
 
-    /// Sets positions and velocities at time 0 with released brakes and no delayed inputs, and measures
-    /// there. The random streams continue.
+    /// Sets positions [rad or m] and velocities [rad/s or m/s] at time 0, with released brakes and without
+    /// delayed inputs, and makes a measurement. The sequences of random numbers continue.
     ///
     /// # Errors
-    /// [`PlantError::Start`] and [`PlantError::StartEntry`] for values that are not finite,
+    /// [`PlantError::Start`] or [`PlantError::StartEntry`] for values that are not finite,
     /// [`PlantError::Attitude`] for a quaternion that is not an attitude.
     pub fn reset(&mut self, mut positions: [f64; NY], velocities: [f64; N]) -> Result<(), PlantError> {
         for (i, position) in plain_entries(self.model.quaternion_joints(), N) {
@@ -185,25 +191,28 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         }
     }
 
-    /// Sets delayed and last received inputs to `inputs`, for a start during a motion.
+    /// Sets the delayed inputs and the last received input to `inputs`, for a start during a motion.
     pub fn preload(&mut self, inputs: [f64; M]) {
         self.received = inputs;
         self.queue.clear();
         self.queue.extend((0..self.options.delay).map(|_| inputs));
     }
 
-    /// The last measurement that arrived. Repeated calls in a period return the same.
+    /// The last measurement that arrived. Repeated calls in a period return the same measurement.
     #[must_use]
     pub fn measure(&self) -> Measurement<N, NY> {
         self.measurement
     }
 
-    /// Sends `inputs` and advances by `period` (s) with the inputs that arrive: these, or with a delay those
-    /// sent `delay` periods ago. While brakes are engaged the drives are off.
+    /// Sends `inputs` [N m, N or A] and advances by `period` (s) with the arriving inputs. These are
+    /// `inputs`, or with a delay the inputs that were sent `delay` periods ago. While brakes are engaged the
+    /// drives are off.
     ///
     /// # Errors
-    /// [`PlantError::Input`], [`PlantError::Period`], [`PlantError::Integration`]; the plant is then
-    /// unchanged.
+    /// [`PlantError::Input`] for an input that is not finite, [`PlantError::Period`] for a period that is not
+    /// positive and finite, [`PlantError::Integration`] if the integration fails, and
+    /// [`PlantError::SharedFriction`]. After the last two errors, positions, velocities and time of the plant
+    /// are unchanged.
     pub fn apply(&mut self, inputs: &[f64; M], period: f64) -> Result<(), PlantError> {
         if let Some(input) = inputs.iter().position(|u| !u.is_finite()) {
             return Err(PlantError::Input {
@@ -221,11 +230,11 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         self.advance(period)
     }
 
-    /// Advances by `period` (s) without a new input; the last received input is held, and delayed inputs stay
-    /// delayed.
+    /// Advances by `period` (s) without a new input. The last received input is held, and delayed inputs
+    /// remain delayed.
     ///
     /// # Errors
-    /// [`PlantError::Period`], [`PlantError::Integration`]; the plant is then unchanged.
+    /// The errors of [`apply`](Self::apply), except for [`PlantError::Input`].
     pub fn hold(&mut self, period: f64) -> Result<(), PlantError> {
         require_period(period)?;
         self.advance(period)
@@ -241,11 +250,11 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         self.brakes_engaged = false;
     }
 
-    /// Applies an external force for the number of whole periods nearest to `duration` (s); replaces an
-    /// earlier one. Brakes and friction resist it.
+    /// Applies an external force for the number of whole periods nearest to `duration` (s). It replaces an
+    /// earlier external force. Brakes and friction resist it.
     ///
-    /// - `force`: generalized forces at given positions [N m or N]; use [`wrench_forces`] for a force at a
-    ///   frame
+    /// - `force`: generalized forces at given positions [N m or N]. [`wrench_forces`] converts a force at a
+    ///   frame.
     ///
     /// ```
     /// use gelenk_runtime::plant::{Plant, PlantOptions, wrench_forces};
@@ -271,7 +280,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         self.brakes_engaged
     }
 
-    /// True positions and velocities, which controllers do not get.
+    /// True positions [rad or m] and velocities [rad/s or m/s], which controllers do not get.
     #[must_use]
     pub fn state(&self) -> ([f64; NY], [f64; N]) {
         (self.motion.positions, self.motion.velocities)
@@ -283,20 +292,21 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         self.time
     }
 
-    /// Inputs that acted in the last period, after noise, rounding and limits; zero while braked.
+    /// Inputs that acted in the last period [N m, N or A], after noise, rounding and limits. They are zero
+    /// while brakes are engaged.
     #[must_use]
     pub fn applied(&self) -> [f64; M] {
         self.applied
     }
 
-    /// The true model.
+    /// The model of the plant.
     #[must_use]
     pub fn model(&self) -> &D {
         &self.model
     }
 
-    /// Replaces the true model from now on, for example after wear, or by another load or temperature. State
-    /// and delayed inputs are kept.
+    /// Replaces the model of the plant from now on, for example to simulate wear, another load or another
+    /// temperature. State and delayed inputs are kept.
     pub fn set_model(&mut self, model: D) {
         self.model = model;
     }
@@ -385,7 +395,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         })
     }
 
-    /// Integration keeps the length of quaternions to its tolerance; here they regain it.
+    /// Normalizes the quaternions, whose length the integration keeps only to its tolerance.
     fn with_attitudes(&self, mut motion: Motion<N, NY>, time: f64) -> Result<Motion<N, NY>, PlantError> {
         if self.model.normalize(&mut motion.positions) {
             return Ok(motion);
@@ -394,8 +404,9 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
     }
 }
 
-/// Fails if friction jumps with the motion of one joint and acts on another: modes are those of single joints. Where free
-/// parameters or the positions make such a jump 0, there is none.
+/// Fails if friction that is discontinuous in the motion of one joint acts on another joint, because the
+/// modes of sticking belong to single joints. Free parameters or positions may make a discontinuity 0; it is
+/// then allowed.
 fn refuse_shared_friction<const N: usize, const M: usize, const NY: usize>(
     model: &impl Dynamics<N, M, NY>,
     (time, positions): (f64, &[f64; NY]),
@@ -435,7 +446,8 @@ fn quantized(x: f64, resolution: f64) -> f64 {
     if rounded.is_finite() { rounded } else { x }
 }
 
-/// Drawn also where nothing can be lost, so that the streams do not depend on the options.
+/// True with this probability. A number is always drawn, so that the random sequences do not depend on the
+/// options.
 fn chance(generator: &mut ChaCha8Rng, probability: f64) -> bool {
     generator.random::<f64>() < probability
 }

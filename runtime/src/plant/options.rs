@@ -4,49 +4,51 @@ use crate::dynamics::{AttitudeError, Named, QuaternionJoint, TorqueSpeedLine, pl
 use crate::input_limits;
 use thiserror::Error;
 
-/// Imperfections of a [`Plant`](super::Plant). The default has none: exact encoders, exact and unlimited
-/// inputs, no delay, no losses.
+/// Imperfections of a [`Plant`](super::Plant). The default has exact encoders, exact and unlimited inputs, no
+/// delay, and no losses.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlantOptions<const N: usize, const M: usize> {
-    /// Encoder step at the joint [rad or m]; measured positions are rounded to multiples. 0 is exact, and
-    /// required for joints with a quaternion.
+    /// Resolutions of the encoders at the joints [rad or m]. Measured positions are rounded to multiples of
+    /// them. 0 means exact, and is required for joints with a quaternion.
     pub encoder_resolution: [f64; N],
-    /// Standard deviation of the normal noise on each position, before rounding [rad or m]. Joints with a quaternion
-    /// have one entry per velocity; their noise is applied by ⊕.
+    /// Standard deviations of the normal noise of the positions before rounding [rad or m]. Joints with a
+    /// quaternion have one entry for each velocity. Their noise is applied by ⊕.
     pub encoder_noise: [f64; N],
-    /// Standard deviation of the normal noise on each measured velocity [rad/s or m/s]; `None` if velocities
-    /// are not measured.
+    /// Standard deviations of the normal noise of the measured velocities [rad/s or m/s]; `None` if
+    /// velocities are not measured.
     pub velocity_noise: Option<[f64; N]>,
-    /// Standard deviation of the normal noise on each measured drive force at the joint [N m or N]; `None` if
-    /// forces are not measured.
+    /// Standard deviations of the normal noise of the measured drive forces at the joints [N m or N]; `None`
+    /// if forces are not measured.
     pub torque_noise: Option<[f64; N]>,
-    /// Step of each input, in its unit; applied inputs are rounded to multiples. 0 is exact.
+    /// Resolutions of the inputs [N m, N or A]. Applied inputs are rounded to multiples of them. 0 means
+    /// exact.
     pub input_resolution: [f64; M],
-    /// Lowest and highest value of each input, in its unit. Inputs are limited to this range, which must contain 0;
-    /// infinite values mean no limit.
+    /// Lowest and highest value of each input [N m, N or A]. Inputs are limited to this range, which must
+    /// contain 0. Infinite values mean no limit.
     pub input_limits: [[f64; 2]; M],
-    /// Torque–speed lines of motors, `model.limits().torque_speed`. Inputs are cut off at their line for the
-    /// speed at the start of the period, within `input_limits`. May be empty.
+    /// Torque–speed lines of motors, usually `model.limits().torque_speed`. Inputs are limited to their line
+    /// within `input_limits`, with the speed at the start of the period. May be empty.
     pub torque_speed: &'static [TorqueSpeedLine<N>],
-    /// Standard deviation of the normal noise on each input, drawn once a period, before the limit.
+    /// Standard deviations of the normal noise of the inputs [N m, N or A]. The noise is drawn once per
+    /// period and added before the limit.
     pub input_noise: [f64; M],
-    /// Periods until an input has an effect, see [`Plant::apply`](super::Plant::apply).
+    /// Number of periods until an input has an effect, see [`Plant::apply`](super::Plant::apply).
     pub delay: usize,
-    /// Probability that an input is lost; the previous input is then held.
+    /// Probability that an input is lost. The previous input is then held.
     pub input_loss: f64,
-    /// Probability that a measurement is lost; [`Plant::measure`](super::Plant::measure) then returns the
-    /// previous one.
+    /// Probability that a measurement is lost. [`Plant::measure`](super::Plant::measure) then returns the
+    /// previous measurement.
     pub measurement_loss: f64,
-    /// Friction torque of each engaged brake [N m or N]; if infinite, the joint locks at once. `None` means
-    /// twice the peak effort of the model for joints with a drive (infinite without a described effort), and
-    /// no brake for others. Joints moved by inputs at frames, for example cylinders, have no brake by
-    /// default; set one if the valves of the real robot hold it.
+    /// Friction torque of each engaged brake [N m or N]. With an infinite torque the joint locks at once.
+    /// `None` means the default: twice the peak effort of the model for joints with a drive (infinite without
+    /// a peak effort), and no brake for other joints. Joints that are moved by inputs at frames, for example
+    /// by cylinders, have no brake by default. Set a brake if the valves of the real robot hold the joint.
     pub brake_torque: Option<[f64; N]>,
     /// Relative error tolerance of an integration step.
     pub relative_tolerance: f64,
     /// Absolute error tolerance of an integration step [rad, m, rad/s or m/s].
     pub absolute_tolerance: f64,
-    /// Seed of all randomness: the same seed and inputs give the same motion.
+    /// Seed of all random numbers. The same seed and the same inputs give the same motion.
     pub seed: u64,
 }
 
@@ -72,10 +74,12 @@ impl<const N: usize, const M: usize> Default for PlantOptions<N, M> {
     }
 }
 
-/// Most periods of delay.
+/// Largest delay in periods.
 const MAX_DELAY: usize = 1000;
 
 impl<const N: usize, const M: usize> PlantOptions<N, M> {
+    /// Checks the range of all options.
+    ///
     /// - `joints`, `inputs`: names for messages
     ///
     /// # Errors
@@ -123,10 +127,12 @@ impl<const N: usize, const M: usize> PlantOptions<N, M> {
 }
 
 impl<const N: usize, const M: usize> PlantOptions<N, M> {
-    /// - `quaternions`: joints with quaternions, which have neither encoder steps nor brakes
+    /// Checks that joints with quaternions have neither encoder resolutions nor brakes.
+    ///
+    /// - `quaternions`: the joints with quaternions
     ///
     /// # Errors
-    /// [`PlantError::Option`] for encoder steps and brakes of such a joint.
+    /// [`PlantError::Option`] for an encoder resolution or a brake of such a joint.
     pub(super) fn check_quaternions(
         &self,
         joints: &[&'static str; N],
@@ -144,7 +150,8 @@ impl<const N: usize, const M: usize> PlantOptions<N, M> {
     }
 }
 
-/// `names` are those of the joints or inputs that `values` belong to; empty for scalars.
+/// Checks a value or an array. `names` are the names of the joints or inputs of an array, and empty for a
+/// single value.
 fn require(
     option: &'static str,
     names: &[&'static str],
@@ -160,7 +167,7 @@ fn require(
     }
 }
 
-/// Errors of a plant. After an error of a call, the plant is unchanged.
+/// Error of a plant. After a call with an error, the state of the plant is unchanged.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum PlantError {
     /// An option is out of range.
@@ -168,11 +175,11 @@ pub enum PlantError {
     Option {
         /// Name of the option.
         option: &'static str,
-        /// Name of the joint or input that it is for; None for options of the whole plant.
+        /// Name of the joint or input; `None` for options of the whole plant.
         of: Option<&'static str>,
-        /// The value that was given.
+        /// Value that was given.
         value: f64,
-        /// The range that is allowed.
+        /// Allowed range.
         range: &'static str,
     },
     /// A start position or speed is NaN or infinite.
@@ -200,17 +207,17 @@ pub enum PlantError {
     /// A quaternion of the start position is not an attitude.
     #[error("the plant cannot start: {0}")]
     Attitude(#[from] AttitudeError),
-    /// Dry friction acts on several joints at once, as on the shaft of a motor that moves two: what holds it at rest is not
-    /// known joint by joint.
+    /// Dry friction acts on several joints together, for example on the shaft of a motor that moves two
+    /// joints. The holding force at rest is then not known for each joint.
     #[error(
         "friction with a jump at rest acts on joints {} and {} together (a motor that moves both, or a \
          joint that follows both): the plant cannot tell when it sticks; generate its model with smooth \
          friction (`--smooth-sign 100`)", Named(.first), Named(.second)
     )]
     SharedFriction {
-        /// Name of one joint.
+        /// Name of the first joint.
         first: &'static str,
-        /// Name of another.
+        /// Name of the second joint.
         second: &'static str,
     },
     /// An input is NaN or infinite.
@@ -226,18 +233,18 @@ pub enum PlantError {
     /// A period is not positive and finite.
     #[error("period is {0} s; it must be positive and finite")]
     Period(f64),
-    /// The integration cannot continue: accelerations are not finite, or the steps became too many or too
-    /// small.
+    /// The integration cannot continue, because accelerations are not finite, or the steps are too many or
+    /// too small.
     #[error("the integration stopped at {time} s: {reason}")]
     Integration {
         /// Time of the plant (s).
         time: f64,
-        /// The reason.
+        /// Reason for which the integration stopped.
         reason: &'static str,
     },
 }
 
-/// The name of a joint or input as an index.
+/// The name of a joint or input in brackets, as an index.
 fn bracketed(name: Option<&'static str>) -> String {
     name.map_or_else(String::new, |name| format!("[{}]", Named(name)))
 }

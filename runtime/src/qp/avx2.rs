@@ -4,8 +4,8 @@ use super::lanes::{Vector, WIDTH};
 use core::arch::x86_64::*;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
-/// Four numbers in one register. Values exist only in solvers that [`available`] allowed: every operation
-/// relies on it.
+/// Four numbers in one register. Values only exist in solvers that were made after [`available`] returned
+/// true. Every operation relies on this.
 #[derive(Debug, Clone, Copy)]
 #[repr(transparent)]
 pub(crate) struct Avx2(__m256d);
@@ -15,7 +15,7 @@ unsafe impl bytemuck::Zeroable for Avx2 {}
 // SAFETY: as above.
 unsafe impl bytemuck::Pod for Avx2 {}
 
-/// True if this processor has the instructions.
+/// Whether this processor has the instructions.
 pub(crate) fn available() -> bool {
     std::is_x86_feature_detected!("avx2") && std::is_x86_feature_detected!("fma")
 }

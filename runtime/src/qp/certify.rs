@@ -1,10 +1,10 @@
-//! Certificate of the returned point: its cost and residuals, from the problem's own data.
+//! Certificate of the returned point: its cost and residuals, from the data of the problem.
 //!
-//! The method's own quantities tell when to look; whether a problem counts as solved is decided here. With
-//! inputs in their bounds and states rolled out from them, the cost is at most `Σ gap + ½ ‖g‖²` above the
-//! optimum: the gaps of bounds and rows by Fenchel's inequality, and what a Newton step would gain from the
-//! gradient g of the Lagrangian that is left (Boyd, Vandenberghe, *Convex Optimization*, 2004, sections 5.5
-//! and 9.5).
+//! The iteration uses own quantities to decide when a point is tested. This module decides whether the
+//! problem is solved. For inputs within their bounds and states that follow from them, the cost is at most
+//! `Σ gap + ½ ‖g‖²` above the optimum. The first term are the gaps of bounds and rows by Fenchel's
+//! inequality. The second term is the decrease that a Newton step would give along the remaining gradient g
+//! of the Lagrangian (Boyd, Vandenberghe, *Convex Optimization*, 2004, sections 5.5 and 9.5).
 
 use super::certificate::{Certificate, allowed_gap};
 use super::core::Core;
@@ -12,12 +12,13 @@ use super::lanes::Vector;
 use super::problem::QpProblem;
 use super::status::KktResiduals;
 
-/// Largest violation of a hard bound in a second roll-out, in units of the tolerance of the first one.
+/// Largest violation of a hard bound in a second roll-out with other rounding, in units of the tolerance of
+/// the first one.
 const ROUNDED: f64 = 1e4;
 
 impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, NU, NR> {
-    /// Makes the iterate the solution, with the multipliers in memory: inputs into their bounds, states from
-    /// the dynamics. Needs a factorization; overwrites `gradient`, `rhs` and `step`.
+    /// Makes the iterate the solution, with the multipliers in memory: limits the inputs to their bounds and
+    /// computes the states from the dynamics. Needs a factorization. Overwrites `gradient`, `rhs` and `step`.
     pub(super) fn certify(&mut self, problem: &QpProblem<NX, NU, NR>) -> Certificate {
         self.solution.copy_from(&self.iterate);
         self.riccati.project(&mut self.solution, &self.affine, |k, u| {
@@ -64,9 +65,9 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         }
     }
 
-    /// True if the solution keeps its hard bounds and rows to [`ROUNDED`] times their tolerance when the sums of the
-    /// roll-out are rounded otherwise. Dynamics that let rounding grow beyond that leave it to the order of the sums
-    /// whether its inputs keep the bounds.
+    /// Whether the solution keeps its hard bounds and rows to [`ROUNDED`] times their tolerance if the sums
+    /// of the roll-out are rounded differently. If the dynamics amplify rounding errors beyond this, only the
+    /// order of the sums decides whether the bounds are kept.
     pub(super) fn survives_rounding(&mut self) -> bool {
         self.step.copy_from(&self.solution);
         self.riccati.roll_out_otherwise(&mut self.step, &self.affine);
@@ -81,7 +82,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         self.violation_beside(1.0).max(self.violation_beside(-1.0)) <= allowed
     }
 
-    /// Largest violation of a hard bound or row at a step of this length from the solution.
+    /// Largest violation of a hard bound or row at the solution plus `length` times `step`.
     fn violation_beside(&mut self, length: f64) -> f64 {
         self.rhs.copy_from(&self.solution);
         self.rhs.advance(&self.step, length);
@@ -90,8 +91,9 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     }
 }
 
-/// `penalty` is the cost of violated hard bounds that were softened, 0 if none was. Where it exceeds the gap, the
-/// optimum of the softened problem violates them too, and the violation is not a residual.
+/// Largest ratio of a residual to its tolerance. `penalty` is the cost of violated hard bounds that were
+/// softened, 0 if no bound was softened. If it exceeds the gap, the optimum of the softened problem violates
+/// them too, and the violation is not a residual.
 fn merit(residuals: &KktResiduals, allowed: f64, feasibility: f64, penalty: f64) -> f64 {
     let r = residuals;
     if !(r.stationarity + r.primal + r.gap + allowed).is_finite() {

@@ -1,4 +1,4 @@
-//! The method's memory, generic over the lanes, and the loading of a problem into it.
+//! Memory of the method, generic over the lanes (vectors of four numbers), and loading of a problem.
 
 use super::barrier::{Bounds, ROUNDING};
 use super::certificate::Certificate;
@@ -15,21 +15,21 @@ use super::trajectory::Trajectory;
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
 
-/// Bounds that are closer (relative to their size if that exceeds 1) count as equal, at their middle:
-/// rounding would leave no interior between them.
+/// Bounds that are closer than this count as equal, with the value in their middle, because rounding would
+/// leave no interior between them. The distance is relative to the lower bound if its magnitude exceeds 1.
 const LEAST_WIDTH: f64 = 1e-10;
 
-/// Where the first iterate comes from.
+/// Origin of the first iterate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Start {
     /// The unconstrained optimum.
     Cold,
     /// The last solution.
     Near,
-    /// A point deep inside the bounds, with the steps that are safest: if the others have not led to a
-    /// solution.
+    /// A point deep inside the bounds, with cautious steps, for problems that the other starts have not
+    /// solved.
     Deep,
-    /// The unconstrained optimum, hard state bounds and rows replaced by penalties.
+    /// The unconstrained optimum. Penalties replace hard state bounds and rows.
     Relaxed,
 }
 
@@ -39,19 +39,19 @@ pub(super) struct Core<V, const NX: usize, const NU: usize, const NR: usize> {
     pub(super) settings: QpSettings,
     pub(super) riccati: Riccati<V, NX, NU>,
     pub(super) rows: Rows<V, NX, NU, NR>,
-    /// Bounds of inputs, and of states and the values of rows behind them.
+    /// Bounds of the inputs.
     pub(super) input_bounds: Bounds<V>,
     pub(super) state_bounds: Bounds<V>,
-    /// Inputs, and hard states and rows, whose bounds are equal.
+    /// Inputs whose bounds are equal, and hard states and rows whose bounds are equal.
     pub(super) fixed: Fixed<V>,
     pub(super) equalities: Equalities<V>,
-    /// True if hard bounds and rows were replaced by penalties.
+    /// Whether penalties have replaced hard bounds and rows.
     pub(super) softened: bool,
-    /// `c_k`, with `A_0 x_0` in c_0.
+    /// Vectors `c_k`; c_0 includes `A_0 x_0`.
     pub(super) affine: Vec<V>,
-    /// The gap that never counts, see [`QpSettings::tolerance`].
+    /// Gap that always counts as zero, see [`QpSettings::tolerance`].
     pub(super) negligible: f64,
-    /// Linear cost, and the constant that the input before the horizon adds.
+    /// Linear cost, and the constant cost of the input before the horizon.
     pub(super) linear: Trajectory<V>,
     pub(super) constant: f64,
     pub(super) iterate: Trajectory<V>,
@@ -60,23 +60,24 @@ pub(super) struct Core<V, const NX: usize, const NU: usize, const NR: usize> {
     pub(super) step: Trajectory<V>,
     /// Gradient of the cost at the iterate.
     pub(super) gradient: Trajectory<V>,
-    /// Gradient of the Newton step, and its diagonal barrier terms.
+    /// Right-hand side of the Newton step, and its diagonal barrier terms.
     pub(super) rhs: Trajectory<V>,
     pub(super) weight: Trajectory<V>,
     /// Multipliers of the solution.
     pub(super) multipliers: [Multipliers<V>; 2],
-    /// The iterate with the smallest residuals, kept once a solve takes long.
+    /// Iterate with the smallest residuals, which is only stored if a solve takes long.
     pub(super) best: Trajectory<V>,
     pub(super) best_multipliers: [Multipliers<V>; 2],
-    /// Iterate after the starts before the last one, if none of them led to a solution.
+    /// Best point of the previous starts if none of them is a solution.
     pub(super) kept: Trajectory<V>,
     pub(super) kept_multipliers: [Multipliers<V>; 2],
-    /// Certificate after the starts, if the problem is not solved.
+    /// Certificate after all starts; `None` if the problem is solved.
     pub(super) unsolved: Option<Certificate>,
     pub(super) solved: bool,
-    /// The pause after warm starts that failed.
+    /// Pause of Newton's method after failed warm starts.
     pub(super) pause: Pause,
-    /// Solution that a rehearsal keeps, with its multipliers, whether it was one, and the pause.
+    /// Solution that a rehearsal (a solve only to warm up the caches) restores: the point, its multipliers,
+    /// whether it is solved, and the pause.
     spare: (Trajectory<V>, [Multipliers<V>; 2], bool, Pause),
 }
 
@@ -121,8 +122,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         }
     }
 
-    /// Moves the last solution on by one stage, its last stage repeated, as the start of the next
-    /// [`Self::solve_warm`] in a receding horizon.
+    /// Shifts the last solution by one stage and repeats its last stage. The next [`Self::follow`] starts
+    /// there, as a receding horizon needs it.
     pub(super) fn shift(&mut self) {
         let padded = Self::RX * WIDTH;
         let (u, x) = (flat_mut(&mut self.solution.u), flat_mut(&mut self.solution.x));
@@ -139,18 +140,18 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         }
     }
 
-    /// `u_k` of the solution; zeros for `k ≥ N`.
+    /// Input `u_k` of the solution; zeros for `k ≥ N`.
     pub(super) fn input(&self, k: usize) -> [f64; NU] {
         if k < self.horizon { self.solution.input(k) } else { [0.0; NU] }
     }
 
-    /// `x_k` of the solution, `1 ≤ k ≤ N`, rolled out from the inputs through the dynamics; zeros for other
+    /// State `x_k` of the solution for `1 ≤ k ≤ N`, computed from the inputs by the dynamics; zeros for other
     /// `k`.
     pub(super) fn state(&self, k: usize) -> [f64; NX] {
         if (1..=self.horizon).contains(&k) { self.solution.state(k - 1) } else { [0.0; NX] }
     }
 
-    /// Multipliers `[lower, upper]` of the bounds of `u_k`, all ≥ 0.
+    /// Multipliers `[lower, upper]` of the bounds of `u_k`, all ≥ 0; zeros for `k ≥ N`.
     pub(super) fn input_multipliers(&self, k: usize) -> [[f64; 2]; NU] {
         core::array::from_fn(
             |i| {
@@ -159,7 +160,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         )
     }
 
-    /// Multipliers `[lower, upper]` of the bounds of `x_k`, `1 ≤ k ≤ N`, all ≥ 0.
+    /// Multipliers `[lower, upper]` of the bounds of `x_k` for `1 ≤ k ≤ N`, all ≥ 0; zeros for other `k`.
     pub(super) fn state_multipliers(&self, k: usize) -> [[f64; 2]; NX] {
         let padded = Self::RX * WIDTH;
         let inside = (1..=self.horizon).contains(&k);
@@ -170,7 +171,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         )
     }
 
-    /// Multipliers `[lower, upper]` of the rows of node `k`, `0 ≤ k ≤ N`, all ≥ 0.
+    /// Multipliers `[lower, upper]` of the rows of node `k` for `0 ≤ k ≤ N`, all ≥ 0; zeros for other `k`.
     pub(super) fn row_multipliers(&self, k: usize) -> [[f64; 2]; NR] {
         let place = (self.horizon * Self::RX + k * lanes(NR)) * WIDTH;
         core::array::from_fn(|r| {
@@ -182,12 +183,13 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         })
     }
 
-    /// True if the data make a problem of this horizon.
+    /// Whether the data are valid and have this horizon.
     pub(super) fn accepts(&self, problem: &QpProblem<NX, NU, NR>) -> bool {
         problem.stages.len() == self.horizon && problem.is_valid()
     }
 
-    /// Solves from a cold start, or from near the solution in memory; a problem that [`Self::accepts`].
+    /// Solves a problem with a cold start or from near the solution in memory. [`Self::accepts`] must be true
+    /// for the problem.
     pub(super) fn solve(&mut self, problem: &QpProblem<NX, NU, NR>, start: Start) -> QpReport {
         self.unsolved = None;
         if start == Start::Cold && !self.solved {
@@ -199,7 +201,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         self.go_on(problem, report)
     }
 
-    /// Remembers whether there is a solution to start from.
+    /// Stores whether there is a solution from which the next solve can start. Converts a failure to the
+    /// invalid report.
     pub(super) fn judge(
         &mut self,
         problem: &QpProblem<NX, NU, NR>,
@@ -214,7 +217,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         }
     }
 
-    /// Sets the solution aside. The next problem is tried warm.
+    /// Stores the solution, and ends the pause, so that the next problem has a warm start.
     pub(super) fn set_aside(&mut self) {
         let (solution, multipliers, solved, pause) = &mut self.spare;
         solution.copy_from(&self.solution);
@@ -223,7 +226,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         *pause = ::core::mem::take(&mut self.pause);
     }
 
-    /// Restores the solution that was set aside.
+    /// Restores the stored solution.
     pub(super) fn take_back(&mut self) {
         if !self.solved {
             self.forget();
@@ -235,8 +238,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         self.pause = *pause;
     }
 
-    /// Forgets what a solve without a solution has left in memory: numbers that are not finite would stay,
-    /// since masks multiply.
+    /// Clears the memory after a solve without a solution. Numbers that are not finite would remain, because
+    /// masks multiply.
     pub(super) fn forget(&mut self) {
         self.riccati.forget();
         self.input_bounds.forget();
@@ -261,7 +264,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         }
     }
 
-    /// Takes over the data. Returns whether there are soft bounds or rows.
+    /// Loads the data. Returns whether there are soft bounds or rows.
     pub(super) fn load(&mut self, problem: &QpProblem<NX, NU, NR>) -> bool {
         let p = problem;
         self.riccati.set_weights(&p.state_weight, &p.input_weight, &p.terminal_weight, &p.input_rate_weight);
@@ -326,7 +329,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         }
     }
 
-    /// The answer to a problem that makes no QP: inputs nearest zero within those bounds that make sense.
+    /// Result for an invalid problem: the inputs nearest to zero within valid bounds.
     pub(super) fn invalid(&mut self, problem: &QpProblem<NX, NU, NR>) -> QpReport {
         self.solved = false;
         self.solution.clear();
@@ -346,7 +349,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     }
 }
 
-/// Bounds of number `i` of the padded states and rows: an equality where hard ones leave one value only.
+/// Sets the bounds of number `i` of the padded states and rows. Hard bounds that leave only one value become
+/// an equality.
 fn set_bounds<V: Vector>(
     equalities: &mut Equalities<V>,
     bounds: &mut Bounds<V>,
@@ -363,14 +367,14 @@ fn set_bounds<V: Vector>(
     }
 }
 
-/// The value that bounds leave to a variable, if they leave one only.
+/// Value of a variable whose bounds are equal; `None` for other bounds.
 fn single_value(lower: f64, upper: f64) -> Option<f64> {
     let width = upper - lower;
     let single = width.is_finite() && width <= LEAST_WIDTH * lower.abs().max(1.0);
     single.then_some(lower + 0.5 * (upper - lower))
 }
 
-/// The number nearest zero between two bounds, or zero if they are not in order.
+/// Number nearest to zero between two bounds, or zero if they are not in order.
 fn nearest_zero(lower: f64, upper: f64) -> f64 {
     let nearest = if lower <= upper { 0.0_f64.max(lower).min(upper) } else { 0.0 };
     if nearest.is_finite() { nearest } else { 0.0 }

@@ -1,28 +1,28 @@
-//! Bounds that leave no room: inputs that are fixed, states that must pass through a point.
+//! Equal bounds: fixed inputs, and states that must pass through a point.
 //!
 //! An interior-point method needs an interior, which a pair of equal bounds does not have. An input whose
-//! bounds are equal is not a variable: it starts at its value, and a diagonal term beyond all others keeps it
-//! there to the last bit ([`Fixed`]). A state whose bounds are equal is an equality `x − b = 0` with a
-//! multiplier π of any sign. Each Newton step is one of the proximal method of multipliers,
+//! bounds are equal is not a variable: it starts at its value, and a diagonal term far beyond all other terms
+//! keeps it there to the last bit ([`Fixed`]). A state whose bounds are equal is an equality `x − b = 0` with
+//! a multiplier π of any sign. Each Newton step is a step of the proximal method of multipliers,
 //!
 //! ```text
 //!     π⁺ = π − W (x + dx − b)        that is, a term W in the diagonal and the force π − W (x − b) on x
 //! ```
 //!
-//! whose regularization 1/W vanishes at the optimum, where `dπ = 0` (Rockafellar, *Augmented Lagrangians and
-//! applications of the proximal point algorithm in convex programming*, Math. Oper. Res. 1, 1976;
-//! Friedlander, Orban, *A primal–dual regularized interior-point method for convex quadratic programs*, Math.
-//! Program. Comput. 4, 2012).
+//! with the weight W. The regularization 1/W vanishes at the optimum, where `dπ = 0` (Rockafellar, *Augmented
+//! Lagrangians and applications of the proximal point algorithm in convex programming*, Math. Oper. Res. 1,
+//! 1976; Friedlander, Orban, *A primal–dual regularized interior-point method for convex quadratic programs*,
+//! Math. Program. Comput. 4, 2012).
 
 use super::lanes::{Vector, WIDTH, flat_mut, largest, vectorized};
 use super::multipliers::Multipliers;
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
 
-/// Diagonal term of a fixed input. Far beyond any weight, and far from overflow.
+/// Diagonal term of a fixed input, far beyond all weights and far from overflow.
 const FIXING: f64 = 1e100;
 
-/// Values of some numbers of a vector, by lanes.
+/// Target values of some numbers of a vector, stored in lanes.
 #[derive(Debug, Clone)]
 struct Targets<V> {
     any: bool,
@@ -50,7 +50,7 @@ impl<V: Vector> Targets<V> {
         flat_mut(&mut self.target)[i] = target;
     }
 
-    /// Puts the numbers where they belong.
+    /// Sets the numbers to their targets.
     fn place(&self, z: &mut [V]) {
         if self.any {
             vectorized!(V, {
@@ -71,22 +71,22 @@ impl<V: Vector> Fixed<V> {
         Self(Targets::new(lanes))
     }
 
-    /// Forgets all, before the bounds of a new problem are set.
+    /// Removes all fixed inputs, before the bounds of a new problem are set.
     pub(super) fn clear(&mut self) {
         self.0.clear();
     }
 
-    /// Fixes number `i` of the inputs.
+    /// Fixes number `i` of the inputs at `value`.
     pub(super) fn set(&mut self, i: usize, value: f64) {
         self.0.set(i, value);
     }
 
-    /// Puts the fixed inputs to their values.
+    /// Sets the fixed inputs to their values.
     pub(super) fn place(&self, u: &mut [V]) {
         self.0.place(u);
     }
 
-    /// Leaves the fixed inputs out of a step.
+    /// Sets the fixed inputs of a step to zero.
     pub(super) fn hold(&self, step: &mut [V]) {
         if self.0.any {
             vectorized!(V, {
@@ -97,7 +97,7 @@ impl<V: Vector> Fixed<V> {
         }
     }
 
-    /// Adds the diagonal term that keeps the inputs where they are.
+    /// Adds the diagonal terms of the fixed inputs.
     pub(super) fn weigh(&self, weight: &mut [V]) {
         if self.0.any {
             vectorized!(V, {
@@ -108,7 +108,7 @@ impl<V: Vector> Fixed<V> {
         }
     }
 
-    /// Linear cost that makes the minimum with the diagonal term lie at the values.
+    /// Adds the linear cost with which the minimum is at the fixed values.
     pub(super) fn attract(&self, linear: &mut [V]) {
         if self.0.any {
             vectorized!(V, {
@@ -119,8 +119,7 @@ impl<V: Vector> Fixed<V> {
         }
     }
 
-    /// Moves what is left of the reduced gradient at fixed inputs into their multipliers, which may have any
-    /// size.
+    /// Moves the reduced gradient of fixed inputs into their multipliers, which may have any size.
     pub(super) fn absorb(&self, gradient: &mut [V], multipliers: &mut Multipliers<V>) {
         if self.0.any {
             vectorized!(V, {
@@ -140,9 +139,9 @@ impl<V: Vector> Fixed<V> {
 #[derive(Debug, Clone)]
 pub(super) struct Equalities<V> {
     targets: Targets<V>,
-    /// W.
+    /// Weight W.
     weight: V,
-    /// π, and its step.
+    /// Multipliers π, and their step.
     force: Vec<V>,
     step: Vec<V>,
 }
@@ -157,33 +156,33 @@ impl<V: Vector> Equalities<V> {
         }
     }
 
-    /// Forgets all, before the bounds of a new problem are set.
+    /// Removes all equalities, before the bounds of a new problem are set.
     pub(super) fn clear(&mut self) {
         self.targets.clear();
     }
 
-    /// True if there is one.
+    /// Whether there is an equality.
     #[inline(always)]
     pub(super) fn any(&self) -> bool {
         self.targets.any
     }
 
-    /// Makes number `i` of the padded states meet `value`.
+    /// Requires that number `i` of the padded states is `value`.
     pub(super) fn set(&mut self, i: usize, value: f64) {
         self.targets.set(i, value);
     }
 
-    /// Puts the states to their values.
+    /// Sets the states to their values.
     pub(super) fn place(&self, x: &mut [V]) {
         self.targets.place(x);
     }
 
-    /// The diagonal term W.
+    /// Sets the diagonal term W.
     pub(super) fn cap_weights(&mut self, weight: f64) {
         self.weight = V::splat(weight);
     }
 
-    /// Starts without force, or with that of the last solution.
+    /// Starts with zero multipliers, or with those of the last solution.
     pub(super) fn start(&mut self, last: Option<&Multipliers<V>>) {
         if !self.any() {
             return;
@@ -204,7 +203,7 @@ impl<V: Vector> Equalities<V> {
         self.targets.active[i] * (x[i] - self.targets.target[i])
     }
 
-    /// Largest `|x − b|`, relative to b where that exceeds 1.
+    /// Largest `|x − b|`, relative to b if |b| exceeds 1.
     pub(super) fn violation(&self, x: &[V]) -> f64 {
         if !self.any() {
             return 0.0;
@@ -219,7 +218,7 @@ impl<V: Vector> Equalities<V> {
         })
     }
 
-    /// Adds the diagonal terms.
+    /// Adds the diagonal terms W.
     pub(super) fn weigh(&self, weight: &mut [V]) {
         if self.any() {
             vectorized!(V, {
@@ -230,7 +229,7 @@ impl<V: Vector> Equalities<V> {
         }
     }
 
-    /// Adds the diagonal terms and the linear cost with which the minimum lies near the values.
+    /// Adds the diagonal terms and the linear cost with which the minimum is near the values.
     pub(super) fn attract(&self, weight: &mut [V], linear: &mut [V]) {
         self.weigh(weight);
         if self.any() {
@@ -269,7 +268,7 @@ impl<V: Vector> Equalities<V> {
         })
     }
 
-    /// Takes in the step `dx`.
+    /// Computes the step of the multipliers for the step `dx` of the states.
     pub(super) fn corrector(&mut self, x: &[V], dx: &[V]) {
         if self.any() {
             vectorized!(V, {
@@ -281,7 +280,7 @@ impl<V: Vector> Equalities<V> {
         }
     }
 
-    /// The step is taken.
+    /// Takes the step of the multipliers with this length.
     pub(super) fn advance(&mut self, length: f64) {
         if self.any() {
             vectorized!(V, {
@@ -292,7 +291,7 @@ impl<V: Vector> Equalities<V> {
         }
     }
 
-    /// Adds the forces to the multipliers of the bounds.
+    /// Adds the multipliers π to those of the bounds.
     pub(super) fn multipliers(&self, out: &mut Multipliers<V>) {
         if self.any() {
             vectorized!(V, {
@@ -304,7 +303,7 @@ impl<V: Vector> Equalities<V> {
         }
     }
 
-    /// `Σ |π (x − b)|`, the forces given as multipliers.
+    /// The gap `Σ |π (x − b)|`, with π from `multipliers`.
     pub(super) fn gap(&self, x: &[V], multipliers: &Multipliers<V>) -> f64 {
         if !self.any() {
             return 0.0;
@@ -318,7 +317,8 @@ impl<V: Vector> Equalities<V> {
         })
     }
 
-    /// The targets as pairs of equal bounds, each with its place, and forgets them.
+    /// Passes each target to `bound`, with its position, to be replaced by a pair of equal bounds. Removes
+    /// all targets.
     pub(super) fn release(&mut self, mut bound: impl FnMut(usize, f64)) {
         if self.any() {
             for i in 0..self.force.len() * WIDTH {

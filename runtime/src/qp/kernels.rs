@@ -11,19 +11,19 @@ pub(super) struct Right<'a> {
 }
 
 impl<'a> Right<'a> {
-    /// View of a matrix given by its padded columns, or of the transpose of one given by its padded rows.
+    /// View of a matrix in padded columns, or of the transpose of a matrix in padded rows.
     #[inline(always)]
     pub(super) fn columns(numbers: &'a [f64], stride: usize) -> Self {
         Self { numbers, by_row: 1, by_column: stride }
     }
-    /// View of a matrix given by its padded rows.
+    /// View of a matrix in padded rows.
     #[inline(always)]
     pub(super) fn rows(numbers: &'a [f64], stride: usize) -> Self {
         Self { numbers, by_row: stride, by_column: 1 }
     }
 }
 
-/// One product of a sum: `Σ_i left[i] · right(i, c)`, `left` being `depth` vectors.
+/// One product of a sum: `Σ_i left[i] · right(i, c)`. `left` has `depth` vectors.
 #[derive(Clone, Copy)]
 pub(super) struct Term<'a, V> {
     pub(super) left: &'a [V],
@@ -32,7 +32,7 @@ pub(super) struct Term<'a, V> {
 }
 
 impl<V: Vector> Term<'_, V> {
-    /// True if all entries that a product of `columns` columns of `n` lanes reads exist.
+    /// Whether all entries exist that a product of `columns` columns of `n` lanes reads.
     #[inline(always)]
     fn covers(&self, n: usize, columns: usize) -> bool {
         let last = (self.depth - 1) * self.right.by_row + (columns - 1) * self.right.by_column;
@@ -40,8 +40,8 @@ impl<V: Vector> Term<'_, V> {
     }
 }
 
-/// `out[c] = start[c] + Σ terms`, for `columns` columns of `lanes(ROWS)` lanes; with `LOWER` only the lanes
-/// on and below the diagonal.
+/// Computes `out[c] = start[c] + Σ terms` for `COLS` columns of `lanes(ROWS)` lanes. With `LOWER`, only the
+/// lanes on and below the diagonal are computed.
 #[inline(always)]
 pub(super) fn product<
     V: Vector,
@@ -80,12 +80,13 @@ pub(super) fn product<
     }
 }
 
-/// The first `count` columns of `R` lanes from lane `r` on, by blocks. Eight sums at least hide the latency of a fused
-/// multiply-add. With a column of the left factor and one number of the right one they must fit 16 registers, with two to spare:
-/// the compiler loads the next number before the last one is used.
+/// Computes the first `count` columns of `R` lanes from lane `r` on, by blocks. At least eight sums hide the
+/// latency of a fused multiply-add. The sums, a column of the left factor and one number of the right factor
+/// must fit in 16 registers, with two registers to spare, because the compiler loads the next number before
+/// the last one is used.
 ///
 /// # Safety
-/// As for [`block`], for these columns.
+/// The conditions of [`block`] must be satisfied for these columns.
 #[inline(always)]
 unsafe fn columns<V: Vector, const R: usize, const TERMS: usize>(
     out: &mut [V],
@@ -167,7 +168,8 @@ unsafe fn block<V: Vector, const R: usize, const C: usize, const TERMS: usize>(
     }
 }
 
-/// `sums += Σ_i left[i] factors[i]`: a matrix given by its padded columns times a vector, `n` lanes.
+/// Adds the product of a matrix in padded columns of `n` lanes and a vector:
+/// `sums += Σ_i left[i] factors[i]`.
 #[inline(always)]
 pub(super) fn add_combination<V: Vector>(sums: &mut [V], left: &[V], factors: &[f64], n: usize) {
     for (column, factor) in left.chunks_exact(n).zip(factors) {

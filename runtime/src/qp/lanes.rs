@@ -1,10 +1,10 @@
-//! Vectors of four numbers.
+//! Lanes: vectors of four numbers.
 //!
-//! A vector of length `n` is stored as `⌈n/4⌉` lanes, padded with zeros; a matrix as a sequence of such
-//! vectors (its rows or its columns, said at each field). Padding stays zero under every operation here, so
-//! no kernel needs a remainder loop. The method is generic over the lanes: [`Portable`] compiles to the
-//! vector unit that the compiler may use anyway, [`Avx2`](super::avx2::Avx2) to that of newer x86-64
-//! processors, chosen when a solver is made.
+//! A vector of length `n` is stored as `⌈n/4⌉` lanes, padded with zeros. A matrix is a sequence of such
+//! vectors, which are its rows or its columns. The padding remains zero in every operation here, so no kernel
+//! needs a loop for the remainder. The method is generic over the lanes. [`Portable`] compiles to the vector
+//! instructions that the compiler may use anyway. [`Avx2`](super::avx2::Avx2) uses the instructions of newer
+//! x86-64 processors, and is chosen at the construction of a solver.
 
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
@@ -13,12 +13,12 @@ use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 /// Numbers per lane.
 pub(crate) const WIDTH: usize = 4;
 
-/// Lanes that need no feature beyond those the crate is compiled for.
+/// Lanes that need no processor features beyond those for which the crate is compiled.
 pub(crate) type Portable = wide::f64x4;
 
-/// Runs a block in a function of its own, compiled for the instructions of the lanes: `vectorized!(V, { … })`. Whatever computes
-/// with lanes does so in here. Elsewhere each operation would be a call, and as one large function the method takes minutes to
-/// compile.
+/// Runs a block in a function of its own, compiled for the instructions of the lanes:
+/// `vectorized!(V, { … })`. All computations with lanes are in such blocks. Outside of them each operation
+/// would be a call. One large function for the whole method would take minutes to compile.
 macro_rules! vectorized {
     ($lanes:ty, $block:block) => {
         <$lanes as $crate::qp::lanes::Vector>::vectorized(
@@ -29,8 +29,7 @@ macro_rules! vectorized {
 }
 pub(crate) use vectorized;
 
-/// Four numbers. All functions are inlined, so that they become instructions of the function that they end up
-/// in.
+/// Four numbers. All functions are inlined, so that they become instructions of the calling function.
 pub(crate) trait Vector:
     bytemuck::Pod
     + core::fmt::Debug
@@ -42,18 +41,18 @@ pub(crate) trait Vector:
     + AddAssign
 {
     fn splat(value: f64) -> Self;
-    /// `self · factor + term`; rounded once where the processor can.
+    /// `self · factor + term`, rounded once if the processor has fused multiply-add.
     fn mul_add(self, factor: Self, term: Self) -> Self;
     /// `term − self · factor`.
     fn mul_neg_add(self, factor: Self, term: Self) -> Self;
     fn abs(self) -> Self;
     fn sqrt(self) -> Self;
-    /// The larger numbers; unspecified where one is NaN.
+    /// The larger numbers; unspecified if a number is NaN.
     fn fast_max(self, other: Self) -> Self;
-    /// The smaller numbers; unspecified where one is NaN.
+    /// The smaller numbers; unspecified if a number is NaN.
     fn fast_min(self, other: Self) -> Self;
     fn reduce_add(self) -> f64;
-    /// See [`vectorized!`].
+    /// Calls `work` in a function that is compiled for these lanes, see [`vectorized!`].
     fn vectorized<R>(work: impl FnOnce() -> R) -> R;
     fn transpose(v: [Self; WIDTH]) -> [Self; WIDTH];
 
@@ -61,7 +60,7 @@ pub(crate) trait Vector:
     fn zero() -> Self {
         Self::zeroed()
     }
-    /// Numbers of `yes` where `of` is positive, of `no` elsewhere.
+    /// Numbers of `yes` if `of` is positive, and of `no` otherwise.
     #[inline(always)]
     fn select_positive(of: Self, yes: Self, no: Self) -> Self {
         let mut chosen = [no];
@@ -122,7 +121,7 @@ impl Vector for Portable {
     }
 }
 
-/// Lanes that hold `n` numbers.
+/// Number of lanes for `n` numbers.
 pub(super) const fn lanes(n: usize) -> usize {
     n.div_ceil(WIDTH)
 }
@@ -138,7 +137,7 @@ pub(super) fn at<V: Vector>(v: &[V], i: usize) -> f64 {
     flat(v)[i]
 }
 
-/// Writes `values` into a padded vector; the padding is left as it is.
+/// Writes `values` into a padded vector. The padding is not changed.
 #[inline(always)]
 pub(super) fn pack<V: Vector>(v: &mut [V], values: &[f64]) {
     flat_mut(v)[..values.len()].copy_from_slice(values);
@@ -150,13 +149,13 @@ pub(crate) fn flat<V: Vector>(v: &[V]) -> &[f64] {
     bytemuck::cast_slice(v)
 }
 
-/// The numbers of a padded vector, padding included, to be written.
+/// The mutable numbers of a padded vector, padding included.
 #[inline(always)]
 pub(crate) fn flat_mut<V: Vector>(v: &mut [V]) -> &mut [f64] {
     bytemuck::cast_slice_mut(v)
 }
 
-/// `Σ_r a[r] · b[r]` over padded vectors.
+/// Inner product `Σ_r a[r] · b[r]` of padded vectors.
 #[inline(always)]
 pub(super) fn dot<V: Vector>(a: &[V], b: &[V]) -> f64 {
     let mut sum = a[0] * b[0];
@@ -166,7 +165,7 @@ pub(super) fn dot<V: Vector>(a: &[V], b: &[V]) -> f64 {
     sum.reduce_add()
 }
 
-/// The sums over each of four lanes, as one lane.
+/// The sum of each of the four vectors, as one lane.
 #[inline(always)]
 pub(super) fn reduce4<V: Vector>(v: [V; 4]) -> V {
     let t = V::transpose(v);

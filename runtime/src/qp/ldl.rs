@@ -1,11 +1,15 @@
 //! Factorization of the small symmetric matrices of the inputs.
 
-/// A pivot of `R̃ + BᵀPB` was not positive: the weights are not positive (semi)definite as required, or not
-/// finite.
+/// A pivot of `R̃ + BᵀPB` is not positive, because the weights are not positive (semi)definite as required or
+/// not finite.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct NotPositive;
 
-/// `Λ` strictly below the diagonal and `D⁻¹` on it, of the symmetric matrix whose lower triangle is given.
+/// Factors of a symmetric matrix given by its lower triangle: `Λ` strictly below the diagonal and `D⁻¹` on
+/// it.
+///
+/// # Errors
+/// [`NotPositive`] if a pivot is not positive.
 #[inline(always)]
 pub(super) fn factor_ldl<const NU: usize>(mut h: [[f64; NU]; NU]) -> Result<[[f64; NU]; NU], NotPositive> {
     let mut positive = true;
@@ -27,7 +31,7 @@ pub(super) fn factor_ldl<const NU: usize>(mut h: [[f64; NU]; NU]) -> Result<[[f6
     if positive { Ok(h) } else { Err(NotPositive) }
 }
 
-/// `(Λ D Λᵀ)⁻¹ w`.
+/// Solution `(Λ D Λᵀ)⁻¹ w`.
 #[inline(always)]
 pub(super) fn solve_ldl<const NU: usize>(l: &[[f64; NU]; NU], w: &[f64; NU]) -> [f64; NU] {
     let mut v = *w;

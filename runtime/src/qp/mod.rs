@@ -1,26 +1,27 @@
-//! The QP underneath the MPC: a Riccati-factorized interior-point method.
+//! Solver of the quadratic programs (QPs) of the predictive controllers: a Riccati-factorized interior-point
+//! method.
 //!
-//! [`QpProblem`] is plain data, [`QpSolver`] the method with its memory, [`QpReport`] the result.
-//! Inside, from the paper to the arithmetic:
+//! [`QpProblem`] contains the data of a problem, [`QpSolver`] is the method with its memory, and [`QpReport`]
+//! is the result. The private modules are:
 //!
-//! | module | holds |
+//! | module | content |
 //! |---|---|
-//! | `interior_point` | Mehrotra's predictor–corrector iteration, starts, safeguards, the relaxed problem |
+//! | `interior_point` | Mehrotra's predictor–corrector iteration, starting points, safeguards, the relaxed problem |
 //! | `interior_point::follow` | warm starts: Newton's method from the active set of the last solution |
-//! | `interior_point::augmented` | the method of multipliers, for what the iteration has not solved |
-//! | `pause` | which problems Newton's method is not tried on after failures |
-//! | `certify`, `certificate` | cost and residuals of the point returned, from which the status follows |
-//! | `barrier`, `multipliers` | bounds, hard and soft: slacks, multipliers, their Newton steps |
-//! | `equality` | bounds that are equal: fixed inputs, states that must pass through a point |
-//! | `rows` | rows `lo ≤ C x + D u ≤ hi`: values that follow from x and u, bounded as states are |
-//! | `core`, `solver` | memory and loading of a problem; the public face, which chooses the lanes |
-//! | `riccati`, `sweeps` | the factorization of the Newton system stage by stage, and its solutions |
+//! | `interior_point::augmented` | the method of multipliers, for problems that the iteration has not solved |
+//! | `pause` | pauses of Newton's method after failures |
+//! | `certify`, `certificate` | cost and residuals of the returned point, which decide its status |
+//! | `barrier`, `multipliers` | hard and soft bounds: slacks, multipliers and their Newton steps |
+//! | `equality` | equal bounds: fixed inputs, and states that must pass through a point |
+//! | `rows` | rows `lo ≤ C x + D u ≤ hi`: values that depend on x and u and have bounds like states |
+//! | `core`, `solver` | memory and loading of a problem; the public interface, which chooses the vector instructions |
+//! | `riccati`, `sweeps` | factorization of the Newton system stage by stage, and its solutions |
 //! | `kernels`, `ldl` | matrix products in registers, small factorizations |
-//! | `trajectory`, `lanes`, `avx2` | memory layout, and vectors of four numbers |
+//! | `trajectory`, `lanes`, `avx2` | memory layout, and vectors of four numbers (lanes) |
 //!
-//! Every iterate satisfies the dynamics, and inputs returned satisfy their bounds exactly. Hard state bounds
-//! and rows out of reach are found out within a bounded number of iterations, and replaced by exact penalties
-//! ([`QpStatus::Relaxed`]).
+//! Every iterate satisfies the dynamics, and the returned inputs satisfy their bounds exactly. Hard state
+//! bounds and rows that cannot be kept are detected within a bounded number of iterations. Exact penalties
+//! then replace them ([`QpStatus::Relaxed`]).
 
 #[cfg(all(target_arch = "x86_64", feature = "std"))]
 pub(crate) mod avx2;

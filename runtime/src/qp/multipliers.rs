@@ -1,4 +1,4 @@
-//! Multipliers of bounds, as the solution keeps them.
+//! Multipliers of bounds, as the solution stores them.
 
 use super::lanes::{Vector, WIDTH, flat, flat_mut, vectorized};
 #[cfg(not(feature = "std"))]
@@ -17,13 +17,13 @@ impl<V: Vector> Multipliers<V> {
         self.0.fill([V::zero(); 2]);
     }
 
-    /// Lower and upper ones, by lanes.
+    /// Multipliers of the lower and upper bounds, by lanes.
     #[inline(always)]
     pub(super) fn pairs(&self) -> impl Iterator<Item = &[V; 2]> {
         self.0.iter()
     }
 
-    /// Lower and upper ones, by lanes, to be changed.
+    /// Mutable multipliers of the lower and upper bounds, by lanes.
     #[inline(always)]
     pub(super) fn lanes(&mut self) -> impl Iterator<Item = &mut [V; 2]> {
         self.0.iter_mut()
@@ -57,8 +57,8 @@ impl<V: Vector> Multipliers<V> {
         }
     }
 
-    /// Moves stage `k + 1` to stage `k`, `stride` numbers each, of the `count` numbers from `start` on; the
-    /// last stage stays.
+    /// Moves stage `k + 1` to stage `k` in the `count` numbers from `start` on, with `stride` numbers per
+    /// stage. The last stage is kept.
     pub(super) fn shift(&mut self, start: usize, stride: usize, count: usize) {
         for i in start..(start + count).saturating_sub(stride) {
             self.set(i, self.get(i + stride));

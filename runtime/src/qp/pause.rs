@@ -1,9 +1,11 @@
-//! Pauses of Newton's method in warm starts: after failures some problems are solved without it (exponential backoff).
+//! Pauses of Newton's method in warm starts. After failures some problems are solved without it (exponential
+//! backoff).
 
-/// Longest pause, in problems. The bench `control_step` has the same iterations within 1 % for 3.
+/// Longest pause, in problems. For a pause of 3, the iterations of the bench `control_step` differ by less
+/// than 1 %.
 const LONGEST: u32 = 31;
 
-/// A pause of n problems. A failure makes it 2n + 1, up to [`LONGEST`]; a success makes it 0.
+/// A pause of n problems. A failure changes n to 2n + 1, up to [`LONGEST`]. A success changes n to 0.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Pause {
     length: u32,
@@ -11,7 +13,7 @@ pub(super) struct Pause {
 }
 
 impl Pause {
-    /// Whether to try the next problem; counts that problem if not.
+    /// Whether to try Newton's method for the next problem. If not, the problem counts for the pause.
     pub(super) fn is_over(&mut self) -> bool {
         let is_over = self.left == 0;
         self.left = self.left.saturating_sub(1);

@@ -1,12 +1,13 @@
-//! The optimal-control QP, as plain data.
+//! Data of the optimal-control QP.
 
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
 /// Penalty of a soft bound: `linear · v + ½ quadratic · v²` for a violation `v ≥ 0`.
 ///
-/// The linear term makes it exact: if it exceeds the multiplier that the hard bound would have, the bound is
-/// kept as if it were hard (Fletcher, *Practical Methods of Optimization*, 1987, section 14.3; Kerrigan,
-/// Maciejowski, *Soft constraints and exact penalty functions in model predictive control*, UKACC 2000).
+/// The linear term makes the penalty exact: if `linear` exceeds the multiplier that the hard bound would
+/// have, the soft bound is kept like a hard bound (Fletcher, *Practical Methods of Optimization*, 1987,
+/// section 14.3; Kerrigan, Maciejowski, *Soft constraints and exact penalty functions in model predictive
+/// control*, UKACC 2000).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Penalty {
     /// Cost per unit of violation, > 0.
@@ -15,11 +16,12 @@ pub struct Penalty {
     pub quadratic: f64,
 }
 
-/// Rows `lo ≤ C x + D u ≤ hi` of one node of the horizon, hard or soft by [`QpProblem::row_penalty`].
+/// Rows `lo ≤ C x + D u ≤ hi` of one node of the horizon. [`QpProblem::row_penalty`] makes them hard or soft.
 ///
-/// A row counts as divided by its largest coefficient: [`QpSettings::feasibility`](super::QpSettings) and
-/// [`KktResiduals::primal`](super::KktResiduals) do not depend on its units. Equal sides of a hard row make it
-/// an equality. A row whose coefficients are zero holds or is violated whatever the solution.
+/// A row is scaled by its largest coefficient. [`QpSettings::feasibility`](super::QpSettings) and
+/// [`KktResiduals::primal`](super::KktResiduals) therefore do not depend on the unit of the row. A hard row
+/// with equal sides is an equality. A row with zero coefficients is kept or violated independently of the
+/// solution.
 ///
 /// ```
 /// use gelenk_runtime::qp::{QpProblem, QpSettings, QpSolver, QpStatus};
@@ -45,18 +47,18 @@ pub struct Penalty {
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct QpRows<const NX: usize, const NU: usize, const NR: usize> {
-    /// `C`, rows first.
+    /// Matrix `C`, rows first.
     pub state_matrix: [[f64; NX]; NR],
-    /// `D`, rows first.
+    /// Matrix `D`, rows first.
     pub input_matrix: [[f64; NU]; NR],
-    /// Lower sides; −∞ if there is none.
+    /// Lower sides; −∞ for a row without a lower limit.
     pub lower: [f64; NR],
-    /// Upper sides; +∞ if there is none.
+    /// Upper sides; +∞ for a row without an upper limit.
     pub upper: [f64; NR],
 }
 
 impl<const NX: usize, const NU: usize, const NR: usize> Default for QpRows<NX, NU, NR> {
-    /// Rows that limit nothing.
+    /// Rows without limits and with zero coefficients.
     fn default() -> Self {
         Self {
             state_matrix: [[0.0; NX]; NR],
@@ -68,8 +70,8 @@ impl<const NX: usize, const NU: usize, const NR: usize> Default for QpRows<NX, N
 }
 
 impl<const NX: usize, const NU: usize, const NR: usize> QpRows<NX, NU, NR> {
-    /// True if all coefficients are finite, sides are ordered, and finite sides stay finite in units of the
-    /// row's largest coefficient.
+    /// Whether all coefficients are finite, the sides are ordered, and finite sides remain finite after
+    /// division by the largest coefficient.
     fn is_valid(&self) -> bool {
         let coefficients = [self.state_matrix.as_flattened(), self.input_matrix.as_flattened()];
         let mut valid = finite(coefficients) & ordered(&self.lower, &self.upper);
@@ -83,34 +85,36 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpRows<NX, NU, NR> {
     }
 }
 
-/// One stage `k`: dynamics `x_{k+1} = A x_k + B u_k + c`, cost and bounds of `u_k` and `x_{k+1}`, and rows of
+/// Stage `k`: dynamics `x_{k+1} = A x_k + B u_k + c`, cost and bounds of `u_k` and `x_{k+1}`, and rows of
 /// `x_k` and `u_k`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct QpStage<const NX: usize, const NU: usize, const NR: usize = 0> {
-    /// `A_k`, rows first.
+    /// Matrix `A_k`, rows first.
     pub state_matrix: [[f64; NX]; NX],
-    /// `B_k`, rows first.
+    /// Matrix `B_k`, rows first.
     pub input_matrix: [[f64; NU]; NX],
-    /// `c_k`.
+    /// Vector `c_k`.
     pub affine: [f64; NX],
     /// Linear cost `r_k` of `u_k`.
     pub input_gradient: [f64; NU],
     /// Linear cost `q_{k+1}` of `x_{k+1}`.
     pub state_gradient: [f64; NX],
-    /// Lower bounds of `u_k`, always hard; −∞ if there is none.
+    /// Lower bounds of `u_k`, always hard; −∞ for an input without a lower bound.
     pub input_lower: [f64; NU],
-    /// Upper bounds of `u_k`, always hard; +∞ if there is none.
+    /// Upper bounds of `u_k`, always hard; +∞ for an input without an upper bound.
     pub input_upper: [f64; NU],
-    /// Lower bounds of `x_{k+1}`, hard or soft by [`QpProblem::state_penalty`]; −∞ if there is none.
+    /// Lower bounds of `x_{k+1}`, hard or soft according to [`QpProblem::state_penalty`]; −∞ for a state
+    /// without a lower bound.
     pub state_lower: [f64; NX],
-    /// Upper bounds of `x_{k+1}`, hard or soft by [`QpProblem::state_penalty`]; +∞ if there is none.
+    /// Upper bounds of `x_{k+1}`, hard or soft according to [`QpProblem::state_penalty`]; +∞ for a state
+    /// without an upper bound.
     pub state_upper: [f64; NX],
-    /// `lo ≤ C x_k + D u_k ≤ hi`.
+    /// Rows `lo ≤ C x_k + D u_k ≤ hi`.
     pub rows: QpRows<NX, NU, NR>,
 }
 
-/// The optimal-control QP over a horizon of `N` stages, `NX` states, `NU` inputs and, if there are any, `NR`
-/// rows per stage.
+/// The optimal-control QP over a horizon of `N` stages, with `NX` states, `NU` inputs and `NR` rows per
+/// stage.
 ///
 /// ```text
 ///     min  Σ_{k=0}^{N−1} ½ u_kᵀ R u_k + r_kᵀ u_k + ½ (u_k − u_{k−1})ᵀ W (u_k − u_{k−1})
@@ -119,26 +123,26 @@ pub struct QpStage<const NX: usize, const NU: usize, const NR: usize = 0> {
 ///          lo_k ≤ C_k x_k + D_k u_k ≤ hi_k for k < N,  lo_N ≤ C_N x_N ≤ hi_N  (hard or soft)
 /// ```
 ///
-/// The constant weights must be symmetric, Q and P positive semidefinite, R positive definite on what BᵀPB
-/// leaves free.
+/// All weights must be symmetric. Q and P must be positive semidefinite. `R + BᵀPB` must be positive
+/// definite, with the cost-to-go P of each stage.
 #[derive(Debug, Clone, PartialEq)]
 pub struct QpProblem<const NX: usize, const NU: usize, const NR: usize = 0> {
-    /// `x_0`.
+    /// Initial state `x_0`.
     pub initial_state: [f64; NX],
-    /// `Q`, of x_1 … x_{N−1}.
+    /// Weight `Q` of x_1 … x_{N−1}.
     pub state_weight: [[f64; NX]; NX],
-    /// `R`, of u_0 … u_{N−1}.
+    /// Weight `R` of u_0 … u_{N−1}.
     pub input_weight: [[f64; NU]; NU],
-    /// `P`, of x_N.
+    /// Weight `P` of x_N.
     pub terminal_weight: [[f64; NX]; NX],
-    /// `W`, of the changes u_k − u_{k−1}; zero if they cost nothing. With torques as inputs this is the
-    /// torque-rate weight, times T².
+    /// Weight `W` of the changes u_k − u_{k−1}; zero if changes cost nothing. If the inputs are torques, W is
+    /// the weight of the torque rate divided by T², with the period T.
     pub input_rate_weight: [[f64; NU]; NU],
-    /// `u_{−1}`, the input before the horizon; counts only with a rate weight.
+    /// Input `u_{−1}` before the horizon. It only has an effect if W is not zero.
     pub previous_input: [f64; NU],
-    /// Penalty of each state's bounds; `None` makes them hard.
+    /// Penalties of the bounds of the states; `None` if the bounds of a state are hard.
     pub state_penalty: [Option<Penalty>; NX],
-    /// Penalty of each row; `None` makes it hard.
+    /// Penalties of the rows; `None` if a row is hard.
     pub row_penalty: [Option<Penalty>; NR],
     /// Rows of `x_N`, which has no input.
     pub terminal_rows: QpRows<NX, 0, NR>,
@@ -147,7 +151,7 @@ pub struct QpProblem<const NX: usize, const NU: usize, const NR: usize = 0> {
 }
 
 impl<const NX: usize, const NU: usize, const NR: usize> Default for QpStage<NX, NU, NR> {
-    /// No dynamics, no linear cost, no bounds, no limits of rows.
+    /// A stage without dynamics, linear cost, bounds and rows.
     fn default() -> Self {
         Self {
             state_matrix: [[0.0; NX]; NX],
@@ -174,8 +178,8 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpStage<NX, NU, NR> {
     }
 }
 
-/// True if no number is infinite or NaN: 0 times these is NaN. Without a branch for each number, since this runs over all data of
-/// every solve.
+/// Whether all numbers are finite: 0 times infinity or NaN is NaN. There is no branch for each number,
+/// because this function processes all data of every solve.
 fn finite<const K: usize>(all: [&[f64]; K]) -> bool {
     let mut sums = [0.0; 8];
     for numbers in all {
@@ -192,7 +196,7 @@ fn finite<const K: usize>(all: [&[f64]; K]) -> bool {
     sums.iter().sum::<f64>() == 0.0
 }
 
-/// True if `lower ≤ upper` everywhere, and neither is infinite inwards.
+/// Whether all `lower ≤ upper`, no lower bound is +∞ and no upper bound is −∞.
 fn ordered(lower: &[f64], upper: &[f64]) -> bool {
     lower
         .iter()
@@ -201,7 +205,8 @@ fn ordered(lower: &[f64], upper: &[f64]) -> bool {
 }
 
 impl<const NX: usize, const NU: usize, const NR: usize> QpProblem<NX, NU, NR> {
-    /// True if all numbers are finite (bounds may be infinite outwards), bounds ordered, penalties positive.
+    /// Whether all numbers are finite (lower bounds may be −∞, upper bounds +∞), the bounds are ordered and
+    /// the penalties are positive.
     pub(super) fn is_valid(&self) -> bool {
         let weights = [&self.state_weight, &self.terminal_weight].map(|weight| weight.as_flattened());
         let input_weights = [&self.input_weight, &self.input_rate_weight].map(|weight| weight.as_flattened());
@@ -216,7 +221,7 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpProblem<NX, NU, NR> {
             && self.stages.iter().all(QpStage::is_valid)
     }
 
-    /// A problem over `horizon` stages without dynamics, cost, bounds or rows, to be filled in.
+    /// A problem over `horizon` stages without dynamics, cost, bounds and rows. Set its fields.
     pub fn new(horizon: usize) -> Self {
         Self {
             initial_state: [0.0; NX],
@@ -233,7 +238,8 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpProblem<NX, NU, NR> {
     }
 }
 
-/// The unit of a row: the power of two at or below its largest coefficient; 1 if all are zero.
+/// The unit of a row: the largest power of two that does not exceed its largest coefficient; 1 if all
+/// coefficients are zero.
 pub(super) fn unit(c: &[f64], d: &[f64]) -> f64 {
     let largest = c.iter().chain(d).fold(0.0_f64, |max, v| v.abs().max(max));
     let power = f64::from_bits(largest.to_bits() & f64::INFINITY.to_bits());

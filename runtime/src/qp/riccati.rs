@@ -1,8 +1,9 @@
 //! The Riccati recursion: factorization and solution of the equality-constrained optimal-control problem.
 //!
-//! With stage Hessians `Q̃_k = Q + diag(σ_k)`, `R̃_k = R + diag(ρ_k)` (σ, ρ: barrier terms of the bounds) the
-//! Newton step of the interior-point method minimizes `Σ ½ xᵀQ̃x + gᵀx + ½ uᵀR̃u + hᵀu` over
-//! `x⁺ = A x + B u`, `x_0 = 0`. Backwards from `P_N = Q̃_N`:
+//! With the stage Hessians `Q̃_k = Q + diag(σ_k)` and `R̃_k = R + diag(ρ_k)`, where σ and ρ are the barrier
+//! terms of the bounds, the Newton step of the interior-point method minimizes
+//! `Σ ½ xᵀQ̃x + gᵀx + ½ uᵀR̃u + hᵀu` over `x⁺ = A x + B u`, `x_0 = 0`. The recursion goes backwards from
+//! `P_N = Q̃_N`:
 //!
 //! ```text
 //!     Λ D Λᵀ = R̃ + Bᵀ P⁺ B          Y = Λ⁻¹ Bᵀ P⁺ A
@@ -10,21 +11,22 @@
 //!     d = −(Λ D Λᵀ)⁻¹ (h + Bᵀ p⁺)   p = g + Kᵀ h + Φᵀ p⁺
 //! ```
 //!
-//! and forwards `u = K x + d`, `x⁺ = Φ x + B d`. A weight W of the input's change,
-//! `½ (u_k − u_{k−1})ᵀ W (u_k − u_{k−1})`, makes v = u_{k−1} a further state, with `v⁺ = u`. Its rows of the
-//! dynamics are an identity and need no products (S = P_xv, V = P_vv are blocks of the cost-to-go):
+//! and then forwards with `u = K x + d`, `x⁺ = Φ x + B d`. With a weight W of the change of the input,
+//! `½ (u_k − u_{k−1})ᵀ W (u_k − u_{k−1})`, v = u_{k−1} is an additional state with `v⁺ = u`. Its rows of the
+//! dynamics are an identity and need no products (S = P_xv and V = P_vv are blocks of the cost-to-go):
 //!
 //! ```text
 //!     T = P⁺B + S⁺     Λ D Λᵀ = R̃ + W + BᵀT + S⁺ᵀB + V⁺     Y = Λ⁻¹TᵀA     Y_v = −Λ⁻¹W
 //!     K_v = −Λ⁻ᵀ D⁻¹ Y_v    S = −YᵀD⁻¹Y_v    V = W − Y_vᵀD⁻¹Y_v    e = h + p_v⁺    p = g + Kᵀe + Φᵀp⁺    p_v = K_vᵀ(e + Bᵀp⁺)
 //! ```
 //!
-//! Rows `C x + D u` of a stage add to R̃, Q̃ and `BᵀP⁺A` what [`super::rows`] says.
+//! [`super::rows`] describes the terms that rows `C x + D u` of a stage add to R̃, Q̃ and `BᵀP⁺A`.
 //!
-//! The weight W adds O(n m²) to a factorization where a general state of n + m numbers would cost about twice as
-//! much. The cost is linear in the horizon, O((n + m)³) per factorization and O((n + m)²) per further
-//! right-hand side. The closed-loop matrix Φ is formed once per factorization, because it leaves one
-//! matrix-vector product in the chain of dependent operations of both sweeps.
+//! The weight W adds O(n m²) operations to a factorization, for n states and m inputs. A general state of n +
+//! m numbers would cost about twice as much. The cost is linear in the horizon: O((n + m)³) per stage for a
+//! factorization and O((n + m)²) for each further right-hand side. The closed-loop matrix Φ is computed once
+//! per factorization, because then the chain of dependent operations of both sweeps has only one
+//! matrix-vector product per stage.
 //!
 //! Sources: Rao, Wright, Rawlings, *Application of interior-point methods to model predictive control*, JOTA
 //! 99 (1998), section 3; Frison, Jørgensen, *Efficient implementation of the Riccati recursion for solving
@@ -39,7 +41,7 @@ use super::trajectory::Trajectory;
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
 
-/// Lanes of the largest vector of states or inputs.
+/// Largest number of lanes of a vector of states or inputs.
 pub(super) const MAX_LANES: usize = 8;
 
 /// Data and factors of the recursion over one horizon. All memory is allocated by [`Riccati::new`].
@@ -52,13 +54,13 @@ pub(crate) struct Riccati<V, const NX: usize, const NU: usize> {
     pub(super) b: Vec<V>,
     /// Rows of `B_k`, `NX` padded rows per stage.
     pub(super) b_rows: Vec<V>,
-    /// Columns of Q, of the terminal weight, and rows of R.
+    /// Columns of Q and of the terminal weight, and rows of R.
     pub(super) q: Vec<V>,
     pub(super) terminal: Vec<V>,
     pub(super) r: [[f64; NU]; NU],
-    /// Largest entry of Q, of the terminal weight, of R and W.
+    /// Largest magnitude of an entry of Q, the terminal weight, R and W.
     pub(super) largest: f64,
-    /// W, if the change of the input has a weight.
+    /// Weight W; `None` if the change of the input has no weight.
     pub(super) rate: Option<[[f64; NU]; NU]>,
     /// Rows of the gains `K_k`.
     pub(super) k: Vec<V>,
@@ -76,18 +78,18 @@ pub(crate) struct Riccati<V, const NX: usize, const NU: usize> {
     /// Rows of `Y` and of `−D⁻¹Y`.
     y: Vec<V>,
     z: Vec<V>,
-    /// Columns of `S`; `V`; `K_v` per stage.
+    /// Columns of `S`.
     s: Vec<V>,
     v: [[f64; NU]; NU],
     pub(super) kv: Vec<[[f64; NU]; NU]>,
-    /// `P_{k+1} c_k`, for the problem with affine dynamics.
+    /// Vectors `P_{k+1} c_k`, for the problem with affine dynamics.
     pub(super) pc: Vec<V>,
-    /// `S_{k+1}ᵀ c_k`, likewise.
+    /// Vectors `S_{k+1}ᵀ c_k`, for the problem with affine dynamics.
     pub(super) sc: Vec<[f64; NU]>,
 }
 
 impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
-    /// Forgets results of factorizations and solves; the problem's data stay.
+    /// Clears the results of factorizations and solves. The data of the problem are kept.
     pub(super) fn forget(&mut self) {
         let of_lanes = [
             &mut self.k,
@@ -110,9 +112,9 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         self.v = [[0.0; NU]; NU];
     }
 
-    /// Lanes of a state vector.
+    /// Number of lanes of a state vector.
     pub(crate) const RX: usize = lanes(NX);
-    /// Lanes of an input vector.
+    /// Number of lanes of an input vector.
     pub(super) const RU: usize = lanes(NU);
 
     pub(crate) fn new(horizon: usize) -> Self {
@@ -144,8 +146,8 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         }
     }
 
-    /// Constant weights Q, R, P and W, of which only the symmetric part counts; W = 0 means no weight of the
-    /// input's change.
+    /// Sets the constant weights Q, R, P and W. Only their symmetric parts are used. W = 0 means that the
+    /// change of the input has no weight.
     pub(crate) fn set_weights(
         &mut self,
         q: &[[f64; NX]; NX],
@@ -167,7 +169,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         self.rate = rate.iter().flatten().any(|w| *w != 0.0).then_some(rate);
     }
 
-    /// Dynamics of stage `k`, `x⁺ = A x + B u`.
+    /// Sets the dynamics of stage `k`, `x⁺ = A x + B u`.
     pub(crate) fn set_stage(&mut self, k: usize, a: &[[f64; NX]; NX], b: &[[f64; NU]; NX]) {
         let x = Self::RX;
         for (row, lanes) in a.iter().zip(self.a[k * NX * x..][..NX * x].chunks_exact_mut(x)) {
@@ -184,8 +186,12 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         }
     }
 
-    /// Factorizes with the diagonal terms of inputs, states and rows in `weight`. With `affine`, the terms c_k of
-    /// `x⁺ = A x + B u + c` (`A_0 x_0` included in c_0), prepares a solution with them too.
+    /// Factorizes with the diagonal terms of inputs, states and rows in `weight`. `affine` has the vectors
+    /// c_k of `x⁺ = A x + B u + c`, where c_0 includes `A_0 x_0`. If it is given, a solution with these
+    /// vectors is prepared too.
+    ///
+    /// # Errors
+    /// [`NotPositive`] if a pivot is not positive.
     pub(crate) fn factorize<const NR: usize>(
         &mut self,
         weight: &Trajectory<V>,
@@ -217,8 +223,11 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         })
     }
 
-    /// The recursion without barrier terms down to P_0, so that K_0 exists too: a linear-quadratic regulator
-    /// over the horizon.
+    /// The recursion without barrier terms down to P_0, so that K_0 is computed too. The result is a
+    /// linear-quadratic regulator over the horizon.
+    ///
+    /// # Errors
+    /// [`NotPositive`] if a pivot is not positive.
     pub(crate) fn regulate(&mut self) -> Result<(), NotPositive> {
         vectorized!(V, {
             self.begin(&[V::zero(); MAX_LANES][..Self::RX]);
@@ -232,18 +241,18 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         })
     }
 
-    /// The gain K_k of the last factorization, rows first.
+    /// Gain K_k of the last factorization, rows first.
     pub(crate) fn gain(&self, k: usize) -> [[f64; NX]; NU] {
         let rows = &self.k[k * NU * Self::RX..][..NU * Self::RX];
         core::array::from_fn(|i| core::array::from_fn(|j| at(&rows[i * Self::RX..][..Self::RX], j)))
     }
 
-    /// The cost-to-go matrix that the last factorization ended with.
+    /// Cost-to-go matrix P of the first stage after the last factorization.
     pub(crate) fn cost_to_go(&self) -> [[f64; NX]; NX] {
         core::array::from_fn(|i| core::array::from_fn(|j| at(&self.p[j * Self::RX..][..Self::RX], i)))
     }
 
-    /// The terminal cost-to-go.
+    /// Begins the recursion with the terminal cost-to-go.
     #[inline(always)]
     fn begin(&mut self, sigma: &[V]) {
         self.p.copy_from_slice(&self.terminal);
@@ -254,7 +263,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         }
     }
 
-    /// `P⁺c`, for the linear part of the cost-to-go of `x⁺ = A x + B u + c`.
+    /// Computes `P⁺c` for the linear part of the cost-to-go of `x⁺ = A x + B u + c`.
     #[inline(always)]
     fn stage_affine(&mut self, k: usize, c: &[V]) {
         let x = Self::RX;
@@ -277,7 +286,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         }
     }
 
-    /// `T = P⁺B (+ S⁺)` and `Λ D Λᵀ = R̃ + BᵀP⁺B (+ …)`.
+    /// Computes `T = P⁺B (+ S⁺)` and the factors of `R̃ + BᵀP⁺B (+ …)`.
     #[inline(always)]
     fn stage_pivot(
         &mut self,
@@ -318,7 +327,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         Ok(())
     }
 
-    /// `Y`, `−D⁻¹Y` and `K`; `S`, `V` and `K_v` where the change of the input has a weight.
+    /// Computes `Y`, `−D⁻¹Y` and `K`, and also `S`, `V` and `K_v` if the change of the input has a weight.
     #[inline(always)]
     fn stage_gain(&mut self, k: usize, add_rows: impl FnOnce(&mut [V])) {
         let x = Self::RX;
@@ -353,7 +362,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         }
     }
 
-    /// `K_v = (Λ D Λᵀ)⁻¹ W`, `S = KᵀH_uv = −KᵀW`, `V = W − W K_v`.
+    /// Computes `K_v = (Λ D Λᵀ)⁻¹ W`, `S = KᵀH_uv = −KᵀW`, `V = W − W K_v`.
     #[inline(always)]
     fn stage_rate(&mut self, k: usize, w: &[[f64; NU]; NU]) {
         let x = Self::RX;
@@ -384,7 +393,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         }
     }
 
-    /// `Φ = A + B K`.
+    /// Computes `Φ = A + B K`.
     #[inline(always)]
     fn stage_closed_loop(&mut self, k: usize) {
         let x = Self::RX;
@@ -398,7 +407,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         );
     }
 
-    /// `P = Q + AᵀP⁺A − YᵀD⁻¹Y`: the lower blocks by product, the upper ones by symmetry.
+    /// Computes `P = Q + AᵀP⁺A − YᵀD⁻¹Y`: the lower blocks by products, the upper blocks by symmetry.
     #[inline(always)]
     fn stage_cost_to_go(&mut self, k: usize, add_rows: impl FnOnce(&mut [V])) {
         let x = Self::RX;
@@ -426,9 +435,9 @@ fn symmetric<const N: usize>(m: &[[f64; N]; N]) -> [[f64; N]; N] {
     core::array::from_fn(|i| core::array::from_fn(|j| 0.5 * (m[i][j] + m[j][i])))
 }
 
-/// Makes a matrix of `NX` padded columns symmetric: blocks above the diagonal from those below, blocks on it
-/// by the mean with their transpose. Needed, not cosmetic: rounding leaves an antisymmetric part E, which the
-/// recursion would carry on as `AᵀEA`, by the open loop.
+/// Makes a matrix of `NX` padded columns symmetric. Blocks above the diagonal are copied from below, blocks
+/// on the diagonal become the mean with their transpose. This is necessary: rounding leaves an antisymmetric
+/// part E, which the recursion would propagate as `AᵀEA` with the open loop.
 #[inline(always)]
 fn mirror<V: Vector, const NX: usize>(p: &mut [V], n: usize) {
     for rb in 0..n {

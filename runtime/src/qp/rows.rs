@@ -1,17 +1,16 @@
 //! Rows `w = C x + D u` with limits `lo ≤ w ≤ hi`.
 //!
-//! To bounds, barrier and certificate the values w are further states: they stand behind x_1 … x_N in each
-//! [`Trajectory`], node by node; the rules for bounds of states apply to them, hard, soft or equal.
-//! They differ in that they follow from x and u: a linear cost e of w is the cost `Cᵀe` of x and `Dᵀe` of u,
-//! and diagonal terms ω add
-//!
+//! For bounds, barrier and certificate, the values w are additional states. In each [`Trajectory`] they are
+//! stored after x_1 … x_N, node by node. The rules for hard, soft and equal bounds of states apply to them.
+//! In contrast to states, they depend on x and u: a linear cost e of w is the cost `Cᵀe` of x and `Dᵀe` of u.
+//! Diagonal terms ω add
 //! ```text
 //!     CᵀωC to Q̃     DᵀωC to BᵀP⁺A     DᵀωD to R̃
 //! ```
 //!
-//! to the factorization, whose gains and sweeps then know of them (Frison, Diehl, *HPIPM*, IFAC 2020, section
-//! 3). A row is stored in units of its largest coefficient, rounded to a power of two so that scaling is
-//! exact. Without rows (`NR = 0`) every function is empty.
+//! to the factorization, so its gains and sweeps include the rows (Frison, Diehl, *HPIPM*, IFAC 2020, section
+//! 3). A row is scaled by its largest coefficient, rounded to a power of two, so that the scaling is exact.
+//! Without rows (`NR = 0`) every function is empty.
 
 use super::lanes::{Vector, WIDTH, at, dot, flat, flat_mut, lanes, pack, vectorized, zeros};
 use super::problem::{QpProblem, unit};
@@ -19,20 +18,20 @@ use super::trajectory::Trajectory;
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
 
-/// Limits of a row in its unit.
+/// Limits of a scaled row.
 pub(super) struct Limits {
-    /// Position of its value behind the states.
+    /// Position of the value of the row, counted from the end of the states.
     pub(super) place: usize,
     pub(super) sides: [f64; 2],
     pub(super) penalty: Option<(f64, f64)>,
 }
 
-/// Matrices of the rows over nodes 0 … N.
+/// Matrices of the rows of nodes 0 … N.
 #[derive(Debug, Clone)]
 pub(crate) struct Rows<V, const NX: usize, const NU: usize, const NR: usize> {
     /// Rows of `C_k`, `NR` padded rows per node; zero for node 0, whose state is given.
     c: Vec<V>,
-    /// `D_k`; zero for node N.
+    /// Matrices `D_k`; zero for node N.
     d: Vec<[[f64; NU]; NR]>,
     unit: Vec<[f64; NR]>,
     /// Contribution of x_0 to the values of node 0.
@@ -41,15 +40,15 @@ pub(crate) struct Rows<V, const NX: usize, const NU: usize, const NR: usize> {
 
 impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, NU, NR> {
     const RX: usize = lanes(NX);
-    /// Lanes of the values of a node.
+    /// Number of lanes of the values of a node.
     const RR: usize = lanes(NR);
 
-    /// Lanes of the values over a horizon.
+    /// Number of lanes of the values over a horizon.
     pub(super) const fn lanes(horizon: usize) -> usize {
         (horizon + 1) * Self::RR
     }
 
-    /// Memory for `horizon` stages and the end.
+    /// Memory for the rows of `horizon` stages and of the end.
     pub(crate) fn new(horizon: usize) -> Self {
         let nodes = if NR > 0 { horizon + 1 } else { 0 };
         Self {
@@ -60,7 +59,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
         }
     }
 
-    /// Takes over the matrices of a problem, and hands each row's limits to `limit`.
+    /// Loads the matrices of a problem, and passes the limits of each row to `limit`.
     pub(super) fn load(&mut self, problem: &QpProblem<NX, NU, NR>, mut limit: impl FnMut(Limits)) {
         for r in 0..NR {
             for (k, stage) in problem.stages.iter().enumerate() {
@@ -100,7 +99,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
         Limits { place: k * Self::RR * WIDTH + r, sides, penalty }
     }
 
-    /// True if no variable moves row `r` of node `k`.
+    /// Whether row `r` of node `k` does not depend on a variable.
     fn is_constant(&self, k: usize, r: usize) -> bool {
         self.d[k][r] == [0.0; NU] && flat(self.state_row(k, r)).iter().all(|c| *c == 0.0)
     }
@@ -116,14 +115,14 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
         &self.c[(k * NR + r) * Self::RX..][..Self::RX]
     }
 
-    /// The numbers of node `k` among those of all rows, which stand behind the states.
+    /// Range of the lanes of node `k` in the states of a [`Trajectory`].
     #[inline(always)]
     fn of_node(&self, k: usize) -> core::ops::Range<usize> {
         let start = (self.d.len() - 1) * Self::RX + k * Self::RR;
         start..start + Self::RR
     }
 
-    /// Sets the values of a point: `w = C x + D u`, and what x_0 adds.
+    /// Sets the values of the rows at a point: `w = C x + D u` and the contribution of x_0.
     pub(super) fn evaluate(&self, z: &mut Trajectory<V>) {
         if NR > 0 {
             self.follow(z);
@@ -134,7 +133,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
         }
     }
 
-    /// Sets the values of a step: `dw = C dx + D du`.
+    /// Sets the values of the rows of a step: `dw = C dx + D du`.
     pub(super) fn follow(&self, z: &mut Trajectory<V>) {
         if NR == 0 {
             return;
@@ -157,7 +156,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
         })
     }
 
-    /// Turns the linear cost e of the values into that of states and inputs, `Cᵀe` and `Dᵀe`; e becomes 0.
+    /// Converts the linear cost e of the values to costs `Cᵀe` of states and `Dᵀe` of inputs. e becomes 0.
     pub(super) fn fold(&self, gradient: &mut Trajectory<V>) {
         if NR == 0 {
             return;
@@ -172,7 +171,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
         })
     }
 
-    /// `(x, u) += (cᵀ, dᵀ) factor` for row `r` of node `k`.
+    /// Adds `factor` times row `r` of node `k` to states and inputs: `(x, u) += (cᵀ, dᵀ) factor`.
     #[inline(always)]
     fn add(&self, k: usize, r: usize, factor: f64, z: &mut Trajectory<V>) {
         if k > 0 {
@@ -189,8 +188,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
         }
     }
 
-    /// Moves states and inputs along the rows, each row by itself, the shortest way that changes its value as
-    /// `step` says, at most as far as its value; the values of `step` become 0.
+    /// Changes states and inputs by the shortest step that gives each row the change in `step`, for each row
+    /// separately. The values in `step` become 0.
     pub(super) fn move_along(&self, step: &mut Trajectory<V>) {
         if NR == 0 {
             return;
@@ -208,7 +207,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
         })
     }
 
-    /// Adds the contribution of x_0 to the gradient of quadratic terms `½ ω w²`.
+    /// Adds the contribution of x_0 to the gradient of the quadratic terms `½ ω w²`.
     pub(super) fn attract(&self, weight: &Trajectory<V>, gradient: &mut Trajectory<V>) {
         if NR > 0 {
             let first = self.of_node(0);
@@ -220,7 +219,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
         }
     }
 
-    /// `P += CᵀωC` of node `k`, P by its padded columns.
+    /// Adds `CᵀωC` of node `k` to P, which is stored in padded columns.
     #[inline(always)]
     pub(super) fn add_to_cost(&self, k: usize, weight: &Trajectory<V>, p: &mut [V]) {
         for r in 0..NR {
@@ -234,7 +233,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
         }
     }
 
-    /// `H += DᵀωD` of node `k`, the lower triangle.
+    /// Adds `DᵀωD` of node `k` to the lower triangle of H.
     #[inline(always)]
     pub(super) fn add_to_pivot(&self, k: usize, weight: &Trajectory<V>, h: &mut [[f64; NU]; NU]) {
         for r in 0..NR {
@@ -247,7 +246,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
         }
     }
 
-    /// `Y += DᵀωC` of node `k`, Y by its padded rows.
+    /// Adds `DᵀωC` of node `k` to Y, which is stored in padded rows.
     #[inline(always)]
     pub(super) fn add_to_coupling(&self, k: usize, weight: &Trajectory<V>, y: &mut [V]) {
         for r in 0..NR {

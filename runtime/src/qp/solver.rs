@@ -1,4 +1,4 @@
-//! The solver: sizes checked, lanes chosen, solution read.
+//! The public solver: checks the sizes, chooses the vector instructions, and gives access to the solution.
 
 #[cfg(all(target_arch = "x86_64", feature = "std"))]
 use super::avx2::{self, Avx2};
@@ -7,15 +7,18 @@ use super::lanes::Portable;
 use super::problem::QpProblem;
 use super::status::{QpError, QpReport, QpSettings};
 
-/// Longest horizon.
+/// Largest horizon in stages.
 pub const MAX_HORIZON: usize = 100;
 /// Largest number of states, of inputs, and of rows per stage.
 pub const MAX_SIZE: usize = 32;
 
-/// Interior-point solver for optimal-control QPs of one size. All memory is allocated at construction; a
-/// solve allocates nothing, takes at most three times [`QpSettings::max_iterations`] iterations (24 more from a
-/// warm start), never panics, and a cold one depends on the problem alone: a solve of changed data equals, bit for
-/// bit, a solve by a new solver. A warm one depends on the last solution too. Processors with fused multiply-add round differently from those without.
+/// Interior-point solver for optimal-control QPs of one size.
+///
+/// All memory is allocated at construction. A solve allocates nothing and never panics. A cold start takes at
+/// most three times [`QpSettings::max_iterations`] iterations, a warm start at most 16 more. The result of a
+/// cold start depends only on the problem: it is equal to the result of a new solver, bit for bit. The result
+/// of a warm start also depends on the last solution. Processors with fused multiply-add round differently
+/// from processors without it.
 ///
 /// ```
 /// use gelenk_runtime::qp::{QpProblem, QpSettings, QpSolver, QpStatus};
@@ -41,7 +44,7 @@ pub const MAX_SIZE: usize = 32;
 #[derive(Debug, Clone)]
 pub struct QpSolver<const NX: usize, const NU: usize, const NR: usize = 0>(Engine<NX, NU, NR>);
 
-/// The method compiled for the lanes of this processor.
+/// The method, compiled for the vector instructions of this processor.
 #[derive(Debug, Clone)]
 enum Engine<const NX: usize, const NU: usize, const NR: usize> {
     Portable(Core<Portable, NX, NU, NR>),
@@ -49,7 +52,7 @@ enum Engine<const NX: usize, const NU: usize, const NR: usize> {
     Avx2(Core<Avx2, NX, NU, NR>),
 }
 
-/// Calls a function of the core, whichever it is.
+/// Calls a function of the core of either variant.
 macro_rules! core {
     ($solver:expr, $core:ident => $call:expr) => {
         match $solver {
@@ -64,8 +67,8 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpSolver<NX, NU, NR> {
     /// A solver for horizons of `horizon` stages.
     ///
     /// # Errors
-    /// [`QpError`] if the horizon is not 1..=[`MAX_HORIZON`], `NX` or `NU` not 1..=[`MAX_SIZE`], or `NR`
-    /// larger than that.
+    /// [`QpError::Horizon`] if the horizon is not in 1..=[`MAX_HORIZON`]. [`QpError::Size`] if `NX` or `NU`
+    /// is not in 1..=[`MAX_SIZE`], or `NR` exceeds [`MAX_SIZE`].
     pub fn new(horizon: usize, settings: QpSettings) -> Result<Self, QpError> {
         if !(1..=MAX_HORIZON).contains(&horizon) {
             return Err(QpError::Horizon(horizon));
@@ -80,12 +83,12 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpSolver<NX, NU, NR> {
         Ok(Self(Engine::Portable(Core::new(horizon, settings))))
     }
 
-    /// Number of stages `N`.
+    /// Number N of stages.
     pub fn horizon(&self) -> usize {
         core!(&self.0, core => core.horizon)
     }
 
-    /// Solves from a cold start: nothing of an earlier solve has any influence.
+    /// Solves with a cold start, on which earlier solves have no influence.
     pub fn solve(&mut self, problem: &QpProblem<NX, NU, NR>) -> QpReport {
         core!(&mut self.0, core => match core.accepts(problem) {
             true => core.solve(problem, Start::Cold),
@@ -93,10 +96,12 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpSolver<NX, NU, NR> {
         })
     }
 
-    /// Solves from the last solution, which may have been moved by [`Self::shift`]: by Newton's method from its active set, which
-    /// takes few iterations if the set changes little, and otherwise by the interior-point method from a point near it. From a
-    /// cold start if neither succeeds, and if the last problem was not solved. After failures Newton's method is left out for up
-    /// to 31 problems. The result depends on all solves since the solver was made.
+    /// Solves with a warm start from the last solution, which [`Self::shift`] may have shifted. The first
+    /// attempt is Newton's method from the active set of the last solution, which takes few iterations if
+    /// this set changes little. The second attempt is the interior-point method from a point near the last
+    /// solution. If both fail, or if the last problem was not solved, the solver makes a cold start. After
+    /// failures, Newton's method is omitted for up to 31 problems. The result depends on all solves since the
+    /// construction of the solver.
     pub fn solve_warm(&mut self, problem: &QpProblem<NX, NU, NR>) -> QpReport {
         core!(&mut self.0, core => {
             if !core.accepts(problem) {
@@ -109,7 +114,8 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpSolver<NX, NU, NR> {
         })
     }
 
-    /// Computes for the caches alone what solves compute, cold and warm. The last solution stays.
+    /// Does the computations of a cold and a warm solve only to warm up the caches. The last solution is
+    /// kept.
     pub(crate) fn rehearse(&mut self, problem: &QpProblem<NX, NU, NR>) {
         core!(&mut self.0, core => core.set_aside());
         core::hint::black_box(self.solve(problem));
@@ -117,34 +123,34 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpSolver<NX, NU, NR> {
         core!(&mut self.0, core => core.take_back());
     }
 
-    /// Moves the last solution on by one stage, its last stage repeated, as the start of the next
-    /// [`Self::solve_warm`] in a receding horizon.
+    /// Shifts the last solution by one stage and repeats its last stage. The next [`Self::solve_warm`] starts
+    /// there, as a receding horizon needs it.
     pub fn shift(&mut self) {
         core!(&mut self.0, core => core.shift());
     }
 
-    /// `u_k` of the solution; zeros for `k ≥ N`.
+    /// Input `u_k` of the solution; zeros for `k ≥ N`.
     pub fn input(&self, k: usize) -> [f64; NU] {
         core!(&self.0, core => core.input(k))
     }
 
-    /// `x_k` of the solution, `1 ≤ k ≤ N`, rolled out from the inputs through the dynamics; zeros for other
+    /// State `x_k` of the solution for `1 ≤ k ≤ N`, computed from the inputs by the dynamics; zeros for other
     /// `k`.
     pub fn state(&self, k: usize) -> [f64; NX] {
         core!(&self.0, core => core.state(k))
     }
 
-    /// Multipliers `[lower, upper]` of the bounds of `u_k`, all ≥ 0.
+    /// Multipliers `[lower, upper]` of the bounds of `u_k`, all ≥ 0; zeros for `k ≥ N`.
     pub fn input_multipliers(&self, k: usize) -> [[f64; 2]; NU] {
         core!(&self.0, core => core.input_multipliers(k))
     }
 
-    /// Multipliers `[lower, upper]` of the bounds of `x_k`, `1 ≤ k ≤ N`, all ≥ 0.
+    /// Multipliers `[lower, upper]` of the bounds of `x_k` for `1 ≤ k ≤ N`, all ≥ 0; zeros for other `k`.
     pub fn state_multipliers(&self, k: usize) -> [[f64; 2]; NX] {
         core!(&self.0, core => core.state_multipliers(k))
     }
 
-    /// Multipliers `[lower, upper]` of the rows of node `k`, `0 ≤ k ≤ N`, all ≥ 0; zeros for other `k`.
+    /// Multipliers `[lower, upper]` of the rows of node `k` for `0 ≤ k ≤ N`, all ≥ 0; zeros for other `k`.
     pub fn row_multipliers(&self, k: usize) -> [[f64; 2]; NR] {
         core!(&self.0, core => core.row_multipliers(k))
     }

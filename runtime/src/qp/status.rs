@@ -2,92 +2,98 @@
 
 use thiserror::Error;
 
-/// How a solve ended. Decided by the residuals of the point that is returned: inputs within their bounds,
-/// states rolled out from them, cost and gradient from the problem's own data. A number that is not finite
-/// counts as a failure.
+/// Status of a solve. The residuals of the returned point decide it: the inputs are within their bounds, the
+/// states are computed from the inputs, and cost and gradient from the data of the problem. A number that is
+/// not finite counts as a failure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum QpStatus {
-    /// The optimum, to the tolerances of [`QpSettings`]: hard bounds are kept, also by states whose sums are rounded
-    /// otherwise, and the cost is proven to lie no further above the least one.
+    /// The returned point is optimal to the tolerances of [`QpSettings`]. The hard bounds are kept, also by
+    /// states that are computed with another order of rounding. The cost is proven to exceed the optimum at
+    /// most by the allowed gap.
     Solved,
-    /// The hard state bounds or rows cannot be kept (or no point that keeps them was found within the cap): the
-    /// inputs returned minimize the violation by an exact penalty and keep their own bounds.
+    /// The hard state bounds or rows cannot be kept, or no point that keeps them was found within the limit
+    /// of iterations. The returned inputs minimize the violation by an exact penalty and keep their own
+    /// bounds.
     Relaxed,
-    /// The cap on iterations was reached, or rounding allows no further step, or the dynamics let rounding grow
-    /// until a hard bound is violated (residuals do not show that). Of the points that all starts
-    /// led to, the cheapest one that keeps the bounds is returned, or else the one with the smallest
-    /// residuals. The inputs keep their bounds, the KKT residuals tell how far they are from the optimum.
+    /// The problem was not solved. Reasons are: the limit of iterations was reached, rounding allows no
+    /// further step, or the dynamics amplify rounding errors until a hard bound is violated, which the
+    /// residuals do not show. Of the points of all attempts, the one with the least cost that keeps the
+    /// bounds is returned, or else the one with the smallest residuals. The inputs keep their bounds. The KKT
+    /// residuals show the distance from the optimum.
     IterationLimit,
-    /// The data are not a convex QP with finite numbers and ordered bounds, or the arithmetic broke down: the
-    /// inputs returned are those nearest zero within their bounds.
+    /// The data are not a convex QP with finite numbers and ordered bounds, or the arithmetic failed. The
+    /// returned inputs are those nearest to zero within their bounds.
     Invalid,
 }
 
-/// Residuals of the Karush–Kuhn–Tucker conditions at the point returned, largest absolute values. The
-/// multipliers are never negative, so dual feasibility has no residual.
+/// Residuals of the Karush–Kuhn–Tucker (KKT) conditions at the returned point, as largest absolute values.
+/// The multipliers are never negative, so dual feasibility has no residual.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KktResiduals {
-    /// Stationarity: the gradient of the Lagrangian with respect to the inputs, the costates eliminated by
-    /// their own recursion.
+    /// Stationarity: the gradient of the Lagrangian with respect to the inputs. The costates are eliminated
+    /// by their recursion.
     pub stationarity: f64,
-    /// Violation of the hard bounds and rows by the states rolled out through the dynamics, relative to the
-    /// bound where that exceeds 1; a row counts as divided by its largest coefficient. The inputs keep their
-    /// bounds.
+    /// Violation of the hard bounds and rows by the states that follow from the inputs. It is relative to the
+    /// bound if the magnitude of the bound exceeds 1. A row is scaled by its largest coefficient. The inputs
+    /// keep their bounds.
     pub primal: f64,
-    /// How far the cost may lie above the optimum: the duality gap of bounds and rows, and what a Newton step
-    /// would still gain. In units of the cost. Distances to a bound below 9e-16 count as none, relative to the bound
-    /// where its magnitude exceeds 1.
+    /// Upper bound of the distance of the cost from the optimum, in units of the cost: the duality gap of
+    /// bounds and rows plus the decrease that a Newton step would give. Distances to a bound below 9e-16
+    /// count as zero, relative to the bound if its magnitude exceeds 1.
     pub gap: f64,
 }
 
 /// Result of one solve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct QpReport {
-    /// How it ended.
+    /// Status of the returned point.
     pub status: QpStatus,
-    /// Iterations, each one factorization, of all starts, warm ones included, and of the method of multipliers
-    /// together; 0 if no bound is active at the optimum and none was at the last one.
+    /// Number of iterations of all starts, cold and warm, and of the method of multipliers. Each iteration is
+    /// one factorization. 0 if no bound is active at the optimum and no bound was active at the last
+    /// solution.
     pub iterations: usize,
-    /// Cost of the iterate returned, penalties of soft bounds and rows included, the constant cost of x_0 not.
+    /// Cost of the returned point. It includes the penalties of soft bounds and rows, but not the constant
+    /// cost of x_0.
     pub cost: f64,
-    /// Residuals at the iterate returned.
+    /// Residuals of the returned point.
     pub residuals: KktResiduals,
 }
 
-/// Tolerances and caps.
+/// Tolerances and the limit of iterations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct QpSettings {
-    /// Duality gap at which the iteration stops, relative to the cost with its penalties, or to 5e-5 of its quadratic
-    /// terms where these cancel. A gap up to `w f² + 9e-16 w₁` counts as none, so that optima without cost are
-    /// found: w is the largest entry of the weights, f [`Self::feasibility`], and w₁ the largest linear penalty.
-    /// That is what moving one variable by f costs, or one of size 1 by rounding past its soft bound.
+    /// Duality gap at which the iteration stops, relative to the cost with its penalties, or to 5e-5 of its
+    /// quadratic terms if these are canceled by the linear terms. A gap up to `w f² + 9e-16 w₁` always counts
+    /// as zero, so that optima with the cost 0 are found. w is the largest entry of the weights, f is
+    /// [`Self::feasibility`], and w₁ is the largest linear penalty. This gap is the cost of a change of one
+    /// variable by f, or of a violation of a soft bound of size 1 by rounding.
     pub tolerance: f64,
-    /// Largest violation of a hard bound or row by the states returned, relative to the bound where its magnitude
-    /// exceeds 1, else in units of the variable: 1e-10 is at most 1e-6 of every bound from 1e-4 on. A row counts
-    /// as divided by its largest coefficient. States that are rolled out with sums rounded otherwise keep the bounds to
-    /// 1e4 times this.
+    /// Largest violation of a hard bound or row by the returned states. It is relative to the bound if the
+    /// magnitude of the bound exceeds 1, otherwise in units of the variable. The value 1e-10 is at most 1e-6
+    /// of every bound from 1e-4 on. A row is scaled by its largest coefficient. States that are computed with
+    /// another order of rounding keep the bounds to 1e4 times this value.
     pub feasibility: f64,
-    /// Cap on interior-point iterations of each start. A start that closes in on the solution goes on with those of
-    /// later ones. Where a start leads nowhere, others follow, and the
-    /// method of multipliers last, with as many again: a solve takes at most three times as many iterations
-    /// from a cold start, and four more from a warm one.
+    /// Limit of the interior-point iterations of each start. A start that is close to the solution may use
+    /// the iterations of later starts. If a start fails, other starts follow. The last attempt is the method
+    /// of multipliers with the same limit. Altogether a solve takes at most three times this number of
+    /// iterations with a cold start, and 16 more with a warm start.
     pub max_iterations: usize,
 }
 
 impl Default for QpSettings {
-    /// Tolerance 1e-8, feasibility 1e-10, at most 50 iterations.
+    /// Tolerance 1e-8, feasibility 1e-10, and at most 50 iterations.
     fn default() -> Self {
         Self { tolerance: 1e-8, feasibility: 1e-10, max_iterations: 50 }
     }
 }
 
-/// A solver cannot be constructed with these sizes.
+/// Error of the construction of a solver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum QpError {
-    /// The horizon must be 1..=100.
+    /// The horizon is not in 1..=100.
     #[error("horizon is {0} stages; it must be 1 to 100")]
     Horizon(usize),
-    /// `NX` must be 1..=32, `NU` 1..=32 and `NR` 0..=32.
+    /// `NX` is not in 1..=32, `NU` is not in 1..=32, or `NR` is not in 0..=32.
     #[error("a QP needs 1 to 32 states, 1 to 32 inputs and at most 32 rows per stage")]
     Size,
 }

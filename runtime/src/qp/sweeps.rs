@@ -1,4 +1,5 @@
-//! The sweeps of the Riccati recursion: solutions for a right-hand side, gradients, roll-outs.
+//! Sweeps of the Riccati recursion: solutions for a right-hand side, gradients, and roll-outs (states that
+//! follow from inputs).
 
 use super::lanes::{Vector, WIDTH, at, dot, flat, flat_mut, reduce4, vectorized};
 use super::ldl::solve_ldl;
@@ -6,7 +7,7 @@ use super::riccati::{MAX_LANES, Riccati};
 use super::trajectory::Trajectory;
 
 impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
-    /// The minimizer `step` for the linear costs `gradient`; `affine` as for [`Self::factorize`].
+    /// Computes the minimizer `step` for the linear costs `gradient`; for `affine` see [`Self::factorize`].
     pub(crate) fn solve(&self, gradient: &Trajectory<V>, step: &mut Trajectory<V>, affine: Option<&[V]>) {
         vectorized!(V, {
             self.backward(gradient, flat_mut(&mut step.u), affine.is_some());
@@ -14,14 +15,15 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         })
     }
 
-    /// Decrease of a function with these gradients by a Newton step with the last factorization: `½ Σ wᵀ (Λ D
-    /// Λᵀ)⁻¹ w`. The gradients are by inputs and states, the dynamics not yet eliminated; `scratch` is
-    /// overwritten.
+    /// Decrease of a function with these gradients by a Newton step with the last factorization:
+    /// `½ Σ wᵀ (Λ D Λᵀ)⁻¹ w`. The gradients are with respect to inputs and states before the dynamics are
+    /// eliminated. `scratch` is overwritten.
     pub(crate) fn decrease(&self, gradient: &Trajectory<V>, scratch: &mut Trajectory<V>) -> f64 {
         vectorized!(V, { self.backward(gradient, flat_mut(&mut scratch.u), false) })
     }
 
-    /// The backward sweep: feed-forward terms `d_k` into `d`. Returns their reduction of the cost.
+    /// The backward sweep, which writes the feed-forward terms `d_k` into `d`. Returns the decrease of the
+    /// cost by these terms.
     #[inline(always)]
     fn backward(&self, gradient: &Trajectory<V>, d: &mut [f64], affine: bool) -> f64 {
         let mut decrease = 0.0;
@@ -74,7 +76,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         decrease
     }
 
-    /// `p = g + Kᵀe + Φᵀp⁺`.
+    /// Computes `p = g + Kᵀe + Φᵀp⁺`.
     #[inline(always)]
     fn costate(&self, k: usize, g: &[V], e: &[f64; NU], p: &mut [V; MAX_LANES]) {
         let n = Self::RX;
@@ -93,7 +95,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         }
     }
 
-    /// The forward sweep: from the feed-forward terms in `u` to inputs and states.
+    /// The forward sweep, from the feed-forward terms in `u` to inputs and states.
     #[inline(always)]
     fn forward(&self, u: &mut [f64], x: &mut [V], affine: Option<&[V]>) {
         let n = Self::RX;
@@ -134,7 +136,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         }
     }
 
-    /// States of `x⁺ = A x + B u + c` for given inputs, `A_0 x_0` included in c_0.
+    /// Computes the states of `x⁺ = A x + B u + c` from the inputs. c_0 includes `A_0 x_0`.
     pub(crate) fn roll_out(&self, z: &mut Trajectory<V>, affine: &[V]) {
         vectorized!(V, {
             let mut state = [V::zero(); MAX_LANES];
@@ -145,8 +147,9 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         })
     }
 
-    /// [`Self::roll_out`] with sums that are rounded otherwise. Two orders of a sum of n terms differ by up to 2nε of
-    /// the terms (Higham, *Accuracy and Stability of Numerical Algorithms*, 2002, section 3.1).
+    /// Does the same as [`Self::roll_out`], with sums that are rounded differently. Two orders of a sum of n
+    /// terms differ by up to 2nε of the terms (Higham, *Accuracy and Stability of Numerical Algorithms*,
+    /// 2002, section 3.1).
     pub(crate) fn roll_out_otherwise(&self, z: &mut Trajectory<V>, affine: &[V]) {
         vectorized!(V, {
             let error = 2.0 * (NX + NU) as f64 * f64::EPSILON;
@@ -166,9 +169,9 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         })
     }
 
-    /// Moves the inputs of `z` by `limit(k, u_k)` and its states to where these inputs lead. By the gains of
-    /// the last factorization, later inputs act against what that and rounding change, which an unstable
-    /// system would let grow.
+    /// Replaces the inputs of `z` by `limit(k, u_k)` and its states by those that follow from these inputs.
+    /// The gains of the last factorization let later inputs counteract the changes and the rounding errors,
+    /// which an unstable system would amplify.
     pub(crate) fn project(
         &self,
         z: &mut Trajectory<V>,
@@ -203,7 +206,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         })
     }
 
-    /// `A_k x_k + B_k u_k + c_k`.
+    /// The next state `A_k x_k + B_k u_k + c_k`.
     #[inline(always)]
     fn follow(&self, k: usize, state: &[V; MAX_LANES], u: &[f64; NU], affine: &[V]) -> [V; MAX_LANES] {
         let n = Self::RX;
@@ -220,7 +223,8 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         next
     }
 
-    /// `gradient = H z + linear` for the weights (without barrier terms). Returns `(zᵀHz, linearᵀz)`.
+    /// Computes `gradient = H z + linear` with the weights H (without barrier terms). Returns
+    /// `(zᵀHz, linearᵀz)`.
     pub(crate) fn gradient(
         &self,
         z: &Trajectory<V>,
@@ -279,8 +283,8 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         }
     }
 
-    /// `½ Σ_k Δu_kᵀ (Λ D Λᵀ)_k Δu_k` of the last factorization: what moving the inputs costs above the
-    /// minimum.
+    /// The cost `½ Σ_k Δu_kᵀ (Λ D Λᵀ)_k Δu_k` of a change of the inputs from the minimum, with the last
+    /// factorization.
     pub(crate) fn input_energy(&self, u: &Trajectory<V>) -> f64 {
         let mut sum = 0.0;
         for (k, l) in self.ldl.iter().enumerate() {
@@ -296,8 +300,8 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         sum
     }
 
-    /// Reduced gradient of the inputs, `h + Bᵀp` with the costate `p = g + Aᵀp⁺`, in place of `h`, for the
-    /// gradients of the Lagrangian without dynamics.
+    /// Replaces `h` by the reduced gradient of the inputs, `h + Bᵀp` with the costate `p = g + Aᵀp⁺`.
+    /// `gradient` has the gradients g and h of the Lagrangian without dynamics.
     pub(crate) fn reduce(&self, gradient: &mut Trajectory<V>) {
         vectorized!(V, {
             let n = Self::RX;
@@ -328,7 +332,7 @@ fn product<const L: usize>(a: &[f64; L], b: &[f64; L]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// `next += M state`, the rows of M given.
+/// Adds the product of a matrix and a state: `next += M state`. `rows` are the rows of M.
 #[inline(always)]
 fn add_product<V: Vector, const ROWS: usize>(
     rows: &[V],
@@ -345,7 +349,7 @@ fn add_product<V: Vector, const ROWS: usize>(
     }
 }
 
-/// Lane-wise products of row `i` with a state, not yet summed over the lane; zero for padding rows.
+/// Products of row `i` with a state, one sum for each of the four numbers of a lane; zero for padding rows.
 #[inline(always)]
 fn rows_dot<V: Vector, const ROWS: usize>(rows: &[V], i: usize, n: usize, state: &[V; MAX_LANES]) -> V {
     if i >= ROWS {

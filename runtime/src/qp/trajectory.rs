@@ -1,11 +1,12 @@
-//! Inputs and states over the horizon, as lanes.
+//! Inputs and states over the horizon, stored in lanes.
 
 use super::lanes::{Vector, flat, flat_mut, lanes, largest, vectorized, zeros};
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
 
-/// Numbers for u_0 … u_{N−1}, contiguous without padding between stages, and for x_1 … x_N, each stage padded
-/// to whole lanes, and behind them, if there are any, for the rows of nodes 0 … N likewise ([`super::rows`]).
+/// Inputs and states over the horizon. `u` has u_0 … u_{N−1} without padding between stages. `x` has x_1 …
+/// x_N, each padded to whole lanes, and then the values of the rows of nodes 0 … N, padded in the same way
+/// ([`super::rows`]).
 #[derive(Debug, Clone)]
 pub(crate) struct Trajectory<V> {
     pub(crate) u: Vec<V>,
@@ -13,12 +14,12 @@ pub(crate) struct Trajectory<V> {
 }
 
 impl<V: Vector> Trajectory<V> {
-    /// `rows`: lanes of the rows.
+    /// Zeros. `rows` is the number of lanes of the rows.
     pub(crate) fn new(horizon: usize, nx: usize, nu: usize, rows: usize) -> Self {
         Self { u: zeros(lanes(horizon * nu)), x: zeros(horizon * lanes(nx) + rows) }
     }
 
-    /// Takes the numbers of another trajectory of the same shape.
+    /// Copies another trajectory of the same shape.
     pub(super) fn copy_from(&mut self, other: &Self) {
         self.u.copy_from_slice(&other.u);
         self.x.copy_from_slice(&other.x);
@@ -30,12 +31,12 @@ impl<V: Vector> Trajectory<V> {
         self.x.fill(V::zero());
     }
 
-    /// True if an entry differs from that of another trajectory.
+    /// Whether an entry differs from that of another trajectory.
     pub(super) fn differs_from(&self, other: &Self) -> bool {
         flat(&self.u) != flat(&other.u) || flat(&self.x) != flat(&other.x)
     }
 
-    /// `self += length · step`.
+    /// Adds a step: `self += length · step`.
     pub(super) fn advance(&mut self, step: &Self, length: f64) {
         vectorized!(V, {
             let length = V::splat(length);
@@ -48,7 +49,7 @@ impl<V: Vector> Trajectory<V> {
         })
     }
 
-    /// `selfᵀ other`.
+    /// Inner product `selfᵀ other`.
     pub(super) fn inner(&self, other: &Self) -> f64 {
         vectorized!(V, {
             let mut sum = V::zero();
@@ -70,7 +71,7 @@ impl<V: Vector> Trajectory<V> {
         })
     }
 
-    /// Largest magnitude of a state or value of a row.
+    /// Largest magnitude of a state or of a value of a row.
     pub(super) fn largest_state(&self) -> f64 {
         vectorized!(V, {
             let mut max = V::zero();
@@ -81,7 +82,7 @@ impl<V: Vector> Trajectory<V> {
         })
     }
 
-    /// `u_k`.
+    /// Input `u_k`.
     #[inline(always)]
     pub(super) fn input<const NU: usize>(&self, k: usize) -> [f64; NU] {
         let mut u = [0.0; NU];
@@ -89,7 +90,7 @@ impl<V: Vector> Trajectory<V> {
         u
     }
 
-    /// `x_{k+1}`.
+    /// State `x_{k+1}`.
     #[inline(always)]
     pub(super) fn state<const NX: usize>(&self, k: usize) -> [f64; NX] {
         let x = lanes(NX);

@@ -1,10 +1,10 @@
-//! One scalar motion for several coordinates.
+//! One scalar motion as the motion of several coordinates.
 
 use super::{Sample, Trajectory, TrajectoryError, require_finite};
 
-/// All coordinates follow one motion s(t), each with its own factor: `y(t) = y_0 + d s(t)`.
+/// A motion in which all coordinates follow one motion s(t), each with its own factor: `y(t) = y_0 + d s(t)`.
 ///
-/// With d = (1, −1), two parallel axes turn in opposite directions, and the link carried by the second keeps
+/// With d = (1, −1), two parallel axes turn in opposite directions, so the link after the second axis keeps
 /// its orientation. This is the compensated motion β = −γ, in which gravity at the second joint is almost
 /// constant. See [`Along::compensated`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,10 +15,10 @@ pub struct Along<T, const N: usize> {
 }
 
 impl<T: Trajectory<1>, const N: usize> Along<T, N> {
-    /// `offset` is y_0 [rad or m], `direction` is d.
+    /// A motion with `offset` y_0 [rad or m] and `direction` d. If d has no unit, `motion` is in rad or m.
     ///
     /// # Errors
-    /// Numbers that are not finite.
+    /// [`TrajectoryError::NotFinite`] if an entry is not finite.
     pub fn new(offset: [f64; N], direction: [f64; N], motion: T) -> Result<Self, TrajectoryError> {
         require_finite("offset", &offset)?;
         require_finite("direction", &direction)?;
@@ -27,10 +27,11 @@ impl<T: Trajectory<1>, const N: usize> Along<T, N> {
 }
 
 impl<T: Trajectory<1>> Along<T, 2> {
-    /// Compensated motion β = β_0 + s(t), γ = γ_0 − s(t); β + γ is constant.
+    /// Compensated motion β = β_0 + s(t), γ = γ_0 − s(t), in which β + γ is constant. `offset` is (β_0, γ_0)
+    /// (rad).
     ///
     /// # Errors
-    /// Numbers that are not finite.
+    /// [`TrajectoryError::NotFinite`] if an entry is not finite.
     pub fn compensated(offset: [f64; 2], motion: T) -> Result<Self, TrajectoryError> {
         Self::new(offset, [1.0, -1.0], motion)
     }

@@ -6,49 +6,49 @@ use crate::kinematics::{KinematicsError, Pose, Singularity, SphericalWrist};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use thiserror::Error;
 
-/// Largest step of a joint between two samples of a straight way (rad); more is a jump to another branch or a
-/// passage by a singularity.
+/// Largest step of a joint between two samples of a straight path (rad). A larger step is a jump to another
+/// branch of the inverse kinematics, or is caused by a nearby singularity.
 const LARGEST_STEP: f64 = 0.2;
 
-/// Errors of a sequence of poses.
+/// Error of a sequence of poses.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum CartesianError {
-    /// Invalid number of poses, duration or similar.
+    /// A number of poses or durations, a duration or the period is invalid.
     #[error(transparent)]
     Trajectory(#[from] TrajectoryError),
     /// A pose cannot be reached.
     #[error("pose {}: {source}", .pose + 1)]
     Unreachable {
-        /// Index of the pose; messages count from 1.
+        /// Index of the pose, from 0. Messages count from 1.
         pose: usize,
-        /// Why not.
+        /// Reason for which the arm cannot reach the pose.
         source: KinematicsError,
     },
     /// The straight path to a pose leaves the arm's workspace.
     #[error("at {time} s on the path to pose {}: {source}", .pose + 1)]
     WayUnreachable {
-        /// Index of the pose at its end; messages count from 1.
+        /// Index of the pose at the end of the path, from 0. Messages count from 1.
         pose: usize,
-        /// Time since its begin (s).
+        /// Time since the start of the path (s).
         time: f64,
-        /// Why not.
+        /// Reason for which the arm cannot reach this position of the path.
         source: KinematicsError,
     },
-    /// The straight way to a pose runs into a singularity.
+    /// The straight path to a pose leads through a singularity.
     #[error(
         "at {time} s on the path to pose {} the arm is singular in {singularity:?}; choose another path or \
          a motion in joint space",
         .pose + 1
     )]
     Singular {
-        /// Index of the pose at its end; messages count from 1.
+        /// Index of the pose at the end of the path, from 0. Messages count from 1.
         pose: usize,
-        /// Time since its begin (s).
+        /// Time since the start of the path (s).
         time: f64,
-        /// Which one.
+        /// Kind of the singularity.
         singularity: Singularity,
     },
-    /// A joint would have to jump on the straight way to a pose: the way passes close by a singularity.
+    /// A joint would have to jump on the straight path to a pose, because the path is close to a singularity.
     #[error(
         "at {time} s on the path to pose {} joint {} would turn by {step} rad in one sample, because the \
          path is close to a singularity",
@@ -56,22 +56,23 @@ pub enum CartesianError {
         .joint + 1
     )]
     Jump {
-        /// Index of the pose at its end; messages count from 1.
+        /// Index of the pose at the end of the path, from 0. Messages count from 1.
         pose: usize,
-        /// Time since its begin (s).
+        /// Time since the start of the path (s).
         time: f64,
-        /// Index of the joint; messages count from 1.
+        /// Index of the joint, from 0. Messages count from 1.
         joint: usize,
         /// Step of the joint (rad).
         step: f64,
     },
 }
 
-/// Joint angles for `poses` within `limits` (rad), each the closest solution to the previous one; the first
-/// is closest to `start`.
+/// Joint angles for `poses` within `limits` (rad). The angles for each pose are the solution closest to the
+/// previous angles, and those for the first pose are the solution closest to `start`.
 ///
 /// # Errors
-/// [`CartesianError::Unreachable`]. Singular poses are allowed: free joints keep their angles.
+/// [`CartesianError::Unreachable`] if a pose has no solution within the limits. Singular poses are allowed:
+/// joints whose angle is then arbitrary keep it.
 pub fn joint_points(
     arm: &SphericalWrist,
     poses: &[Pose],
@@ -91,10 +92,10 @@ pub fn joint_points(
     Ok(points)
 }
 
-/// Motion from pose to pose with rest at each, straight in joint space.
+/// Motion from pose to pose on straight lines in joint space, at rest in each pose.
 ///
 /// # Errors
-/// See [`joint_points`] and [`PointSequence::within`].
+/// The errors of [`joint_points`] and of [`PointSequence::within`].
 pub fn pose_sequence(
     arm: &SphericalWrist,
     poses: &[Pose],
@@ -107,14 +108,22 @@ pub fn pose_sequence(
     Ok(PointSequence::within(&points, speeds, accelerations, 0.0)?)
 }
 
-/// Motion from pose to pose with rest at each, straight in space: the frame's origin moves on a line and the
-/// frame turns about one axis, both with the profile s(t/T) of [`RestToRest`], in `durations` (s). Inverse
-/// kinematics gives joint positions every `period` (s), the Jacobian velocities and accelerations: `ẏ = J⁻¹
-/// V`, `ÿ = J⁻¹ (A − J̇ ẏ)`. The first pose is that of `start`.
+/// Motion from pose to pose on straight lines in space, at rest in each pose. On each path the frame's origin
+/// moves on a line, and the frame turns about a fixed axis. Both follow the profile s(t/T) of [`RestToRest`],
+/// where T is the entry of `durations` (s), rounded up to whole periods. Inverse kinematics gives the joint
+/// positions at every `period` (s). The Jacobian gives velocities and accelerations: `ẏ = J⁻¹ V`,
+/// `ÿ = J⁻¹ (A − J̇ ẏ)`, with the frame's velocity V and acceleration A. The first path begins in the pose of
+/// the joint angles `start` (rad).
+///
+/// A rotation by more than 180° is made in the shorter direction. For exactly 180°, rounding decides the
+/// direction.
 ///
 /// # Errors
-/// [`CartesianError`]. A turn by half a turn or more takes the shorter direction; for exactly half a turn
-/// rounding decides it.
+/// [`CartesianError::WayUnreachable`], [`CartesianError::Singular`] or [`CartesianError::Jump`] for a path
+/// that the arm cannot follow. [`CartesianError::Trajectory`] with [`TrajectoryError::TooFew`] if the number
+/// of durations differs from the number of poses, also if there are too many durations.
+/// [`CartesianError::Trajectory`] for a period or duration that is not positive and finite, or for too many
+/// samples.
 pub fn straight_ways(
     arm: &SphericalWrist,
     start: &[f64; 6],
@@ -149,12 +158,12 @@ pub fn straight_ways(
     Ok(Sampled::new(samples, period)?)
 }
 
-/// One straight way.
+/// One straight path.
 struct Way {
     from: Vector3<f64>,
     line: Vector3<f64>,
     rotation: Matrix3<f64>,
-    /// Axis times angle, in the base frame.
+    /// Rotation axis times angle (rad), in the base frame.
     turn: Vector3<f64>,
     course: RestToRest<1>,
 }

@@ -1,29 +1,31 @@
-//! Motions of robots with quaternions: smooth paths through poses.
+//! Smooth motions through poses for robots with quaternions.
 
 use super::{Sample, Trajectory, TrajectoryError};
 use crate::dynamics::{Dynamics, Named};
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
 
-/// Turns this close to half a turn have no shortest way (rad).
+/// Angles of rotation from this one on have no unique shortest direction (rad).
 const HALF_TURN: f64 = core::f64::consts::PI - 1e-6;
 
-/// A C² motion through positions at given times; attitudes turn in the shortest direction.
+/// A C² motion through positions at given times. Attitudes turn in the shortest direction.
 ///
-/// Between two points y_k, y_{k+1} it is a Bézier curve on the manifold (Kim, Kim and Shin, *A general
-/// construction scheme for unit quaternion curves with simple high order derivatives*, SIGGRAPH 1995) with
-/// velocities v_k, v_{k+1} and zero accelerations at its ends:
+/// Between two points y_k and y_{k+1} at the distance T_k in time, the motion is a Bézier curve on the
+/// manifold (Kim, Kim and Shin, *A general construction scheme for unit quaternion curves with simple high
+/// order derivatives*, SIGGRAPH 1995). At its ends it has the velocities v_k and v_{k+1} and zero
+/// accelerations:
 ///
 /// ```text
 ///     y(t) = y_k ⊕ β₁(s) d₁ ⊕ β₂(s) d₂ ⊕ β₃(s) d₃,    s = (t − t_k)/T_k,    d₁ = 2 v_k T_k/5,    d₃ = 2 v_{k+1} T_k/5
 /// ```
 ///
-/// where β are sums of Bernstein polynomials of degree 5 from 0 to 1, and d₂ is such that the curve ends in
-/// y_{k+1}. For samples with accelerations a_k ([`Self::sampled`]), the factors `⊕ T_k² γ(s) a_k` after the
-/// first and `⊕ T_k² γ(1 − s) a_{k+1}` after the last add these accelerations at the ends, with γ(s) = s² (1
-/// − s)³/2. Velocities v and accelerations v̇ are the exact derivatives along ⊕. Coordinates of joints
-/// without quaternions are polynomials of degree 5. Two points give a motion from rest to rest along a
-/// geodesic, `y_0 ⊕ β₂ (y_1 ⊖ y_0)`: a screw for a floating joint.
+/// β₁, β₂, β₃ are sums of Bernstein polynomials of degree 5 that grow from 0 to 1. d₂ is chosen so that the
+/// curve ends in y_{k+1}. For samples with accelerations a_k ([`Self::sampled`]), the factor
+/// `⊕ T_k² γ(s) a_k` after the first one and the factor `⊕ T_k² γ(1 − s) a_{k+1}` after the last one add
+/// these accelerations at the ends, with γ(s) = s² (1 − s)³/2. Velocities v and accelerations v̇ are the
+/// exact derivatives along ⊕. Coordinates of joints without quaternions are polynomials of degree 5. For two
+/// points, the motion is from rest to rest along the geodesic `y_0 ⊕ β₂ (y_1 ⊖ y_0)`, which is a screw for a
+/// floating joint.
 ///
 /// Before its start and after its end the motion is at rest.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,15 +42,15 @@ struct Piece<const N: usize, const NY: usize> {
     length: f64,
     start: [f64; NY],
     ways: [[f64; N]; 3],
-    /// T² times the accelerations at both ends.
+    /// Accelerations at both ends, times T².
     bends: Option<[[f64; N]; 2]>,
 }
 
 impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> GeodesicMotion<D, N, M, NY> {
-    /// Motion from rest to rest in `duration` (s).
+    /// Motion from rest at `start` to rest at `end` in `duration` (s).
     ///
     /// # Errors
-    /// See [`Self::through`].
+    /// The errors of [`Self::through`].
     pub fn between(
         robot: D,
         start: [f64; NY],
@@ -58,12 +60,15 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Geo
         Self::through(robot, &[(0.0, start), (duration, end)])
     }
 
-    /// Motion through points at their times (s), the first at 0, with rest at both ends. Velocities at inner
-    /// points are weighted means of those of the neighbouring segments; the weights reproduce a parabola.
+    /// Motion through `points` (time in s, positions), at rest at both ends. The first time is 0. The
+    /// velocity at an inner point is the weighted mean of the velocities of both neighbouring segments. The
+    /// weights reproduce a parabola.
     ///
     /// # Errors
-    /// [`TrajectoryError`]: fewer than two points, times that do not increase from 0, numbers that are not
-    /// finite, a quaternion that is not an attitude, or a turn by half a turn or more between two points.
+    /// [`TrajectoryError::TooFew`] for fewer than two points, [`TrajectoryError::OutOfRange`] for times that
+    /// do not increase from 0, [`TrajectoryError::NotFinite`] for an entry that is not finite,
+    /// [`TrajectoryError::Attitude`] for a quaternion that is not an attitude, and
+    /// [`TrajectoryError::HalfTurn`] for a rotation by 180° between two points.
     pub fn through(robot: D, points: &[(f64, [f64; NY])]) -> Result<Self, TrajectoryError> {
         let (times, positions) = checked(&robot, points)?;
         let ways: Vec<[f64; N]> =
@@ -74,12 +79,13 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Geo
         Self::of_pieces(robot, (&times, &positions, &velocities), &|_| None)
     }
 
-    /// Motion through samples with velocities and accelerations at the period T (s), which it has at the
-    /// samples. If all turns are about one axis, it is the polynomial of degree 5 between them; otherwise the
-    /// order of turns changes accelerations by the relative amount T |ω × ω̇|.
+    /// Motion through samples at the period T (s), with the positions, velocities and accelerations of the
+    /// samples. If all rotations are about one axis, the motion between two samples is the polynomial of
+    /// degree 5. Otherwise the order of the rotations changes the accelerations by the relative amount T |ω ×
+    /// ω̇|.
     ///
     /// # Errors
-    /// See [`Self::through`].
+    /// The errors of [`Self::through`].
     pub fn sampled(robot: D, samples: &[Sample<N, NY>], period: f64) -> Result<Self, TrajectoryError> {
         let points: Vec<(f64, [f64; NY])> =
             samples.iter().enumerate().map(|(k, sample)| (k as f64 * period, sample.positions)).collect();
@@ -139,7 +145,8 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Geo
         sample
     }
 
-    /// `y ⊕ β d`: `v ← Ad(exp(−β d)) v + β̇ d`, `v̇ ← Ad(exp(−β d)) v̇ − β̇ [d, Ad(exp(−β d)) v] + β̈ d`.
+    /// Multiplies `y` by one factor: `y ⊕ β d`, `v ← Ad(exp(−β d)) v + β̇ d`,
+    /// `v̇ ← Ad(exp(−β d)) v̇ − β̇ [d, Ad(exp(−β d)) v] + β̈ d`.
     fn add(&self, sample: &mut Sample<N, NY>, way: &[f64; N], [value, rate, change]: [f64; 3]) {
         let d = way.map(|d| value * d);
         let (by_y, _) = self.robot.integrate_derivatives(&sample.positions, &d);
@@ -154,8 +161,8 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Geo
     }
 }
 
-/// The three sums of Bernstein polynomials with their first and second derivatives: the first grows with 5 s/2, the
-/// last ends so, the middle one begins and ends flat.
+/// The three sums of Bernstein polynomials with their first and second derivatives. The first one begins with
+/// the slope 5/2, the last one ends with this slope, and the middle one begins and ends with the slope 0.
 fn blends(s: f64) -> [[f64; 3]; 3] {
     let r = 1.0 - s;
     // β₁ is half of 2 − (1 − s)⁵ − (1 − s)⁴ (1 + 4 s), and β₃(s) = 1 − β₁(1 − s).
@@ -169,7 +176,8 @@ fn blends(s: f64) -> [[f64; 3]; 3] {
     [outer(s, r), middle, last]
 }
 
-/// γ(s) = s² (1 − s)³/2 with its first and second derivatives: 0, but for a second derivative of 1 at 0.
+/// γ(s) = s² (1 − s)³/2 with its first and second derivatives. At both ends all three are 0, except for the
+/// second derivative at s = 0, which is 1.
 fn bump(s: f64) -> [f64; 3] {
     let r = 1.0 - s;
     let value = 0.5 * s * s * r * r * r;
@@ -207,7 +215,7 @@ fn checked<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usiz
     Ok((points.iter().map(|(time, _)| *time).collect(), positions))
 }
 
-/// Half a turn has no shortest way.
+/// Checks that no rotation is by 180°, because it would have no shortest direction.
 fn check_turns<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
     ways: &[[f64; N]],
@@ -226,7 +234,8 @@ fn check_turns<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: 
     Ok(())
 }
 
-/// At the points, in the frames that bodies have there: rest at both ends, between the weighted means of both ways.
+/// Velocities at the points, in the body frames there: rest at both ends, and weighted means of both segments
+/// at inner points.
 fn velocities<const N: usize>(ways: &[[f64; N]], lengths: &[f64]) -> Vec<[f64; N]> {
     let mean = |k: usize| {
         let [before, after] = [lengths[k - 1], lengths[k]];

@@ -5,14 +5,15 @@ use crate::dynamics::{AttitudeError, DependentJoint, Limits, Named};
 use crate::no_std::*;
 use thiserror::Error;
 
-/// A desired state with accelerations; for a robot with quaternions it has NY position entries.
+/// A desired state with accelerations. For a robot with quaternions it has NY position entries and N velocity
+/// entries.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample<const N: usize, const NY: usize = N> {
-    /// y [rad or m].
+    /// Positions y [rad or m].
     pub positions: [f64; NY],
-    /// ẏ [rad/s or m/s]; v for a robot with quaternions.
+    /// Velocities ẏ [rad/s or m/s], or v for a robot with quaternions.
     pub velocities: [f64; N],
-    /// ÿ [rad/s² or m/s²]; v̇ for a robot with quaternions.
+    /// Accelerations ÿ [rad/s² or m/s²], or v̇ for a robot with quaternions.
     pub accelerations: [f64; N],
 }
 
@@ -23,7 +24,7 @@ impl<const N: usize, const NY: usize> Sample<N, NY> {
         Self { positions, velocities: [0.0; N], accelerations: [0.0; N] }
     }
 
-    /// Whether all numbers are finite.
+    /// Whether all entries are finite.
     #[must_use]
     pub fn is_finite(&self) -> bool {
         let mut all = self.positions.iter().chain(&self.velocities).chain(&self.accelerations);
@@ -31,22 +32,22 @@ impl<const N: usize, const NY: usize> Sample<N, NY> {
     }
 }
 
-/// Limits of a motion by coordinate. By default there are none.
+/// Limits of the coordinates of a motion. By default all limits are infinite.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotionLimits<const N: usize> {
-    /// Lowest and highest position [rad or m].
+    /// Lowest and highest positions [rad or m].
     pub positions: [[f64; 2]; N],
-    /// Largest speed [rad/s or m/s].
+    /// Largest speeds [rad/s or m/s].
     pub speeds: [f64; N],
-    /// Largest acceleration [rad/s² or m/s²].
+    /// Largest accelerations [rad/s² or m/s²].
     pub accelerations: [f64; N],
-    /// Largest jerk [rad/s³ or m/s³]; not used by [`ViaPoints`](super::ViaPoints).
+    /// Largest jerks [rad/s³ or m/s³]. [`ViaPoints`](super::ViaPoints) ignores them.
     pub jerks: [f64; N],
-    /// Followers of several coordinates with limits of position or speed, which
-    /// [`ViaPoints`](super::ViaPoints) keeps. Followers of one coordinate are included in that coordinate's
-    /// limits. Followers of driven joints are not included.
+    /// Followers, which are joints that follow several coordinates, with limits of position or speed.
+    /// [`ViaPoints`](super::ViaPoints) keeps these limits. The limits of joints that follow one coordinate
+    /// are part of the limits of this coordinate. Joints that follow driven joints are not included.
     pub dependent: &'static [DependentJoint<N>],
-    /// Share (0 to 1) of the followers' speeds that may be used.
+    /// Share (0 to 1) of the speed limits of the followers that may be used.
     pub dependent_share: f64,
 }
 
@@ -64,10 +65,10 @@ impl<const N: usize> Default for MotionLimits<N> {
 }
 
 impl<const N: usize> MotionLimits<N> {
-    /// Position limits of a model, a share (0 to 1) of its speeds, and given accelerations, because few
-    /// models have `ACCELERATION_LIMITS`. Limits of followers of one coordinate narrow the limits of this
-    /// coordinate; followers of several are copied. [`violations`](crate::limits::violations) checks the
-    /// limits of followers of driven joints.
+    /// Position limits of a model, the share `share` (0 to 1) of its speed limits, and the given acceleration
+    /// limits, because few models have `ACCELERATION_LIMITS`. The limits of joints that follow one coordinate
+    /// narrow the limits of this coordinate. Joints that follow several coordinates are copied.
+    /// [`violations`](crate::limits::violations) checks the limits of joints that follow driven joints.
     #[must_use]
     pub fn of<const M: usize>(limits: &Limits<N, M>, share: f64, accelerations: [f64; N]) -> Self {
         let Limits { position, velocity, .. } = limits.narrowed();
@@ -81,10 +82,13 @@ impl<const N: usize> MotionLimits<N> {
         }
     }
 
+    /// Checks the positions of a point.
+    ///
     /// - `point`: index of the point, for messages
     ///
     /// # Errors
-    /// A position that is not finite or outside its limits.
+    /// [`TrajectoryError::NotFinite`] for a position that is not finite, [`TrajectoryError::PointOutside`]
+    /// for a position outside its limits.
     pub(super) fn check_position(&self, point: usize, positions: &[f64; N]) -> Result<(), TrajectoryError> {
         for joint in 0..N {
             let limits @ [low, high] = self.positions[joint];
@@ -103,8 +107,8 @@ impl<const N: usize> MotionLimits<N> {
     }
 
     /// # Errors
-    /// [`TrajectoryError::NotPositive`] for limits that are not positive, or of positions whose upper one is
-    /// not above the lower.
+    /// [`TrajectoryError::NotPositive`] for a limit that is not positive, or for an upper position limit that
+    /// is not above the lower one.
     pub(super) fn check(&self) -> Result<(), TrajectoryError> {
         let widths = self.positions.map(|[low, high]| high - low);
         let all = [
@@ -127,19 +131,19 @@ impl<const N: usize> MotionLimits<N> {
 
 /// A motion from time 0 to [`duration`](Self::duration).
 ///
-/// For a robot with quaternions (NY ≠ N) velocities are v and accelerations v̇; positions change by `ẏ = T(y)
-/// v`. [`GeodesicMotion`](super::GeodesicMotion) is such a motion.
+/// For a robot with quaternions (NY ≠ N) the velocities are v and the accelerations are v̇. The positions
+/// change by `ẏ = T(y) v`. [`GeodesicMotion`](super::GeodesicMotion) is a motion of this kind.
 pub trait Trajectory<const N: usize, const NY: usize = N> {
     /// Duration (s).
     fn duration(&self) -> f64;
 
-    /// Desired state at `t` (s). Before the start and after the end the motion is at rest at the first or
-    /// last position; NaN counts as before the start.
+    /// Desired state at the time `t` (s). Before the start and after the end the motion is at rest at the
+    /// first or last position. NaN counts as a time before the start.
     fn sample(&self, t: f64) -> Sample<N, NY>;
 
-    /// Begins a period of the loop at `time` (s); earlier times are not requested afterwards. A motion that
-    /// changes at run time must apply changes only here, so that a period sees one motion. The default does
-    /// nothing.
+    /// Begins a period of the loop at `time` (s). Afterwards no earlier time is requested. A motion that
+    /// changes at run time must apply changes only in this method, so that all samples of a period belong to
+    /// one motion. The default does nothing.
     fn begin_period(&self, time: f64) {
         let _ = time;
     }
@@ -165,7 +169,7 @@ macro_rules! as_what_it_points_to {
 
 as_what_it_points_to!(&T, Box<T>);
 
-/// Errors of a trajectory.
+/// Error of a trajectory.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum TrajectoryError {
     /// A number is NaN or infinite.
@@ -184,14 +188,14 @@ pub enum TrajectoryError {
         /// Value of the number.
         value: f64,
     },
-    /// Too few points or samples.
-    #[error("{given} {what} given; at least {needed} are needed")]
+    /// There are too few points or samples, or the numbers of two lists do not match.
+    #[error("{given} {what} given; {needed} are needed")]
     TooFew {
-        /// The kind of entries that are too few: points or samples.
+        /// Kind of the entries that are too few, for example points or samples.
         what: &'static str,
-        /// How many are needed.
+        /// Number of entries that are needed.
         needed: usize,
-        /// How many there are.
+        /// Number of entries that are given.
         given: usize,
     },
     /// A number is out of range.
@@ -201,7 +205,7 @@ pub enum TrajectoryError {
         what: &'static str,
         /// Value of the number.
         value: f64,
-        /// The range that is allowed.
+        /// Allowed range.
         range: &'static str,
     },
     /// A point is outside the position limits.
@@ -210,9 +214,9 @@ pub enum TrajectoryError {
         .point + 1, .joint + 1, .limits[0], .limits[1]
     )]
     PointOutside {
-        /// Index of the point; messages count from 1.
+        /// Index of the point, from 0. Messages count from 1.
         point: usize,
-        /// Index of the joint; messages count from 1.
+        /// Index of the joint, from 0. Messages count from 1.
         joint: usize,
         /// Position of the joint [rad or m].
         position: f64,
@@ -227,7 +231,7 @@ pub enum TrajectoryError {
     DependentOutside {
         /// Name of the joint.
         joint: &'static str,
-        /// Index of the point; messages count from 1.
+        /// Index of the point, from 0. Messages count from 1.
         point: usize,
         /// Position of the joint [rad or m].
         position: f64,
@@ -243,14 +247,15 @@ pub enum TrajectoryError {
     DependentOvershoot {
         /// Name of the joint.
         joint: &'static str,
-        /// Index of the point before; messages count from 1.
+        /// Index of the point before, from 0. Messages count from 1.
         point: usize,
         /// Farthest position of the joint [rad or m].
         position: f64,
         /// Limits [rad or m].
         limits: [f64; 2],
     },
-    /// A joint that follows several coordinates has limits, which a motion cannot keep that knows limits of coordinates alone.
+    /// A joint that follows several coordinates has limits. The motion cannot keep them, because it only
+    /// keeps limits of single coordinates.
     #[error(
         "joint {} follows several coordinates, but motions to a changing target keep only limits of single \
          coordinates: narrow these limits and remove the joint from `MotionLimits::dependent`, or use \
@@ -261,23 +266,23 @@ pub enum TrajectoryError {
         /// Name of the joint.
         joint: &'static str,
     },
-    /// Two points in a row are the same: a motion that does not stop cannot pass both.
+    /// Two consecutive points are equal. A motion that does not stop cannot pass both.
     #[error(
         "points {} and {} are equal: remove one, or stop there with a sequence of points", .point, .point + 1
     )]
     RepeatedPoint {
-        /// Index of the second one; messages count from 1.
+        /// Index of the second point, from 0. Messages count from 1.
         point: usize,
     },
     /// A quaternion of a point is not an attitude.
     #[error("point {}: {error}", .point + 1)]
     Attitude {
-        /// Index of the point; messages count from 1.
+        /// Index of the point, from 0. Messages count from 1.
         point: usize,
         /// Joint and fault of the quaternion.
         error: AttitudeError,
     },
-    /// Between two points a joint turns by half a turn, which has no shortest way.
+    /// Between two points a joint turns by 180°, so the shortest direction is not unique.
     #[error(
         "joint {} turns by {angle} rad between points {} and {}; from half a turn the shortest direction is \
          ambiguous: insert a point", Named(.joint), .point, .point + 1
@@ -285,28 +290,28 @@ pub enum TrajectoryError {
     HalfTurn {
         /// Name of the joint.
         joint: &'static str,
-        /// Index of the second point; messages count from 1.
+        /// Index of the second point, from 0. Messages count from 1.
         point: usize,
-        /// The angle (rad).
+        /// Angle of the rotation (rad).
         angle: f64,
     },
     /// Neither speed nor acceleration of a joint is limited.
     #[error("joint {} moves, but neither its speed nor its acceleration is limited", .joint + 1)]
     Unlimited {
-        /// Index of the joint; messages count from 1.
+        /// Index of the joint, from 0. Messages count from 1.
         joint: usize,
     },
     /// A file cannot be read.
     #[error("{place}: {message}")]
     File {
-        /// File, and row where known.
+        /// File, with the row if it is known.
         place: String,
-        /// The fault that was found.
+        /// Fault that was found.
         message: String,
     },
 }
 
-/// A motion whose speeds or accelerations overflow.
+/// Checks that speeds and accelerations are finite.
 pub(super) fn require_representable(what: &'static str, values: &[f64]) -> Result<(), TrajectoryError> {
     match values.iter().find(|x| !x.is_finite()) {
         None => Ok(()),
@@ -318,7 +323,7 @@ pub(super) fn require_representable(what: &'static str, values: &[f64]) -> Resul
     }
 }
 
-/// The periods of a motion, if they are not too many.
+/// Number of periods of a motion, at most [`MAX_SAMPLES`].
 pub(super) fn require_periods(duration: f64, period: f64) -> Result<usize, TrajectoryError> {
     whole_periods(duration, period).ok_or(TrajectoryError::OutOfRange {
         what: "duration in periods",

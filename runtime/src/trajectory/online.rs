@@ -1,4 +1,4 @@
-//! A target that may change at run time, approached with limited jerk.
+//! Motion with limited jerk to a target that may change at run time.
 
 use super::sums;
 use super::{MotionLimits, Sample, Trajectory, TrajectoryError};
@@ -12,14 +12,14 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 /// a new motion from the current state, so positions, velocities and accelerations are continuous.
 ///
 /// The crate `rsruckig` computes the motion (Berscheid, Kröger, *Jerk-limited Real-time Trajectory Generation
-/// with Arbitrary Target States*, RSS 2021) in about 10 µs for seven joints, in the loop's thread and without
-/// allocation.
+/// with Arbitrary Target States*, RSS 2021). This takes about 10 µs for seven joints, is done in the thread
+/// of the loop, and allocates nothing.
 ///
-/// Clones share target and motion: use one in the loop, one in its controller, and one to [`set`](Self::set)
-/// targets from any thread. The loop applies a new target at the start of a period
-/// ([`Trajectory::begin_period`]; call it yourself without a loop). The duration is infinite: the loop runs
-/// until a stop is requested. A predictive controller predicts with the motion to the current target; its
-/// terminal weights are those of the start.
+/// Clones share target and motion. Use one clone in the loop, one in its controller, and one to
+/// [`set`](Self::set) targets from any thread. The loop applies a new target at the start of a period
+/// ([`Trajectory::begin_period`]; without a loop, call this method yourself). The duration is infinite: the
+/// loop runs until a stop is requested. A predictive controller predicts with the motion to the current
+/// target. Its terminal weights are those of the initial motion.
 ///
 /// ```
 /// use gelenk_runtime::trajectory::{MotionLimits, OnlineTarget, Trajectory};
@@ -42,9 +42,9 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 #[derive(Clone)]
 pub struct OnlineTarget<const N: usize> {
     limits: MotionLimits<N>,
-    /// State that other threads touch; the loop never waits for it.
+    /// Target from other threads. The loop never waits for this lock.
     requests: Arc<Mutex<Requests<N>>>,
-    /// State of the loop and its controller, in one thread.
+    /// State of the loop and its controller, which are in one thread.
     plan: Arc<Mutex<Plan<N>>>,
 }
 
@@ -55,7 +55,7 @@ impl<const N: usize> fmt::Debug for OnlineTarget<N> {
 }
 
 struct Requests<const N: usize> {
-    /// Not yet taken over.
+    /// Target that the loop has not applied yet; `None` if there is no new target.
     pending: Option<[f64; N]>,
     status: TargetStatus<N>,
 }
@@ -63,11 +63,11 @@ struct Requests<const N: usize> {
 /// Status of the last target.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum TargetStatus<const N: usize> {
-    /// The motion leads to this target and arrives at this time of the trajectory (s).
+    /// The motion leads to this target.
     Followed {
         /// Target [rad or m].
         target: [f64; N],
-        /// Time of arrival (s).
+        /// Time of arrival on the trajectory (s).
         arrival: f64,
     },
     /// The loop has not applied this target yet.
@@ -75,8 +75,8 @@ pub enum TargetStatus<const N: usize> {
         /// Target [rad or m].
         target: [f64; N],
     },
-    /// No motion from the current state to this target keeps the limits; the motion to the previous target
-    /// continues.
+    /// There is no motion from the current state to this target that keeps the limits. The motion to the
+    /// previous target continues.
     Refused {
         /// Target [rad or m].
         target: [f64; N],
@@ -87,16 +87,16 @@ struct Plan<const N: usize> {
     generator: Ruckig<N, Quiet>,
     input: InputParameter<N>,
     profile: Profile<N>,
-    /// Computed while `profile` is still needed.
+    /// Memory for the next profile, which is computed while `profile` is still needed.
     next: Profile<N>,
-    /// When `profile` begins on the trajectory (s).
+    /// Time on the trajectory at which `profile` begins (s).
     begin: f64,
     target: [f64; N],
-    /// Periods in which the present request has failed.
+    /// Number of periods in which no motion to the new target was found.
     attempts: u32,
 }
 
-/// Errors without a text: the loop must not allocate one.
+/// Errors without text, because the loop must not allocate a text.
 struct Quiet;
 
 impl RuckigErrorHandler for Quiet {
@@ -109,23 +109,25 @@ impl RuckigErrorHandler for Quiet {
     }
 }
 
-/// Largest violation of the position limits by a computed motion [rad or m]: it ends within 1e-8 of its
-/// target.
+/// Tolerance of the position limits for a computed motion [rad or m]. A computed motion ends within 1e-8 of
+/// its target.
 const SLACK: f64 = 1e-7;
-/// Largest position and limit, and its inverse the least limit: over eight decades the generator was seen to
-/// keep its limits, over twelve not.
+/// Largest position and largest limit. The inverse is the least limit. Over eight decades the generator kept
+/// its limits in tests, over twelve decades it did not.
 const LARGEST: f64 = 1e4;
-/// Periods in which a target is tried before it is refused: of four million random ones eight found no
-/// motion, from a state that a period later is another.
+/// Number of periods in which a target is tried before it is refused. For eight of four million random
+/// targets no motion was found. One period later the state is another one, so the next trial may succeed.
 const ATTEMPTS: u32 = 5;
 
 impl<const N: usize> OnlineTarget<N> {
     /// A motion at rest at `start` [rad or m] until a target is set.
     ///
     /// # Errors
-    /// Limits of speed, acceleration or jerk outside 1e-4 to 1e4, for which the generator's equations are
-    /// well scaled; a follower of several coordinates in [`MotionLimits::dependent`], whose limits this
-    /// motion does not keep; a start that is not finite, outside the position limits, or beyond 1e4.
+    /// [`TrajectoryError::OutOfRange`] for limits of speed, acceleration or jerk outside 1e-4 to 1e4, for
+    /// which the equations of the generator are well scaled, or for a start beyond 1e4.
+    /// [`TrajectoryError::DependentNotKept`] for a joint in [`MotionLimits::dependent`] that follows several
+    /// coordinates, because this motion does not keep its limits. [`TrajectoryError::NotFinite`] or
+    /// [`TrajectoryError::PointOutside`] for a start that is not finite or outside the position limits.
     pub fn new(start: [f64; N], limits: &MotionLimits<N>) -> Result<Self, TrajectoryError> {
         limits.check()?;
         if let Some(joint) = sums::of(limits).next() {
@@ -161,7 +163,8 @@ impl<const N: usize> OnlineTarget<N> {
     /// Sets a target [rad or m], from any thread. It replaces a target that was not applied yet.
     ///
     /// # Errors
-    /// A target that is not finite, outside the position limits, or beyond 1e4; the motion then continues
+    /// [`TrajectoryError::NotFinite`], [`TrajectoryError::PointOutside`] or [`TrajectoryError::OutOfRange`]
+    /// for a target that is not finite, outside the position limits, or beyond 1e4. The motion then continues
     /// unchanged.
     pub fn set(&self, target: [f64; N]) -> Result<(), TrajectoryError> {
         check_target(&self.limits, &target)?;
@@ -179,8 +182,8 @@ impl<const N: usize> OnlineTarget<N> {
 }
 
 impl<const N: usize> Plan<N> {
-    /// State at `time` (s) of the trajectory; at rest at the target in the end. The motion before the last
-    /// change of target is not stored.
+    /// State at `time` (s) of the trajectory. After the motion it is at rest at the target. The motion before
+    /// the last change of target is not stored.
     fn sample(&self, time: f64) -> Sample<N> {
         let t = time - self.begin;
         if t >= self.profile.get_duration() {
@@ -199,8 +202,8 @@ impl<const N: usize> Plan<N> {
         Sample { positions: array(&y), velocities: array(&v), accelerations: array(&a) }
     }
 
-    /// Moves on to `target` from the state at `time`. False, and nothing changes, if there is no such
-    /// motion.
+    /// Starts a motion to `target` from the state at `time` (s). Returns false, and changes nothing, if there
+    /// is no motion within the limits.
     fn turn_to(&mut self, target: [f64; N], time: f64) -> bool {
         let now = self.sample(time);
         self.input.current_position = stack(now.positions);
@@ -219,7 +222,7 @@ impl<const N: usize> Plan<N> {
 }
 
 impl<const N: usize> Trajectory<N> for OnlineTarget<N> {
-    /// Infinite: there may always be another target.
+    /// Infinite, because another target may follow at any time.
     fn duration(&self) -> f64 {
         f64::INFINITY
     }
@@ -269,7 +272,8 @@ fn require_scaled(what: &'static str, values: &[f64], least: f64) -> Result<(), 
     }
 }
 
-/// Locks a mutex, also after a thread panicked: the data are consistent because no change is done in parts.
+/// Locks a mutex, also after a thread panicked. The data are then still consistent, because no change is made
+/// in parts.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -1,4 +1,4 @@
-//! Sequences of points with rest at each.
+//! Sequences of points with rest in each point.
 
 use super::{RestToRest, Sample, Trajectory, TrajectoryError, require_positive, require_representable};
 #[cfg(not(feature = "std"))]
@@ -8,16 +8,18 @@ use crate::no_std::*;
 #[derive(Debug, Clone, PartialEq)]
 pub struct PointSequence<const N: usize> {
     pieces: Vec<RestToRest<N>>,
-    /// When each piece begins (s); the last entry is the end.
+    /// Times at which the motions begin (s). The last entry is the end of the last motion.
     times: Vec<f64>,
 }
 
 impl<const N: usize> PointSequence<N> {
     /// Motion through `points` [rad or m]. Each segment is as fast as `speeds` and `accelerations` allow (see
-    /// [`RestToRest::within`]); the motion rests for `dwell` ≥ 0 (s) at each inner point.
+    /// [`RestToRest::within`]). The motion rests for `dwell` ≥ 0 (s) in each inner point.
     ///
     /// # Errors
-    /// Fewer than two points; the errors of [`RestToRest::within`]; a dwell that is negative or not finite.
+    /// [`TrajectoryError::TooFew`] for fewer than two points, the errors of [`RestToRest::within`], and
+    /// [`TrajectoryError::NotPositive`] or [`TrajectoryError::NotFinite`] for a dwell that is negative or not
+    /// finite.
     pub fn within(
         points: &[[f64; N]],
         speeds: &[f64; N],
@@ -31,11 +33,14 @@ impl<const N: usize> PointSequence<N> {
         Self::chain(pieces, points.len(), dwell)
     }
 
-    /// Motion through `points`, each segment in the time of `durations` (s).
+    /// Motion through `points` [rad or m]. Each segment takes the time in `durations` (s). The motion rests
+    /// for `dwell` ≥ 0 (s) in each inner point.
     ///
     /// # Errors
-    /// Fewer than two points, or a wrong number of durations; the errors of [`RestToRest::new`]; a dwell that
-    /// is negative or not finite.
+    /// [`TrajectoryError::TooFew`] for fewer than two points, or if the number of durations is not the number
+    /// of points minus 1. The other errors are those of [`RestToRest::new`], and
+    /// [`TrajectoryError::NotPositive`] or [`TrajectoryError::NotFinite`] for a dwell that is negative or not
+    /// finite.
     pub fn timed(points: &[[f64; N]], durations: &[f64], dwell: f64) -> Result<Self, TrajectoryError> {
         if durations.len() + 1 != points.len() {
             return Err(TrajectoryError::TooFew {
@@ -70,14 +75,14 @@ impl<const N: usize> PointSequence<N> {
         Ok(Self { pieces, times })
     }
 
-    /// Start time of each segment, and end time (s).
+    /// Start times of the segments, and the end time (s).
     #[must_use]
     pub fn times(&self) -> &[f64] {
         &self.times
     }
 }
 
-/// Length of a way between two equal points (s).
+/// Duration of the motion between two equal points (s).
 const SHORTEST: f64 = 1e-3;
 
 impl<const N: usize> Trajectory<N> for PointSequence<N> {

@@ -8,16 +8,16 @@ use crate::no_std::*;
 /// Position, velocity and acceleration of one coordinate.
 pub(super) type End = [f64; 3];
 
-/// Polynomial of degree five between two ends, for one coordinate.
+/// Polynomial of degree five for one coordinate.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Quintic {
-    /// Coefficients of 1, t, … t⁵.
+    /// Coefficients of 1, t, …, t⁵.
     coefficients: [f64; 6],
 }
 
 impl Quintic {
-    /// From `start` at t = 0 to `end` at t = `duration` (Craig, *Introduction to Robotics*, 2005, section
-    /// 7.3).
+    /// The polynomial from `start` at t = 0 to `end` at t = `duration` (Craig, *Introduction to Robotics*,
+    /// 2005, section 7.3).
     pub fn new(start: End, end: End, duration: f64) -> Self {
         let [p, v, a] = start;
         let t = duration;
@@ -31,19 +31,19 @@ impl Quintic {
         Self { coefficients: [p, v, 0.5 * a, c3, c4, c5] }
     }
 
-    /// From the coefficients of 1, t, t², t³.
+    /// The polynomial with these coefficients of 1, t, t², t³.
     pub fn cubic([c0, c1, c2, c3]: [f64; 4]) -> Self {
         Self { coefficients: [c0, c1, c2, c3, 0.0, 0.0] }
     }
 
-    /// This polynomial and `factor` times another one.
+    /// Sum of this polynomial and `factor` times `other`.
     pub fn plus(&self, factor: f64, other: &Self) -> Self {
         let sum = |k: usize| self.coefficients[k] + factor * other.coefficients[k];
         Self { coefficients: core::array::from_fn(sum) }
     }
 
     /// Smallest and largest position, velocity and acceleration between 0 and `duration`, up to rounding.
-    /// Between two roots of its derivative a polynomial is monotonic and has at most one root, which
+    /// Between two roots of its derivative, a polynomial is monotonic and has at most one root, which
     /// bisection finds.
     pub fn extremes(&self, duration: f64) -> [[f64; 2]; 3] {
         let c = &self.coefficients;
@@ -67,7 +67,8 @@ impl Quintic {
         [p, v, a]
     }
 
-    /// Bounds of the terms in position, velocity and acceleration until `duration`; infinite on overflow.
+    /// Upper bounds of position, velocity and acceleration until `duration`, from the magnitudes of all
+    /// terms; infinite on overflow.
     pub fn bounds(&self, duration: f64) -> End {
         let absolute = Self { coefficients: self.coefficients.map(f64::abs) };
         absolute.at(duration)
@@ -80,14 +81,14 @@ impl Quintic {
     }
 }
 
-/// Times between which a polynomial of degree five and its derivatives are monotone, in order: two ends, and
+/// Times between which a polynomial of degree five and its derivatives are monotonic, in order: two ends and
 /// at most 1 + 2 + 3 + 4 roots.
 struct Turns {
     times: [f64; 12],
     count: usize,
 }
 
-/// Halvings of an interval: to the last bit.
+/// Number of bisections of an interval, enough for the last bit.
 const HALVINGS: usize = 64;
 
 impl Turns {
@@ -97,7 +98,7 @@ impl Turns {
         Self { times, count: 2 }
     }
 
-    /// Adds the roots of a function that is monotone between the times so far.
+    /// Adds the roots of a function that is monotonic between the present times.
     fn add_roots(&mut self, f: impl Fn(f64) -> f64) {
         let mut all = [0.0; 12];
         let mut count = 0;
@@ -123,7 +124,7 @@ impl Turns {
     }
 }
 
-/// Where a function changes its sign between `low` and `high`.
+/// Position between `low` and `high` at which a function changes its sign.
 fn root(f: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     let (mut low, mut high) = (low, high);
     let sign = f(low);
@@ -141,15 +142,16 @@ fn root(f: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// Straight motion in joint space from rest to rest, for all coordinates at once:
+/// Straight motion in joint space from rest at y_0 to rest at y_1 in the time T, with one profile s for all
+/// coordinates:
 ///
 /// ```text
 ///     y(t) = y_0 + (y_1 − y_0) s(t/T)        s(x) = 10 x³ − 15 x⁴ + 6 x⁵
 /// ```
 ///
-/// Velocities and accelerations vanish at both ends. The largest speed is 15/8 |y_1 − y_0|/T, in the middle;
-/// the largest acceleration 10/√3 |y_1 − y_0|/T². (Flash, Hogan, *The coordination of arm movements*, J.
-/// Neurosci. 5, 1985: the motion of least jerk.)
+/// Velocities and accelerations are zero at both ends. The largest speed is 15/8 |y_1 − y_0|/T, in the
+/// middle. The largest acceleration is 10/√3 |y_1 − y_0|/T². The motion has the least jerk (Flash, Hogan,
+/// *The coordination of arm movements*, J. Neurosci. 5, 1985).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RestToRest<const N: usize> {
     start: [f64; N],
@@ -157,7 +159,7 @@ pub struct RestToRest<const N: usize> {
     duration: f64,
 }
 
-/// Largest s'(x) and s''(x).
+/// Largest values of s'(x) and s''(x).
 const PEAK_SPEED: f64 = 15.0 / 8.0;
 const PEAK_ACCELERATION: f64 = 5.773_502_691_896_258; // 10/√3
 
@@ -165,8 +167,9 @@ impl<const N: usize> RestToRest<N> {
     /// Motion from `start` to `end` [rad or m] in `duration` (s).
     ///
     /// # Errors
-    /// Numbers that are not finite, or a duration that is not positive or so short that accelerations
-    /// overflow.
+    /// [`TrajectoryError::NotFinite`] for an entry that is not finite, [`TrajectoryError::NotPositive`] for a
+    /// duration that is not positive, and [`TrajectoryError::OutOfRange`] for a duration so short that
+    /// accelerations overflow.
     pub fn new(start: [f64; N], end: [f64; N], duration: f64) -> Result<Self, TrajectoryError> {
         require_finite("start", &start)?;
         require_finite("end", &end)?;
@@ -180,11 +183,12 @@ impl<const N: usize> RestToRest<N> {
         Ok(Self { start, end, duration })
     }
 
-    /// Fastest motion within limits of speeds and accelerations (infinite: none) that takes at least
-    /// `shortest` (s).
+    /// Fastest motion within the limits `speeds` [rad/s or m/s] and `accelerations` [rad/s² or m/s²] that
+    /// takes at least `shortest` (s). An infinite limit limits nothing.
     ///
     /// # Errors
-    /// The errors of [`RestToRest::new`]; limits that are not positive.
+    /// The errors of [`RestToRest::new`], and [`TrajectoryError::NotPositive`] for a limit that is not
+    /// positive.
     pub fn within(
         start: [f64; N],
         end: [f64; N],
@@ -213,11 +217,12 @@ impl<const N: usize> RestToRest<N> {
         Self::new(start, end, duration)
     }
 
-    /// Fastest motion within a share (0 to 1) of a model's speed limits, including followers, and within
-    /// `accelerations`. [`violations`](crate::limits::violations) checks the position limits.
+    /// Fastest motion within the share `share` (0 to 1) of a model's speed limits and within `accelerations`.
+    /// The speed limits of joints that follow coordinates are included.
+    /// [`violations`](crate::limits::violations) checks the position limits.
     ///
     /// # Errors
-    /// See [`RestToRest::within`].
+    /// The errors of [`RestToRest::within`].
     pub fn within_limits<const M: usize>(
         start: [f64; N],
         end: [f64; N],

@@ -1,25 +1,26 @@
-//! Samples from a file: reading, and detection of positions that contradict velocities.
+//! Samples from a file: reading them, and finding positions that contradict the velocities.
 
 use super::{GeodesicMotion, Sample, Sampled, TrajectoryError, require_finite, require_positive};
 use crate::dynamics::Dynamics;
 use std::io::Read;
 use std::path::Path;
 
-/// Part of the period by which a time in a file may be off.
+/// Largest error of a time in a file, as a share of the period.
 const TIME_TOLERANCE: f64 = 1e-3;
 
-/// Column names of a file: one position and at most one velocity per coordinate.
+/// Column names of a file: one position, and at most one velocity, for each coordinate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Columns<'c, const N: usize> {
-    /// Times (s).
+    /// Column of the times (s).
     pub time: &'c str,
-    /// Positions [rad or m].
+    /// Columns of the positions [rad or m].
     pub positions: [&'c str; N],
-    /// Velocities [rad/s or m/s], if the file has them.
+    /// Columns of the velocities [rad/s or m/s]; `None` if the file has no velocities.
     pub velocities: Option<[&'c str; N]>,
 }
 
-/// Recorded or computed positions, and velocities if known, at times 0, T, 2T, …. They may be inconsistent.
+/// Recorded or computed positions at times 0, T, 2T, …, with velocities if they are known. Positions and
+/// velocities may be inconsistent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording<const N: usize> {
     period: f64,
@@ -27,25 +28,26 @@ pub struct Recording<const N: usize> {
     velocities: Option<Vec<[f64; N]>>,
 }
 
-/// A step over which the change of position contradicts the velocities.
+/// A step between two samples in which the change of a position contradicts the velocities.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Inconsistency {
-    /// The sample before the step.
+    /// Index of the sample before the step.
     pub sample: usize,
-    /// Time of the step (s).
+    /// Time of this sample (s).
     pub time: f64,
-    /// The coordinate.
+    /// Index of the coordinate.
     pub coordinate: usize,
     /// Change of position minus the integral of the velocities [rad or m].
     pub defect: f64,
 }
 
 impl<const N: usize> Recording<N> {
-    /// A recording of samples with this `period` (s), after checks.
+    /// A recording of samples with this `period` (s).
     ///
     /// # Errors
-    /// Fewer than three samples, a number of velocities that differs from that of positions, numbers that are
-    /// not finite, or a period that is not positive.
+    /// [`TrajectoryError::TooFew`] for fewer than three samples, or if the numbers of velocities and
+    /// positions differ. [`TrajectoryError::NotFinite`] for an entry that is not finite, and
+    /// [`TrajectoryError::NotPositive`] for a period that is not positive.
     pub fn new(
         period: f64,
         positions: Vec<[f64; N]>,
@@ -70,10 +72,11 @@ impl<const N: usize> Recording<N> {
         Ok(Self { period, positions, velocities })
     }
 
-    /// Reads a CSV file with a header. Times must be evenly spaced; the first counts as 0.
+    /// Reads a CSV file with a header. Times must be evenly spaced. The first time counts as 0.
     ///
     /// # Errors
-    /// [`TrajectoryError::File`] with the row for unreadable values; the errors of [`Recording::new`].
+    /// [`TrajectoryError::File`] if the file cannot be read, a column is missing, a value is not a number, or
+    /// the times are uneven. The other errors are those of [`Recording::new`].
     pub fn open(path: impl AsRef<Path>, columns: &Columns<N>) -> Result<Self, TrajectoryError> {
         let path = path.as_ref();
         let file = std::fs::File::open(path).map_err(|e| TrajectoryError::File {
@@ -83,10 +86,11 @@ impl<const N: usize> Recording<N> {
         Self::read(file, &path.display().to_string(), columns)
     }
 
-    /// [`Recording::open`] for any reader; `place` is its name in errors.
+    /// Reads a recording from any reader, in the same way as [`Recording::open`]. `place` is the name of the
+    /// reader in errors.
     ///
     /// # Errors
-    /// See [`Recording::open`].
+    /// The errors of [`Recording::open`].
     pub fn read(reader: impl Read, place: &str, columns: &Columns<N>) -> Result<Self, TrajectoryError> {
         let fault = |row: usize, message: String| TrajectoryError::File {
             place: if row == 0 { place.to_owned() } else { format!("{place}, row {row}") },
@@ -142,26 +146,26 @@ impl<const N: usize> Recording<N> {
         self.period
     }
 
-    /// Recorded positions.
+    /// Recorded positions [rad or m].
     #[must_use]
     pub fn positions(&self) -> &[[f64; N]] {
         &self.positions
     }
 
-    /// Recorded velocities.
+    /// Recorded velocities [rad/s or m/s]; `None` if the recording has no velocities.
     #[must_use]
     pub fn velocities(&self) -> Option<&[[f64; N]]> {
         self.velocities.as_deref()
     }
 
-    /// Steps whose defect
+    /// Steps whose defect (y: positions, v: velocities, T: period)
     ///
     /// ```text
     ///     d_k = y_{k+1} − y_k − T/2 (v_k + v_{k+1})
     /// ```
     ///
-    /// exceeds `tolerance` [rad or m] in magnitude. Samples of a smooth motion have defects of T³/12 times
-    /// its jerk. Empty without recorded velocities.
+    /// exceeds `tolerance` [rad or m] in magnitude. The defects of a smooth motion are about T³/12 times its
+    /// jerk. The result is empty for a recording without velocities.
     #[must_use]
     pub fn inconsistencies(&self, tolerance: f64) -> Vec<Inconsistency> {
         let Some(v) = &self.velocities else {
@@ -187,12 +191,12 @@ impl<const N: usize> Recording<N> {
         found
     }
 
-    /// The recording without smoothing. Velocities are the recorded ones or else central differences;
-    /// accelerations are central differences, one-sided at the ends. Inconsistencies remain; see
-    /// [`Recording::smoothed`].
+    /// The recording without smoothing. Velocities are the recorded ones, or central differences if the
+    /// recording has no velocities. Accelerations are central differences, one-sided at the ends.
+    /// Inconsistencies remain; [`Recording::smoothed`] removes them.
     ///
     /// # Errors
-    /// None for a recording from [`Recording::new`].
+    /// The errors of [`Sampled::new`], e.g. if a difference overflows.
     pub fn raw(&self) -> Result<Sampled<N>, TrajectoryError> {
         let velocities = match &self.velocities {
             Some(v) => v.clone(),
@@ -209,14 +213,15 @@ impl<const N: usize> Recording<N> {
         Sampled::new(samples, self.period)
     }
 
-    /// Motion of a robot with quaternions through all recorded positions. The columns are its NY position
-    /// entries in order, quaternions as x, y, z, w. It begins and ends at rest. Velocities follow from
-    /// neighbouring positions, see [`GeodesicMotion::through`]; recorded ones are not used. Accelerations are
-    /// 0 at the samples; to follow a recording with its accelerations use [`Self::smoothed_poses`].
+    /// Motion of a robot with quaternions through all recorded positions. The recording has one column for
+    /// each of the `N` position entries of the robot, in their order. A quaternion is x, y, z, w. The motion
+    /// begins and ends at rest. Velocities follow from neighbouring positions, see
+    /// [`GeodesicMotion::through`]. Recorded velocities are not used. Accelerations are 0 at the samples.
+    /// [`Self::smoothed_poses`] follows a recording with its accelerations.
     ///
     /// # Errors
-    /// [`TrajectoryError::Attitude`] for a quaternion that is zero or not of unit length, with its sample as
-    /// the point; the errors of [`GeodesicMotion::through`].
+    /// [`TrajectoryError::Attitude`] for a quaternion that is zero or not of unit length; its `point` is the
+    /// sample. The other errors are those of [`GeodesicMotion::through`].
     pub fn through_poses<D: Dynamics<V, M, N>, const V: usize, const M: usize>(
         &self,
         robot: D,
@@ -227,7 +232,7 @@ impl<const N: usize> Recording<N> {
     }
 }
 
-/// Spacing of `times`.
+/// Spacing of `times` (s), which must be even.
 fn even_period(
     times: &[f64],
     fault: &impl Fn(usize, String) -> TrajectoryError,

@@ -8,8 +8,8 @@ use super::{
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
 
-/// A motion through samples at times 0, T, 2T, …. Between them it is a polynomial of degree five with
-/// positions, velocities and accelerations of both samples, so the motion is C².
+/// A motion through samples at times 0, T, 2T, …. Between two samples it is the polynomial of degree five
+/// with the positions, velocities and accelerations of both samples, so the motion is C².
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sampled<const N: usize> {
     samples: Vec<Sample<N>>,
@@ -18,11 +18,12 @@ pub struct Sampled<const N: usize> {
 
 impl<const N: usize> Sampled<N> {
     /// Motion through `samples` with this `period` (s). Positions, velocities and accelerations must be
-    /// consistent; otherwise use [`Recording::smoothed`](super::Recording::smoothed).
+    /// consistent. Otherwise use [`Recording::smoothed`](super::Recording::smoothed).
     ///
     /// # Errors
-    /// Fewer than two samples, numbers that are not finite, a period that is not positive, or an overflow
-    /// between two samples.
+    /// [`TrajectoryError::TooFew`] for fewer than two samples, [`TrajectoryError::NotFinite`] for an entry
+    /// that is not finite, [`TrajectoryError::NotPositive`] for a period that is not positive, and
+    /// [`TrajectoryError::OutOfRange`] for an overflow between two samples.
     pub fn new(samples: Vec<Sample<N>>, period: f64) -> Result<Self, TrajectoryError> {
         require_positive("period", period)?;
         if samples.len() < 2 {
@@ -44,17 +45,19 @@ impl<const N: usize> Sampled<N> {
         Ok(motion)
     }
 
-    /// Coordinate `i` from sample `k` to the next.
+    /// Polynomial of coordinate `i` from sample `k` to the next sample.
     fn between(&self, k: usize, i: usize) -> Quintic {
         let end = |s: &Sample<N>| [s.positions[i], s.velocities[i], s.accelerations[i]];
         let (a, b) = (&self.samples[k], &self.samples[k + 1]);
         Quintic::new(end(a), end(b), self.period)
     }
 
-    /// Samples of another trajectory at `period` (s); the last sample is at or after its end.
+    /// Samples of `trajectory` at every `period` (s). The last sample is at or after the end of the
+    /// trajectory.
     ///
     /// # Errors
-    /// The errors of [`Sampled::new`]; more than [`MAX_SAMPLES`](super::MAX_SAMPLES), or a NaN duration.
+    /// The errors of [`Sampled::new`], and [`TrajectoryError::OutOfRange`] for more than
+    /// [`MAX_SAMPLES`](super::MAX_SAMPLES) samples or a NaN duration.
     pub fn of(trajectory: &impl Trajectory<N>, period: f64) -> Result<Self, TrajectoryError> {
         require_positive("period", period)?;
         let last = require_periods(trajectory.duration(), period)?.max(1);

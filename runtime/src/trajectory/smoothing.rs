@@ -5,29 +5,29 @@ use super::{GeodesicMotion, Recording, Sample, Sampled, TrajectoryError};
 use crate::dynamics::Dynamics;
 use nalgebra::{Matrix3, Vector3};
 
-/// Weights of [`Recording::smoothed`] for samples and smoothness.
+/// Settings of [`Recording::smoothed`]: the balance between samples and smoothness.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Smoothing {
-    /// τ (s): motion faster than this is smoothed; 1 to 20 periods.
+    /// Time constant τ of the smoothing (s), 1 to 20 periods. Faster parts of the motion are smoothed.
     pub time_constant: f64,
-    /// ρ (s): time in which the motion, which follows the velocities, returns to positions that contradict
-    /// them; at least τ. Not used without recorded velocities.
+    /// Correction time ρ (s), at least τ. If positions contradict the velocities, the motion follows the
+    /// velocities and returns to the positions within this time. Not used without recorded velocities.
     pub correction_time: f64,
 }
 
 impl Smoothing {
-    /// Two periods, and half a second: for computed samples, which may be inconsistent but have no noise. Use
-    /// a longer time constant for measured samples.
+    /// A time constant of two periods and a correction time of half a second. These settings suit computed
+    /// samples, which may be inconsistent but have no noise. Use a longer time constant for measured samples.
     #[must_use]
     pub fn of(period: f64) -> Self {
         Self { time_constant: 2.0 * period, correction_time: 0.5_f64.max(2.0 * period) }
     }
 }
 
-/// A smoothed recording with its deviation from the original.
+/// A smoothed recording, with its deviation from the recorded samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Smoothed<const N: usize> {
-    /// The motion, from rest to rest, at the period of the recording.
+    /// Motion from rest to rest, with the period of the recording.
     pub trajectory: Sampled<N>,
     /// Largest distance from a recorded position [rad or m].
     pub position_deviation: [f64; N],
@@ -35,37 +35,39 @@ pub struct Smoothed<const N: usize> {
     pub velocity_deviation: [f64; N],
 }
 
-/// A smoothed recording of a robot with quaternions, with its deviation from the original.
+/// A smoothed recording of a robot with quaternions, with its deviation from the recorded samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SmoothedPoses<D, const N: usize, const M: usize, const NY: usize> {
-    /// The motion, from rest to rest.
+    /// Motion from rest to rest.
     pub trajectory: GeodesicMotion<D, N, M, NY>,
-    /// Largest distance `y ⊖ p` from a recorded position [rad or m], by velocity entry.
+    /// Largest distance `y ⊖ p` from a recorded position p [rad or m], one entry for each velocity entry.
     pub position_deviation: [f64; N],
 }
 
-/// Most periods of the time constant: beyond, rounding shows in the solution.
+/// Largest time constant in periods. Beyond it, rounding is visible in the solution.
 const MAX_PERIODS: f64 = 20.0;
 
-/// y, T ẏ, T² ÿ of one coordinate at one sample.
+/// State (y, T ẏ, T² ÿ) of one coordinate at one sample.
 type Node = Vector3<f64>;
 
 impl<const N: usize> Recording<N> {
-    /// The motion that minimizes, for each coordinate,
+    /// The motion that minimizes, for each coordinate with recorded positions p_k and velocities v_k at the
+    /// period T,
     ///
     /// ```text
     ///     Σ_k T [(y(t_k) − p_k)²/ρ² + (ẏ(t_k) − v_k)²] + τ⁴ ∫ y‴² dt        with velocities v_k
     ///     Σ_k T (y(t_k) − p_k)² + τ⁶ ∫ y‴² dt                              without
     /// ```
     ///
-    /// among all motions that begin in the first position and begin and end at rest (ẏ = ÿ = 0; a recording
-    /// that ends in motion is slowed down within the last τ). It is a spline of degree five with knots at the
-    /// samples, so positions, velocities and accelerations are consistent. The smoothing is a low-pass filter
-    /// without delay: 1/(1 + (ωτ)⁴) with velocities, 1/(1 + (ωτ)⁶) with positions alone (Wahba, *Spline
-    /// Models for Observational Data*, 1990, chapter 1).
+    /// among all motions that begin in the first position and begin and end at rest (ẏ = ÿ = 0). A recording
+    /// that ends in motion is slowed down within the last τ. The motion is a spline of degree five with knots
+    /// at the samples, so positions, velocities and accelerations are consistent. The smoothing is a low-pass
+    /// filter without delay: 1/(1 + (ωτ)⁴) with velocities, 1/(1 + (ωτ)⁶) with positions alone (Wahba,
+    /// *Spline Models for Observational Data*, 1990, chapter 1).
     ///
     /// # Errors
-    /// A time constant outside 1 to 20 periods, a correction time outside τ to 1000 s, or an overflow.
+    /// [`TrajectoryError::OutOfRange`] for a time constant outside 1 to 20 periods, a correction time outside
+    /// τ to 1000 s, or an overflow.
     pub fn smoothed(&self, smoothing: &Smoothing) -> Result<Smoothed<N>, TrajectoryError> {
         let ratio = smoothing.time_constant / self.period();
         if !(1.0..=MAX_PERIODS).contains(&ratio) {
@@ -117,17 +119,17 @@ impl<const N: usize> Recording<N> {
         })
     }
 
-    /// Smoothed motion of a robot with quaternions. The columns are its NY position entries in order,
-    /// quaternions as x, y, z, w.
+    /// Smoothed motion of a robot with quaternions. The recording has one column for each of the `N` position
+    /// entries of the robot, in their order. A quaternion is x, y, z, w.
     ///
-    /// [`Self::smoothed`] is applied to unwrapped coordinates: the sums of the steps `y_k ⊖ y_{k−1}` between
-    /// samples, in the bodies' own frames. They depend neither on the signs of quaternions nor on full turns.
-    /// Their first and second derivatives are the velocities v and accelerations v̇. A smoothed pose is the
-    /// recorded pose moved by the change of the unwrapped coordinates; the error is of second order in this
-    /// change. Recorded velocities are not used.
+    /// [`Self::smoothed`] is applied to unwrapped coordinates, which are the sums of the steps
+    /// `y_k ⊖ y_{k−1}` between samples, in the body frames. They depend neither on the signs of quaternions
+    /// nor on full turns. Their first and second derivatives are the velocities v and accelerations v̇. A
+    /// smoothed pose is the recorded pose, moved by the change of the unwrapped coordinates. Its error is of
+    /// second order in this change. Recorded velocities are not used.
     ///
     /// # Errors
-    /// See [`Self::through_poses`] and [`Self::smoothed`].
+    /// The errors of [`Self::through_poses`] and [`Self::smoothed`].
     pub fn smoothed_poses<D: Dynamics<V, M, N>, const V: usize, const M: usize>(
         &self,
         robot: D,
@@ -157,7 +159,8 @@ impl<const N: usize> Recording<N> {
         })
     }
 
-    /// Position and T·velocity of each sample; zero if there is no velocity.
+    /// Position and velocity times T of each sample of coordinate `i`; the velocity is 0 if the recording has
+    /// no velocities.
     fn coordinate(&self, i: usize) -> Vec<[f64; 2]> {
         let velocity = |k: usize| self.velocities().map_or(0.0, |v| self.period() * v[k][i]);
         let rows = self.positions().iter().enumerate();
@@ -165,13 +168,13 @@ impl<const N: usize> Recording<N> {
     }
 }
 
-/// Weights relative to that of a position, 1, with the period as unit of time.
+/// Weights relative to the weight of a position, with the period as the unit of time.
 struct Weights {
     velocity: f64,
     jerk: f64,
 }
 
-/// None if numbers overflow.
+/// Solves the least-squares problem of one coordinate; `None` on overflow.
 fn smooth(data: &[[f64; 2]], weights: &Weights) -> Option<Vec<Node>> {
     let [[first, coupling], [_, second]] = jerk_energy();
     let last = data.len() - 1;
@@ -209,8 +212,8 @@ fn smooth(data: &[[f64; 2]], weights: &Weights) -> Option<Vec<Node>> {
     Some(nodes)
 }
 
-/// ∫₀¹ y‴² dt of a polynomial of degree five as a quadratic form in its end values (y, ẏ, ÿ at 0; at 1), by
-/// blocks. The integrand has degree four: three Gauss points are exact.
+/// ∫₀¹ y‴² dt of a polynomial of degree five, as a quadratic form in its end values (y, ẏ, ÿ at 0; at 1) with
+/// 2 × 2 blocks. The integrand has degree four, so three Gauss points are exact.
 fn jerk_energy() -> [[Matrix3<f64>; 2]; 2] {
     let half_width = (3.0_f64 / 5.0).sqrt() / 2.0;
     let points = [(0.5 - half_width, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.5 + half_width, 5.0 / 18.0)];
@@ -232,15 +235,15 @@ fn jerk_energy() -> [[Matrix3<f64>; 2]; 2] {
     blocks
 }
 
-/// A symmetric positive definite matrix of 3 × 3 blocks.
+/// A symmetric positive definite matrix of 3 × 3 blocks with three block diagonals.
 struct BlockTridiagonal {
     diagonal: Vec<Matrix3<f64>>,
-    /// From node k (rows) to node k + 1 (columns).
+    /// Blocks from node k (rows) to node k + 1 (columns).
     coupling: Vec<Matrix3<f64>>,
 }
 
 impl BlockTridiagonal {
-    /// Takes components of a node, which shall be zero, out of the system.
+    /// Sets components of a node to zero, and removes them from the system.
     fn fix(&mut self, node: usize, components: &[usize], right: &mut [Node]) {
         for &i in components {
             self.diagonal[node].row_mut(i).fill(0.0);
@@ -256,8 +259,8 @@ impl BlockTridiagonal {
         }
     }
 
-    /// Block elimination, then one step of iterative refinement. None if a pivot is singular, which
-    /// overflow alone makes.
+    /// Block elimination, then one step of iterative refinement. `None` if a pivot is singular, which only
+    /// happens on overflow.
     fn solve(&self, right: &[Node]) -> Option<Vec<Node>> {
         let n = self.diagonal.len();
         // Pivots D_k = A_k − Cᵀ D_{k−1}⁻¹ C of a positive definite matrix are positive definite.

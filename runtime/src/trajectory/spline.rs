@@ -1,15 +1,15 @@
-//! Polynomials through points: cubic splines that begin and end at rest, and monotonic ones.
+//! Polynomials through points: cubic splines that begin and end at rest, and monotonic polynomials.
 
 use super::TrajectoryError;
 use super::polynomial::{End, Quintic};
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
 
-/// Polynomials of all joints over one span.
+/// Polynomials of all joints over one span, which is the time between two knots.
 pub(super) type Piece<const N: usize> = [Quintic; N];
 
-/// Durations of the polynomials: those of the segments, with an additional knot in the middle of the first
-/// and last segment; a single segment has two additional knots.
+/// Durations of the polynomials, from the durations `ways` of the segments between points. The first and the
+/// last segment have an additional knot in their middle. A single segment has two additional knots.
 pub(super) fn spans(ways: &[f64]) -> Vec<f64> {
     if let [way] = ways {
         return vec![way / 3.0; 3];
@@ -26,16 +26,17 @@ pub(super) fn spans(ways: &[f64]) -> Vec<f64> {
     spans
 }
 
-/// Segment of a polynomial.
+/// Index of the segment to which a polynomial belongs.
 pub(super) fn way_of(span: usize, ways: usize) -> usize {
     span.saturating_sub(1).min(ways - 1)
 }
 
-/// Polynomials of all joints through `points`, with the durations `ways` and `spans`. They are cubic splines;
-/// for joints whose spline leaves their limits, and for those in `is_monotone`, they are monotonic.
+/// Polynomials of all joints through `points`, with the durations `ways` of the segments and `spans` of the
+/// polynomials. They are cubic splines. For joints whose spline leaves their limits, and for joints in
+/// `is_monotone`, they are monotonic.
 ///
 /// # Errors
-/// Durations and distances for which numbers overflow.
+/// [`TrajectoryError::OutOfRange`] if the durations and distances lead to an overflow.
 pub(super) fn through<const N: usize>(
     points: &[[f64; N]],
     ways: &[f64],
@@ -82,15 +83,15 @@ fn keeps_within(spline: &[Quintic], spans: &[f64], [low, high]: [f64; 2]) -> boo
         })
 }
 
-/// The cubic spline through `values` that begins and ends without velocity and acceleration. With second
-/// derivatives M_j at the knots and lengths g_j of the polynomials, the first derivative is continuous where
+/// The cubic spline through `values` that begins and ends without velocity and acceleration. With the second
+/// derivatives M_j at the knots and the lengths g_j of the polynomials, the first derivative is continuous if
 ///
 /// ```text
 ///     g_{j−1} M_{j−1}/6 + (g_{j−1} + g_j) M_j/3 + g_j M_{j+1}/6 = (y_{j+1} − y_j)/g_j − (y_j − y_{j−1})/g_{j−1}
 /// ```
 ///
-/// and the positions of the two knots that are not points follow from rest: y_1 = y_0 + g_0² M_1/6, and so at
-/// the end. None if numbers overflow.
+/// The positions of the two knots that are not points follow from the rest at the ends: y_1 = y_0 + g_0²
+/// M_1/6, and likewise at the end. `None` on overflow.
 fn cubic(values: &[f64], spans: &[f64]) -> Option<Vec<Quintic>> {
     let knots = spans.len();
     // y_j = base_j + factor_j M_j.
@@ -137,10 +138,10 @@ fn cubic(values: &[f64], spans: &[f64]) -> Option<Vec<Quintic>> {
     )
 }
 
-/// A system of equations whose matrix has three diagonals.
+/// A system of equations with a tridiagonal matrix.
 #[derive(Default)]
 struct Tridiagonal {
-    /// Below, on and above the diagonal, and the right-hand side.
+    /// Entries below, on and above the diagonal, and the right-hand side of each row.
     rows: Vec<[f64; 4]>,
 }
 
@@ -149,7 +150,8 @@ impl Tridiagonal {
         self.rows.push([below, diagonal, above, right]);
     }
 
-    /// Elimination without pivoting: the spline's diagonal dominates. None if numbers overflow.
+    /// Elimination without pivoting, because the diagonal of the spline's matrix dominates. `None` on
+    /// overflow.
     fn solve(mut self) -> Option<Vec<f64>> {
         let n = self.rows.len();
         for j in 1..n {
@@ -168,10 +170,10 @@ impl Tridiagonal {
     }
 }
 
-/// Largest velocity in a point over the slope of a way that it bounds.
+/// Largest ratio of the velocity at a point to the slope of a neighbouring segment.
 const STEEPEST: f64 = 1.25;
 
-/// Polynomials of degree five that are monotone between two values, without acceleration in them.
+/// Polynomials of degree five that are monotonic between two values and have zero acceleration there.
 fn monotone(values: &[f64], ways: &[f64], spans: &[f64]) -> Vec<Quintic> {
     let slopes: Vec<f64> = values.windows(2).zip(ways).map(|(w, way)| (w[1] - w[0]) / way).collect();
     let velocity = |k: usize| {
@@ -198,7 +200,7 @@ fn monotone(values: &[f64], ways: &[f64], spans: &[f64]) -> Vec<Quintic> {
     pieces
 }
 
-/// Polynomials of way `k`, as [`spans`] divides it.
+/// Number of polynomials of segment `k`, according to [`spans`].
 fn parts_of(k: usize, ways: usize) -> usize {
     match (ways, k) {
         (1, _) => 3,
@@ -208,7 +210,7 @@ fn parts_of(k: usize, ways: usize) -> usize {
     }
 }
 
-/// Velocity in a point between two slopes.
+/// Velocity at a point between two segments with these slopes and durations.
 fn velocity_between(slopes: [f64; 2], ways: [f64; 2]) -> f64 {
     let [a, b] = slopes;
     if a * b <= 0.0 {

@@ -1,4 +1,4 @@
-//! Followers of several coordinates along polynomials of the coordinates.
+//! Joints that follow several coordinates (followers), along polynomials of the coordinates.
 
 use super::polynomial::Quintic;
 use super::spline::{Piece, way_of};
@@ -16,7 +16,7 @@ pub(super) fn of<const N: usize>(
 }
 
 /// # Errors
-/// A point at which such a follower is outside its limits.
+/// [`TrajectoryError::DependentOutside`] for a point at which a follower is outside its limits.
 pub(super) fn check_points<const N: usize>(
     points: &[[f64; N]],
     limits: &MotionLimits<N>,
@@ -35,7 +35,8 @@ pub(super) fn check_points<const N: usize>(
     Ok(())
 }
 
-/// First polynomial over which a follower leaves its position limits, with its extreme position.
+/// First polynomial over which a follower leaves its position limits, with the extreme position; `None` if
+/// the follower keeps its limits.
 pub(super) fn first_outside<const N: usize>(
     joint: &DependentJoint<N>,
     pieces: &[Piece<N>],
@@ -55,7 +56,7 @@ pub(super) fn first_outside<const N: usize>(
 }
 
 /// # Errors
-/// A follower that leaves its limits between two points.
+/// [`TrajectoryError::DependentOvershoot`] for a follower that leaves its limits between two points.
 pub(super) fn check<const N: usize>(
     pieces: &[Piece<N>],
     spans: &[f64],
@@ -71,7 +72,7 @@ pub(super) fn check<const N: usize>(
     Ok(())
 }
 
-/// Largest ratio of the speed of such a follower to its limit along one polynomial.
+/// Largest ratio of the speed of a follower to its limit along one polynomial.
 pub(super) fn largest_ratio<const N: usize>(piece: &Piece<N>, span: f64, limits: &MotionLimits<N>) -> f64 {
     let ratio = |joint: &DependentJoint<N>| {
         let [_, [low, high], _] = sum(joint, piece).extremes(span);
@@ -80,13 +81,13 @@ pub(super) fn largest_ratio<const N: usize>(piece: &Piece<N>, span: f64, limits:
     of(limits).filter(|joint| joint.has_velocity_limit()).map(ratio).fold(0.0, f64::max)
 }
 
-/// The joint's own polynomial.
+/// The polynomial of the follower.
 fn sum<const N: usize>(joint: &DependentJoint<N>, piece: &Piece<N>) -> Quintic {
     let start = Quintic::cubic([joint.offset, 0.0, 0.0, 0.0]);
     joint.ratios.iter().zip(piece).fold(start, |sum, (ratio, coordinate)| sum.plus(*ratio, coordinate))
 }
 
-/// Rounding in a point at the limit is not an overshoot.
+/// Tolerance for rounding at a point at the limit.
 fn slack(position: f64) -> f64 {
     1e-12 * (1.0 + position.abs())
 }

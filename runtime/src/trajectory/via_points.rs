@@ -8,22 +8,24 @@ use super::{MotionLimits, Sample, Trajectory, TrajectoryError};
 use crate::no_std::*;
 
 /// A motion in joint space that passes inner points without stopping and keeps limits of positions, speeds
-/// and accelerations. It begins and ends at rest; positions, velocities and accelerations are continuous.
+/// and accelerations. It begins and ends at rest. Positions, velocities and accelerations are continuous.
 ///
 /// Each joint follows a cubic spline with an additional knot in the first and in the last segment, so that
 /// velocity and acceleration vanish at both ends (Lin, Chang, Luo, *Formulation and optimization of cubic
 /// polynomial joint trajectories for industrial robots*, IEEE Trans. Automatic Control 28 (1983); Biagiotti,
 /// Melchiorri, *Trajectory Planning for Automatic Machines and Robots*, 2008, section 4.4.4). Splines
-/// overshoot. A joint whose spline would leave its position limits between two points uses polynomials of
-/// degree five that are monotonic between points and have zero acceleration in the points. Their velocities
-/// are the weighted harmonic mean of Fritsch, Butland, *SIAM J. Sci. Stat. Comput.* 5 (1984), limited to 5/4
-/// of either slope, for which the derivative's Bézier points have one sign.
+/// overshoot. If the spline of a joint leaves the position limits between two points, this joint uses
+/// polynomials of degree five that are monotonic between points and have zero acceleration at the points. The
+/// velocity at a point is the weighted harmonic mean of the slopes of both segments (Fritsch, Butland, *SIAM
+/// J. Sci. Stat. Comput.* 5 (1984)), limited to 5/4 of either slope. With this limit the Bézier points of the
+/// derivative have one sign.
 ///
-/// Durations are distributed over the segments in a few iterations and then scaled by one factor, so that one
-/// limit is reached and none is exceeded. Extremes are computed from the roots of the derivatives, not by
-/// sampling. Followers of several coordinates ([`MotionLimits::dependent`]) also keep their limits: if
-/// splines violate them, all their coordinates use the monotonic polynomials. The result is not time-optimal.
-/// To stop in each point use a [`PointSequence`](super::PointSequence).
+/// The durations of the segments are adjusted to each other in a few iterations and then scaled by one
+/// factor, so that one limit is reached and no limit is exceeded. Extremes are computed from the roots of the
+/// derivatives, not by sampling. The limits of joints that follow several coordinates
+/// ([`MotionLimits::dependent`]) are kept too: if splines violate the position limits of such a joint, all
+/// its coordinates use the monotonic polynomials. The result is not time-optimal. To stop in each point use a
+/// [`PointSequence`](super::PointSequence).
 ///
 /// ```
 /// use gelenk_runtime::trajectory::{MotionLimits, Trajectory, ViaPoints};
@@ -38,28 +40,35 @@ use crate::no_std::*;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct ViaPoints<const N: usize> {
-    /// When each polynomial begins (s), and the end.
+    /// Times at which the polynomials begin (s), and the end time.
     knots: Vec<f64>,
     pieces: Vec<[Quintic; N]>,
-    /// When each point is passed (s).
+    /// Times at which the points are passed (s).
     times: Vec<f64>,
     first: [f64; N],
     last: [f64; N],
 }
 
-/// Rounds in which the times of the ways are adjusted to each other.
+/// Number of iterations in which the durations of the segments are adjusted to each other.
 const ROUNDS: usize = 16;
-/// Relative stretch of times beyond the limits, for rounding.
+/// Relative increase of the durations beyond the limits, for rounding.
 const MARGIN: f64 = 1e-10;
 
 impl<const N: usize> ViaPoints<N> {
     /// Motion through `points` [rad or m] within `limits`.
     ///
     /// # Errors
-    /// Fewer than two points; two equal consecutive points; a point that is not finite, is outside the
-    /// position limits, or puts a follower outside its limits; a follower that leaves its limits between two
-    /// points even with monotonic polynomials; limits that are not positive; no finite limit of speed or
-    /// acceleration for a joint that moves; durations that overflow.
+    /// - [`TrajectoryError::TooFew`] for fewer than two points.
+    /// - [`TrajectoryError::RepeatedPoint`] for two equal consecutive points.
+    /// - [`TrajectoryError::NotFinite`] or [`TrajectoryError::PointOutside`] for a point that is not finite
+    ///   or outside the position limits.
+    /// - [`TrajectoryError::DependentOutside`] for a point at which a joint that follows several coordinates
+    ///   is outside its limits, and [`TrajectoryError::DependentOvershoot`] if it leaves them between two
+    ///   points even with monotonic polynomials.
+    /// - [`TrajectoryError::NotPositive`] for limits that are not positive.
+    /// - [`TrajectoryError::Unlimited`] for a joint that moves without a finite limit of speed or
+    ///   acceleration.
+    /// - [`TrajectoryError::OutOfRange`] for durations that overflow.
     pub fn within(points: &[[f64; N]], limits: &MotionLimits<N>) -> Result<Self, TrajectoryError> {
         limits.check()?;
         check_points(points, limits)?;
@@ -114,7 +123,7 @@ impl<const N: usize> ViaPoints<N> {
         Ok(Self { knots, pieces, times, first: points[0], last: points[points.len() - 1] })
     }
 
-    /// Time at each point (s), from 0 to the duration.
+    /// Times of the points (s), from 0 to the duration.
     #[must_use]
     pub fn times(&self) -> &[f64] {
         &self.times
@@ -161,7 +170,8 @@ fn check_points<const N: usize>(
     sums::check_points(points, limits)
 }
 
-/// Times of the ways with which no joint would be too fast on average, nor from rest to rest.
+/// First guess of the durations of the segments. With them no joint exceeds its speed limit on average, nor
+/// its acceleration limit from rest to rest.
 fn first_guess<const N: usize>(
     points: &[[f64; N]],
     limits: &MotionLimits<N>,
@@ -182,7 +192,8 @@ fn first_guess<const N: usize>(
     Ok(ways)
 }
 
-/// Splines, or monotone polynomials of all coordinates of a joint that would leave its limits with splines.
+/// Splines through the points. If a follower would leave its limits with splines, its coordinates have
+/// monotonic polynomials.
 fn through<const N: usize>(
     points: &[[f64; N]],
     ways: &[f64],
@@ -201,7 +212,7 @@ fn through<const N: usize>(
     Ok(pieces)
 }
 
-/// For each way how much slower it must become, at least, for the limits to hold on it.
+/// For each segment, the factor by which its duration must grow at least to keep the limits on it.
 fn ratios<const N: usize>(
     pieces: &[Piece<N>],
     spans: &[f64],

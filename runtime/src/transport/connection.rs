@@ -1,12 +1,12 @@
-//! Trait of connections to a robot, with readings and errors.
+//! The trait of connections to a robot, with readings and errors.
 
 use std::{fmt, io};
 use thiserror::Error;
 
-/// State of the brakes reported by the robot.
+/// State of the brakes that the robot reports.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Brakes {
-    /// The robot does not report it.
+    /// The robot does not report the state.
     #[default]
     Unknown,
     /// All brakes are released.
@@ -28,20 +28,21 @@ impl fmt::Display for Brakes {
 /// A measurement from the robot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reading<const N: usize, const NY: usize = N> {
-    /// Positions in the order, units and directions of the model's coordinates [rad or m]; unchecked.
+    /// Positions in the order, units and directions of the model's coordinates [rad or m], not checked.
     pub positions: [f64; NY],
-    /// Velocities of the coordinates at the same instant [rad/s or m/s], if the drives measure them. The loop
-    /// compares them with the positions and then uses them instead of differences.
+    /// Velocities of the coordinates at the same time [rad/s or m/s]; `None` if the drives do not measure
+    /// velocities. The loop compares the velocities with the positions and then uses them instead of
+    /// differences of positions.
     pub velocities: Option<[f64; N]>,
-    /// Drive forces at the joints, after the gear and with the sign of B u [N m or N], if measured. They are
-    /// for controllers and the log; the loop does not use them.
+    /// Drive forces at the joints, after the gear and with the sign of B u [N m or N]; `None` if they are not
+    /// measured. Controllers and the log use the forces, the loop does not.
     pub torques: Option<[f64; N]>,
     /// Brakes at the time of the measurement.
     pub brakes: Brakes,
 }
 
 impl<const N: usize, const NY: usize> Reading<N, NY> {
-    /// A reading with only positions.
+    /// A reading that only contains positions.
     #[must_use]
     pub fn of(positions: [f64; NY], brakes: Brakes) -> Self {
         Self { positions, velocities: None, torques: None, brakes }
@@ -51,11 +52,11 @@ impl<const N: usize, const NY: usize> Reading<N, NY> {
 /// Error of a transport.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum TransportError {
-    /// The robot's side restarted since the last reading, or another controller connected to it: brakes,
-    /// positions and inputs may have changed.
+    /// The program on the robot's side has restarted since the last reading, or another controller has
+    /// connected to it. Brakes, positions and inputs may have changed.
     #[error("the robot's side restarted, or another controller is connected")]
     Restarted,
-    /// Nobody answers where the robot should be.
+    /// The program on the robot's side does not answer.
     #[error(
         "the robot's side does not answer: check that it runs, its address, and that it has the same version"
     )]
@@ -66,10 +67,10 @@ pub enum TransportError {
     /// The simulated robot cannot continue.
     #[error("the simulated robot cannot continue")]
     Simulation,
-    /// An input is not finite or too large to be encoded; nothing was sent.
+    /// An input is not finite, or too large for its encoding. Nothing was sent.
     #[error("input {} cannot be encoded", .input + 1)]
     Input {
-        /// Index of the input; messages count from 1.
+        /// Index of the input, from 0. Messages count from 1.
         input: usize,
     },
 }
@@ -94,38 +95,40 @@ impl From<io::ErrorKind> for TransportError {
     }
 }
 
-/// Connection to a robot with `N` measured coordinates and `M` inputs; with quaternions `NY` measured
-/// positions.
+/// Connection to a robot with `N` velocity entries, `M` inputs and `NY` position entries. Only robots with
+/// quaternions have NY ≠ N.
 ///
-/// Methods are called by a real-time thread: they must not allocate, or block for longer than a fraction of
-/// the period.
+/// A real-time thread calls the methods: they must not allocate, and may block only for a fraction of the
+/// period.
 pub trait Transport<const N: usize, const M: usize, const NY: usize = N> {
-    /// Current positions. `None` if nothing, or nothing new, arrived in time; a reading is returned only
-    /// once.
+    /// Reads the current positions. Returns `None` if no new positions have arrived in time. A reading is
+    /// returned only once.
     ///
     /// # Errors
-    /// [`TransportError::Restarted`] once after each restart of the robot's side; others if the connection
+    /// [`TransportError::Restarted`] once after each restart of the program on the robot's side. Other errors
+    /// if the connection fails; the loop treats them like a missing reading and continues.
     /// fails. The loop treats these like a missing reading and continues.
     fn read(&mut self) -> Result<Option<Reading<N, NY>>, TransportError>;
 
-    /// Sends inputs, which the robot holds until the next ones. Never releases a brake.
+    /// Sends inputs [N m, N or A]. The robot holds them until the next inputs. This method never releases a
+    /// brake.
     ///
     /// # Errors
-    /// The connection fails. The loop continues; the robot holds its inputs.
+    /// [`TransportError`] if the connection fails. The loop continues, and the robot holds its inputs.
     fn write(&mut self, inputs: &[f64; M]) -> Result<(), TransportError>;
 
-    /// Releases the brakes and switches the drives on. Before it calls this, the loop writes inputs that hold
-    /// the robot.
+    /// Releases the brakes and switches the drives on. Before this call, the loop writes inputs that hold the
+    /// robot.
     ///
     /// # Errors
-    /// The connection fails.
+    /// [`TransportError`] if the connection fails.
     fn release(&mut self) -> Result<(), TransportError>;
 
-    /// Engages the brakes, then switches the drives off. The loop repeats the call every period until
-    /// [`Reading::brakes`] confirms it.
+    /// Engages the brakes, then switches the drives off. The loop repeats the call in every period until
+    /// [`Reading::brakes`] reports engaged brakes.
     ///
     /// # Errors
-    /// The connection fails.
+    /// [`TransportError`] if the connection fails.
     fn brake(&mut self) -> Result<(), TransportError>;
 }
 

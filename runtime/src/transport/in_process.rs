@@ -6,21 +6,21 @@ use crate::dynamics::Dynamics;
 use crate::plant::Plant;
 use std::time::Duration;
 
-/// A [`Plant`] that moves with a clock. With a [`VirtualClock`](crate::control_loop::VirtualClock) shared
-/// with the loop, a run takes only its computing time. If the loop stalls, the plant moves on with its last
-/// inputs.
+/// A [`Plant`] that moves with a clock. If it shares a [`VirtualClock`](crate::control_loop::VirtualClock)
+/// with the loop, a run takes only its computing time. If the loop stalls, the plant continues to move with
+/// its last inputs.
 ///
-/// Inputs act from the end of the plant's period in which they are written. Lost measurements of the plant do
-/// not arrive.
+/// Inputs act from the end of the plant's period in which they are written. A measurement that the plant
+/// loses does not arrive.
 pub struct InProcess<D, K, const N: usize, const M: usize, const NY: usize = N> {
     plant: Plant<D, N, M, NY>,
     clock: K,
     period: Duration,
-    /// Clock time that the plant has reached.
+    /// Clock time up to which the plant has moved.
     reached: Duration,
-    /// Written since the plant last moved.
+    /// Inputs that were written since the last step of the plant; `None` if no inputs were written.
     written: Option<[f64; M]>,
-    /// Plant time of the last reading.
+    /// Plant time of the last reading (s); `None` before the first reading.
     last: Option<f64>,
 }
 
@@ -43,7 +43,7 @@ where
         }
     }
 
-    /// The plant at its last step.
+    /// The plant in the state after its last step.
     pub fn plant(&self) -> &Plant<D, N, M, NY> {
         &self.plant
     }

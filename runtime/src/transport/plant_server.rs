@@ -1,4 +1,4 @@
-//! The robot's side of the UDP connection: a plant process.
+//! The robot's side of the UDP connection: a process with a simulated robot (a plant process).
 
 use super::Brakes;
 use super::datagram::{Datagram, MAX_DATAGRAM, Message, Push, TrueState};
@@ -18,42 +18,42 @@ use thiserror::Error;
 /// Time base of the plant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pace {
-    /// Each query advances the plant by a period, independently of the machine's speed. Without a controller
-    /// nothing moves.
+    /// Each query advances the plant by one period, independently of the speed of the machine. Without a
+    /// controller the plant does not move.
     LockStep,
-    /// The monotonic clock.
+    /// The plant moves with the monotonic clock.
     RealTime,
 }
 
 /// Settings of a [`PlantServer`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct ServerOptions {
-    /// Step of the plant (s).
+    /// Period of the plant (s).
     pub period: f64,
-    /// The clock of the plant.
+    /// Time base of the plant.
     pub pace: Pace,
-    /// Consecutive periods without inputs after which the plant brakes by itself, like drives on a silent
-    /// bus.
+    /// Number of consecutive periods without inputs after which the plant engages its brakes, like drives
+    /// without communication.
     pub watchdog_periods: u32,
-    /// Probability that a datagram is lost, in either direction.
+    /// Probability that a datagram is lost, in each direction.
     pub loss: f64,
-    /// Periods without communication, counted from the first query.
+    /// Range of periods without communication, counted from the first query.
     pub silence: Range<u64>,
-    /// Seed of the losses.
+    /// Seed of the random losses.
     pub seed: u64,
 }
 
 impl Default for ServerOptions {
-    /// 20 ms in real time, a watchdog of 5 periods, no losses.
+    /// A period of 20 ms in real time, a watchdog of 5 periods, and no losses.
     fn default() -> Self {
         Self { period: 0.02, pace: Pace::RealTime, watchdog_periods: 5, loss: 0.0, silence: 0..0, seed: 0 }
     }
 }
 
-/// Errors of a plant process.
+/// Error of a plant process.
 #[derive(Debug, Error)]
 pub enum ServerError {
-    /// The socket.
+    /// Error of the socket.
     #[error("socket: {0}")]
     Io(#[from] io::Error),
     /// The plant could not be restarted after its simulation failed.
@@ -64,17 +64,18 @@ pub enum ServerError {
     Option {
         /// Name of the option.
         option: &'static str,
-        /// The value that was given.
+        /// Value that was given.
         value: f64,
-        /// The range that is allowed.
+        /// Allowed range.
         range: &'static str,
     },
 }
 
-/// The Jacobian of a frame's origin in the axes of the world at given positions, linear before angular.
+/// Jacobian of a frame's origin at given positions, in the axes of the world. The first three rows are
+/// linear, the last three angular.
 type Frame<const N: usize, const NY: usize> = Arc<dyn Fn(&[f64; NY]) -> [[f64; N]; 6] + Send + Sync>;
 
-/// A controller, and the number of the last datagram that it was obeyed in.
+/// Connection to a controller, with the sequence number of the last accepted datagram.
 #[derive(Debug, Clone, Copy)]
 struct Connection {
     controller: SocketAddr,
@@ -83,7 +84,8 @@ struct Connection {
 }
 
 impl Connection {
-    /// True once for each datagram of this connection, in rising order.
+    /// Whether a datagram is the next one of this connection. Returns true at most once for each datagram, in
+    /// the order of sequence numbers.
     fn takes<const N: usize, const M: usize, const NY: usize>(
         &mut self,
         question: &Datagram<N, M, NY>,
@@ -99,8 +101,8 @@ impl Connection {
     }
 }
 
-/// Most periods that a server in real time catches up with at once. After a longer pause of the machine the
-/// plant, which has braked meanwhile, goes on from where it was.
+/// Largest number of periods that a server in real time simulates at once. After a longer pause of the
+/// machine, the plant continues from its last state, with engaged brakes.
 const MAX_CATCH_UP: u32 = 1000;
 
 impl ServerOptions {
@@ -117,13 +119,13 @@ impl ServerOptions {
 }
 
 /// A plant that answers controllers over UDP. It starts with engaged brakes. It obeys the controller that
-/// connected last, and each command once, see [`datagram`](super::datagram). Any program that reaches its
-/// port can connect: bind it to this machine (`127.0.0.1`) or to a separate network.
+/// connected last, and obeys each command once, see [`datagram`](super::datagram). Any program that reaches
+/// its port can connect. Therefore bind it to this machine (`127.0.0.1`) or to a separate network.
 ///
-/// No datagram ends it. Inputs for which the simulation fails (1e308 N m) count as a breakdown of the robot.
-/// The plant then restarts at rest at its last position, with engaged brakes and without a controller;
-/// controllers get [`TransportError::Restarted`](super::TransportError::Restarted).
-/// [`breakdowns`](Self::breakdowns) counts them.
+/// No datagram ends the server. If the simulation fails, for example with an input of 1e308 N m, this counts
+/// as a breakdown of the robot. The plant then restarts at rest at its last position, with engaged brakes and
+/// without a controller. Controllers get [`TransportError::Restarted`](super::TransportError::Restarted).
+/// [`breakdowns`](Self::breakdowns) returns the number of breakdowns.
 pub struct PlantServer<D, const N: usize, const M: usize, const NY: usize = N> {
     plant: Plant<D, N, M, NY>,
     socket: UdpSocket,
@@ -132,12 +134,12 @@ pub struct PlantServer<D, const N: usize, const M: usize, const NY: usize = N> {
     connection: Option<Connection>,
     offered: Option<Connection>,
     losses: ChaCha8Rng,
-    /// Received since the plant last moved.
+    /// Inputs that were received since the last step of the plant; `None` if no inputs were received.
     received: Option<[f64; M]>,
     periods: u64,
-    /// In a row without inputs.
+    /// Number of consecutive periods without inputs.
     silent_periods: u32,
-    /// Since the plant was made, in real time.
+    /// In real time, the instant up to which the plant has moved.
     reached: Instant,
     observed: TrueState<N, NY>,
     breakdowns: u64,
@@ -145,10 +147,10 @@ pub struct PlantServer<D, const N: usize, const M: usize, const NY: usize = N> {
 }
 
 impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> PlantServer<D, N, M, NY> {
-    /// Binds a socket, port 0 for any, and engages the plant's brakes.
+    /// Binds a socket to `address` and engages the plant's brakes. Port 0 means any free port.
     ///
     /// # Errors
-    /// [`ServerError`].
+    /// [`ServerError::Option`] for an option out of range, [`ServerError::Io`] if the socket cannot be bound.
     pub fn bind(
         mut plant: Plant<D, N, M, NY>,
         address: impl ToSocketAddrs,
@@ -181,9 +183,10 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         })
     }
 
-    /// Adds a frame for [`Push::Frame`]; frames are numbered from 0 in the order of calls.
+    /// Adds a frame for [`Push::Frame`]. Frames are numbered from 0 in the order of these calls.
     ///
-    /// - `jacobian`: Jacobian of the frame's origin in the axes of the world, the module's `frame_…_jacobian`
+    /// - `jacobian`: Jacobian of the frame's origin in the axes of the world, which is `frame_…_jacobian` of
+    ///   the module
     #[must_use]
     pub fn with_frame(
         mut self,
@@ -196,7 +199,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
     /// Address of the server's socket.
     ///
     /// # Errors
-    /// [`io::Error`].
+    /// [`io::Error`] if the system does not report the address.
     pub fn local_address(&self) -> io::Result<SocketAddr> {
         self.socket.local_addr()
     }
@@ -206,20 +209,20 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         &self.plant
     }
 
-    /// Number of restarts after a failed simulation.
+    /// Number of breakdowns, after which the plant was restarted.
     pub fn breakdowns(&self) -> u64 {
         self.breakdowns
     }
 
-    /// Error of the last breakdown.
+    /// Error of the last breakdown; `None` if there was no breakdown.
     pub fn last_breakdown(&self) -> Option<&PlantError> {
         self.last_breakdown.as_ref()
     }
 
-    /// Answers until no datagram arrives for `idle`.
+    /// Answers datagrams until no datagram arrives for the time `idle`.
     ///
     /// # Errors
-    /// [`ServerError`].
+    /// The errors of [`Self::serve_one`].
     pub fn serve(&mut self, idle: Duration) -> Result<(), ServerError> {
         let mut last = Instant::now();
         while last.elapsed() < idle {
@@ -230,10 +233,11 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         Ok(())
     }
 
-    /// Waits at most a period for a datagram, and answers it. Returns true if a valid one arrived.
+    /// Waits for a datagram for at most one period, and answers it. Returns true if a valid datagram arrived.
     ///
     /// # Errors
-    /// [`ServerError`].
+    /// [`ServerError::Io`] if the socket fails, [`ServerError::Plant`] if the plant cannot be restarted after
+    /// a breakdown.
     pub fn serve_one(&mut self) -> Result<bool, ServerError> {
         let wait = Duration::from_secs_f64(self.options.period.clamp(1e-4, 1.0));
         self.socket.set_read_timeout(Some(wait))?;
@@ -264,11 +268,12 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         Ok(true)
     }
 
-    /// Processes a message and returns the answer to a query, for connections other than this server's
-    /// socket.
+    /// Processes a datagram and returns the answer, for connections other than this server's socket. `None`
+    /// if the message has no answer.
     ///
     /// # Errors
-    /// [`ServerError`].
+    /// [`ServerError::Plant`] if the plant cannot be restarted after a breakdown, [`ServerError::Io`] if the
+    /// system gives no random number.
     pub fn respond(
         &mut self,
         question: &Datagram<N, M, NY>,
@@ -323,7 +328,8 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         })
     }
 
-    /// Whether a command is the controller's and a new one. The first with an offered number connects.
+    /// Whether a command is new and from the controller. The first command with an offered number connects
+    /// its sender.
     fn obeys(&mut self, question: &Datagram<N, M, NY>, from: SocketAddr) -> bool {
         if matches!(question.message, Message::Inspect | Message::Connect) {
             return false;
@@ -410,7 +416,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         Ok(())
     }
 
-    /// After an error the plant stands where it stood before.
+    /// Restarts the plant at its last position after an error.
     fn take_up_again(&mut self, fault: PlantError) -> Result<(), ServerError> {
         let (positions, _) = self.plant.state();
         self.plant.reset(positions, [0.0; N])?;

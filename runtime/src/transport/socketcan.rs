@@ -5,7 +5,8 @@ use super::{Reading, Transport, TransportError};
 use socketcan::{CanFrame, CanSocket, EmbeddedFrame, Frame as _, Socket, StandardId};
 use std::io;
 
-/// Frames taken from the socket in one reading: a babbling node must not hold the loop up.
+/// Largest number of frames that one reading takes from the socket, so that a node with too many messages
+/// cannot block the loop.
 const MAX_FRAMES: usize = 1024;
 
 /// Transport over a SocketCAN interface, with the frames of [`can_frame`](super::can_frame).
@@ -42,7 +43,7 @@ impl<const N: usize, const M: usize, const NY: usize> CanTransport<N, M, NY> {
 }
 
 impl<const N: usize, const M: usize, const NY: usize> Transport<N, M, NY> for CanTransport<N, M, NY> {
-    /// Newest complete set of measurements.
+    /// Returns the newest complete set of measurements.
     fn read(&mut self) -> Result<Option<Reading<N, NY>>, TransportError> {
         let mut newest = None;
         for _ in 0..MAX_FRAMES {

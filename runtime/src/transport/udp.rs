@@ -8,32 +8,34 @@ use std::io;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, ToSocketAddrs, UdpSocket};
 use std::time::{Duration, Instant};
 
-/// Longest wait for an answer: a lost datagram must not end in waiting forever.
+/// Longest waiting time for an answer.
 const LONGEST_TIMEOUT: Duration = Duration::from_secs(3600);
-/// Attempts to release the brakes: the one command that is neither repeated by the loop nor harmless to lose.
+/// Number of attempts to release the brakes. The loop does not repeat this command, and its loss would have
+/// consequences.
 const RELEASE_ATTEMPTS: u32 = 20;
 
-/// A robot connected over UDP with the datagrams of [`datagram`](super::datagram).
+/// A robot that is connected over UDP with the datagrams of [`datagram`](super::datagram).
 ///
-/// A reading is a query with its answer. Old, foreign, damaged and duplicate datagrams do not match the query
-/// and are dropped, so positions are always those of this period. The first command or reading connects; the
-/// robot, with engaged brakes, then obeys this controller instead of the previous one.
+/// A reading is a query with its answer. Late, foreign, damaged and duplicate datagrams do not match the
+/// query and are dropped, so positions always belong to this period. The first command or reading connects.
+/// The robot, with engaged brakes, then obeys this controller instead of the previous one.
 #[derive(Debug)]
 pub struct UdpTransport<const N: usize, const M: usize, const NY: usize = N> {
     socket: UdpSocket,
     timeout: Duration,
     sequence: u64,
-    /// Number of the connection.
+    /// Number of the connection; `None` before the connection.
     connection: Option<u32>,
 }
 
 impl<const N: usize, const M: usize, const NY: usize> UdpTransport<N, M, NY> {
-    /// Connects to a plant process, which may start later. `timeout` is the waiting time for an answer: a
-    /// quarter of the period in real time; seconds in lock-step, where the plant waits.
+    /// A transport to a plant process, which may start later. `timeout` is the waiting time for an answer.
+    /// Choose a quarter of the period in real time, and seconds in lock-step, where the plant waits for the
+    /// controller.
     ///
     /// # Errors
     /// [`io::Error`] if address or socket are not available, if `timeout` is zero or above an hour, or if the
-    /// robot has more coordinates than fit in a datagram.
+    /// robot has too many coordinates for a datagram.
     pub fn connect(address: impl ToSocketAddrs, timeout: Duration) -> io::Result<Self> {
         if timeout.is_zero() || timeout > LONGEST_TIMEOUT {
             return Err(io::Error::new(
@@ -62,7 +64,7 @@ impl<const N: usize, const M: usize, const NY: usize> UdpTransport<N, M, NY> {
     /// in time.
     ///
     /// # Errors
-    /// [`TransportError::Io`].
+    /// [`TransportError::Io`] if the socket fails.
     pub fn inspect(&mut self) -> Result<Option<(TrueState<N, NY>, Brakes)>, TransportError> {
         let answer = self.ask(0, Message::Inspect)?;
         Ok(answer.and_then(|answer| match answer.message {
@@ -71,18 +73,21 @@ impl<const N: usize, const M: usize, const NY: usize> UdpTransport<N, M, NY> {
         }))
     }
 
-    /// Pushes a simulated robot. If another transport controls the robot, its controller stays connected.
+    /// Pushes a simulated robot. If another transport controls the robot, its controller remains connected.
     /// Returns false if no answer arrived in time.
     ///
     /// # Errors
-    /// [`TransportError::NoAnswer`], [`TransportError::Io`].
+    /// [`TransportError::NoAnswer`] if the robot's side does not answer, [`TransportError::Io`] if the socket
+    /// fails.
     pub fn push(&mut self, push: Push<N>) -> Result<bool, TransportError> {
         let number = self.connection.map_or_else(|| self.offered_number(), Ok)?;
         Ok(self.ask(number, Message::Push(push))?.is_some())
     }
 
+    /// Requests a connection and returns its number.
+    ///
     /// # Errors
-    /// [`TransportError::NoAnswer`] if no connection is offered.
+    /// [`TransportError::NoAnswer`] if no connection is offered in time.
     fn offered_number(&mut self) -> Result<u32, TransportError> {
         let answer = self.ask(0, Message::Connect)?;
         let offer = answer.filter(|answer| answer.message == Message::Connect);
@@ -95,7 +100,10 @@ impl<const N: usize, const M: usize, const NY: usize> UdpTransport<N, M, NY> {
         Ok(number)
     }
 
-    /// The answer to the robot's controller; None if it does not come in time.
+    /// Asks as the robot's controller. `None` if no answer arrives in time.
+    ///
+    /// # Errors
+    /// [`TransportError::Restarted`] if the robot's side has another controller.
     fn ask_connected(
         &mut self,
         message: Message<N, M, NY>,
@@ -128,7 +136,7 @@ impl<const N: usize, const M: usize, const NY: usize> UdpTransport<N, M, NY> {
         Ok(())
     }
 
-    /// The answer to a question; None if it does not come in time.
+    /// The answer to a message; `None` if no answer arrives in time.
     fn ask(
         &mut self,
         connection: u32,
@@ -177,7 +185,8 @@ impl<const N: usize, const M: usize, const NY: usize> Transport<N, M, NY> for Ud
         self.send(number, Message::Inputs(*inputs))
     }
 
-    /// Waits for the confirmation, and asks again where it is lost.
+    /// Releases the brakes. Waits for the confirmation, and repeats the command if the confirmation is
+    /// missing.
     fn release(&mut self) -> Result<(), TransportError> {
         for _ in 0..RELEASE_ATTEMPTS {
             let answer = self.ask_connected(Message::Release)?;
@@ -194,7 +203,7 @@ impl<const N: usize, const M: usize, const NY: usize> Transport<N, M, NY> for Ud
     }
 }
 
-/// Which of the two the system reports depends on the system.
+/// Whether the error is a timeout. Its kind depends on the system.
 pub(super) fn is_timeout(e: &io::Error) -> bool {
     matches!(e.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut)
 }

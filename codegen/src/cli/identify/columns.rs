@@ -1,4 +1,4 @@
-//! `gelenk identify --columns '?'`.
+//! The command `gelenk identify --columns '?'`.
 
 use std::process::ExitCode;
 
@@ -11,8 +11,8 @@ use super::super::print;
 use super::logs::settings;
 use super::read::read;
 
-/// Prints the columns of the first log as a line of `--columns`. If some are missing, all columns of the log follow, and the exit code is
-/// that of a fault.
+/// Prints the columns of the first log as a line for `--columns`. If columns are missing, all columns of the
+/// log are printed, too, and the exit code is [`FAULT`].
 pub(super) fn print(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
     let (_, robot) = read(arguments)?;
     let settings = settings(arguments)?;

@@ -1,4 +1,4 @@
-//! An identification as JSON.
+//! Converts an identification to JSON.
 
 use std::path::{Path, PathBuf};
 
@@ -15,7 +15,7 @@ fn uncertain(p: &Uncertain) -> Value {
     json!({"value": p.value, "standard_error": p.standard_error, "interval": p.interval})
 }
 
-/// Who carries the weight.
+/// How the efforts of the logs include the robot's weight, as text.
 fn gravity(gravity: Gravity) -> &'static str {
     match gravity {
         Gravity::Recorded => "recorded",
@@ -24,7 +24,7 @@ fn gravity(gravity: Gravity) -> &'static str {
     }
 }
 
-/// Identified values and the file they were written to, as JSON.
+/// Identified values and the paths of the written files, as JSON.
 pub(super) fn as_json(
     (found, findings): (&Identification, &[Finding]),
     validation: &[JointValidation],

@@ -1,4 +1,4 @@
-//! `gelenk identify` with logs.
+//! The command `gelenk identify` with logs.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -56,7 +56,7 @@ const ROTORS: Rule = Rule::note("rotors-kept");
 /// Fixture: `codegen/tests/identified_friction.rs`.
 const LOAD_LOST: Rule = Rule::note("load-friction-replaced");
 
-/// Estimates, writes the description and the page.
+/// Identifies the robot from logs, and writes the description and the page.
 pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
     let (loaded, robot) = read(arguments)?;
     let output = output(arguments, &loaded)?;
@@ -73,7 +73,8 @@ pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Fa
     finish(arguments, format, (&loaded, &robot), &found, &validation, &command(arguments), &output)
 }
 
-/// Writes the results: the description, the page, and a table on standard output.
+/// Writes the results of an identification: the description, the page, and a table or JSON on standard
+/// output.
 pub(super) fn finish(
     arguments: &Identify,
     format: Format,
@@ -138,7 +139,7 @@ pub(super) fn settings(arguments: &Identify) -> Result<IdentificationSettings, F
     Ok(settings)
 }
 
-/// A finding about things of the description, if there are some.
+/// A finding about parts of the description with these names; `None` if there are no names.
 fn about<'a>(
     rule: Rule,
     names: impl Iterator<Item = &'a str>,
@@ -148,7 +149,7 @@ fn about<'a>(
     (!names.is_empty()).then(|| rule.found(said(list(names.into_iter()))))
 }
 
-/// Wrenches would act if a log had them.
+/// Finding about wrenches of the description, which are taken as zero.
 fn without_wrenches(model: &Model) -> Option<Finding> {
     about(WRENCHES, model.wrenches.iter().map(|wrench| wrench.name.as_str()), |names| {
         format!(
@@ -157,7 +158,7 @@ fn without_wrenches(model: &Model) -> Option<Finding> {
     })
 }
 
-/// Which friction of shafts is not looked for, although it is described.
+/// Finding about friction of shafts in the description that is not identified.
 fn as_described(arguments: &Identify, model: &Model, robot: &InterpretedRobot) -> Option<Finding> {
     let kept = robot.shafts_as_described();
     let names = model.rubbing_drives().map(|drive| drive.name.as_str()).filter(|name| kept.contains(name));
@@ -168,7 +169,7 @@ fn as_described(arguments: &Identify, model: &Model, robot: &InterpretedRobot) -
     about(KEPT, names, |names| format!("friction on the shafts of {names} stays as described: {reason}"))
 }
 
-/// Which described friction of followers counts as known.
+/// Finding about friction of followers, which is not identified.
 fn friction_of_followers(model: &Model) -> Option<Finding> {
     let joints = model.links.iter().filter_map(|link| link.joint.as_ref());
     let follows = |joint: &&Joint| matches!(joint.motion, Motion::Follower(_)) && !joint.friction.is_empty();
@@ -177,7 +178,8 @@ fn friction_of_followers(model: &Model) -> Option<Finding> {
     })
 }
 
-/// Rotors that no key of a description holds: MJCF's `armature` of joints without an actuator.
+/// Finding about rotors without an input, for which a description has no key: `armature` of MJCF joints
+/// without an actuator.
 fn rotors_without_input(model: &Model) -> Option<Finding> {
     let drives = model.moving_drives().filter(|drive| drive.input == Input::None);
     about(ROTORS, drives.map(|drive| drive.name.as_str()), |names| {
@@ -188,7 +190,7 @@ fn rotors_without_input(model: &Model) -> Option<Finding> {
     })
 }
 
-/// Which described friction under load is lost: laws of the velocity alone replace it.
+/// Finding about load-dependent friction of the description that laws of the velocity replace.
 fn replaced_load(model: &Model, found: &Identification) -> Option<Finding> {
     let replaced = |name: &str| laws(found).any(|law| law.result.joint == name && law.result.load.is_empty());
     let described = model.joints().filter(|joint| !joint.load_friction.is_empty());
@@ -200,7 +202,7 @@ fn replaced_load(model: &Model, found: &Identification) -> Option<Finding> {
     })
 }
 
-/// Where the description goes.
+/// Path of the written description. Returns an error if it is an input of the command.
 pub(super) fn output(arguments: &Identify, loaded: &Loaded) -> Result<PathBuf, Failure> {
     let default = || PathBuf::from(format!("{}_identified.toml", loaded.model.name));
     let output = arguments.output.clone().unwrap_or_else(default);
@@ -208,7 +210,7 @@ pub(super) fn output(arguments: &Identify, loaded: &Loaded) -> Result<PathBuf, F
     Ok(output)
 }
 
-/// The command for the file and the page: the same on every machine.
+/// The command for the file and the page. It does not depend on the machine.
 pub(super) fn command(arguments: &Identify) -> String {
     let workspace = Workspace::find();
     let files = std::iter::once(&arguments.description).chain(&arguments.logs);
@@ -242,12 +244,12 @@ pub(super) fn command(arguments: &Identify) -> String {
     words.chain(arguments.reading.words()).collect::<Vec<_>>().join(" ")
 }
 
-/// The word of an option's value.
+/// Word of an option's value on the command line.
 fn name_of(value: impl ValueEnum) -> Option<String> {
     Some(value.to_possible_value()?.get_name().to_owned())
 }
 
-/// The option that looks for friction on joints alone.
+/// The option `--friction-on joints` if it was given.
 pub(super) fn on_joints(arguments: &Identify) -> Option<String> {
     (arguments.friction_on == FrictionPlace::Joints).then(|| "--friction-on joints".to_owned())
 }
@@ -299,9 +301,10 @@ fn describe(
     )?)
 }
 
-/// Tables of drives that are described by themselves, and of the joints whose rows their shafts take.
+/// Lines of TOML for the drives under `[[drives]]`, and for the joints whose rows are replaced by rows of
+/// shafts.
 ///
-/// - `others`: parameters behind those of bodies
+/// - `others`: the inertial parameters after those of the bodies
 fn drive_tables(
     described: &Model,
     robot: &InterpretedRobot,
@@ -327,7 +330,7 @@ fn drive_tables(
     Ok(tables)
 }
 
-/// Identified values of a drive that has its own table in the description.
+/// Identified values of a drive under `[[drives]]`.
 fn identified_drive<'a>(
     found: &'a Identification,
     drive: &'a Drive,
@@ -347,7 +350,7 @@ fn identified_drive<'a>(
     }
 }
 
-/// The law that was found in a row.
+/// The identified friction law of a joint or shaft; `None` if there is none.
 fn law(found: &Identification, row: usize) -> Option<&FrictionResult> {
     page::law_report(found, row).map(|report| &report.result)
 }
@@ -356,7 +359,7 @@ fn laws(found: &Identification) -> impl Iterator<Item = &FrictionReport> {
     found.friction.iter().filter_map(|joint| joint.report.as_ref().ok())
 }
 
-/// Comments at the head of the description.
+/// Comments at the top of the written description: command, hashes of the logs, fits and findings.
 fn provenance(found: &Identification, findings: &[Finding], command: &str) -> Vec<String> {
     let hashes = found.recording.hashes.iter().map(|(path, hash)| {
         let name = path.rsplit(['/', '\\']).next().unwrap_or(path);
@@ -382,13 +385,13 @@ fn provenance(found: &Identification, findings: &[Finding], command: &str) -> Ve
         .collect()
 }
 
-/// Residual of a joint with its unit.
+/// Residual of a joint with its unit, as text.
 fn residual(joint: &JointEstimate) -> String {
     format!("{} {}", plain(joint.sigma, 3), joint.unit)
 }
 
-/// Path of the extended description from the folder of the output: relative where both lie in one folder,
-/// absolute elsewhere.
+/// Path of the extended description. It is relative if the description is in or below the folder of the
+/// output, otherwise absolute.
 pub(super) fn relative(description: &Path, output: &Path) -> Result<String, Failure> {
     let fault = |error| Failure::Problem(format!("{}: {error}", description.display()));
     let description = description.canonicalize().map_err(fault)?;
@@ -434,7 +437,7 @@ fn as_text(
     text
 }
 
-/// How well logs are predicted that nothing was fitted to.
+/// Table about the prediction of the logs of `--validate`; empty if there are none.
 fn validated(validation: &[JointValidation]) -> String {
     if validation.is_empty() {
         return String::new();

@@ -1,4 +1,4 @@
-//! `gelenk identify`.
+//! The command `gelenk identify`.
 
 mod columns;
 mod found_json;
@@ -15,8 +15,9 @@ use std::process::ExitCode;
 use super::arguments::{Format, Identify};
 use super::failure::Failure;
 
-/// Identifies a robot from its logs or their moments, reduces logs to moments, plans a motion to record, finds a load, replays a log, or
-/// prints the columns of a log.
+/// Runs the task that the arguments choose: identification from logs or moments, reduction of logs to
+/// moments, the plan of a motion, identification of a load, replay of a log, or the columns of a log. Moments
+/// are sums of products of a log's samples.
 pub(super) fn identify(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
     match arguments {
         _ if read::stated(arguments).asks() => columns::print(arguments, format),

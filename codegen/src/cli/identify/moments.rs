@@ -1,4 +1,4 @@
-//! `gelenk identify --reduce` and `--merge`.
+//! The commands `gelenk identify --reduce` and `--merge`. Moments are sums of products of a log's samples.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -19,7 +19,7 @@ use crate::identify::InterpretedRobot;
 use crate::read::Loaded;
 use crate::wording::quoted;
 
-/// End of the names of files of moments.
+/// Extension of files of moments.
 const MOMENTS: &str = "moments";
 
 /// Reduces logs to one file of moments.
@@ -40,7 +40,7 @@ pub(super) fn write_reduced(arguments: &Identify, format: Format) -> Result<Exit
     write(&LogMoments::sum(parts)?, &description, &path, format)
 }
 
-/// Identifies the robot from files of moments, or adds them up to one file.
+/// Identifies the robot from files of moments, or adds the moments and writes them to one file.
 pub(super) fn write_merged(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
     let (loaded, robot) = read(arguments)?;
     let path = output(arguments, &loaded)?;
@@ -109,7 +109,8 @@ fn as_json(moments: &LogMoments, path: &Path) -> Value {
     })
 }
 
-/// Identity of the description that moments belong to: the bytes of its files and the options of the reader.
+/// Identity of the description to which moments belong: the bytes of its files, and the options for reading
+/// it.
 struct Description {
     files: Vec<Vec<u8>>,
     reading: String,
@@ -122,7 +123,7 @@ impl Description {
         };
         let files = loaded.files.iter().map(read).collect::<Result<_, _>>()?;
         let mut reading = arguments.reading.keys().join("\n");
-        // Moments of other rows do not add up, whatever their sizes.
+        // Moments of shafts and of joints must not be added, even if their sizes are equal.
         if !robot.shafts().is_empty() {
             reading.push_str("\nrows of shafts");
         }
@@ -134,8 +135,8 @@ impl Description {
     }
 }
 
-/// The command for the file and the page: the same in whatever order the files were named, and by whatever tree they
-/// were added up. The logs stand below it.
+/// The command for the file and the page. It does not depend on the order in which moments were named and
+/// added. The names of the logs follow it in the file.
 fn command(arguments: &Identify) -> String {
     let workspace = place::Workspace::find();
     let description = quoted(&place::shown(&arguments.description, workspace.as_ref()));

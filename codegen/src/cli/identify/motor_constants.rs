@@ -1,4 +1,4 @@
-//! Motor constants that logs of currents give if none are described.
+//! Findings about motor constants, which are identified from logs of currents if the description has none.
 
 use gelenk_findings::digits::{plain, rounded};
 use gelenk_identification::estimation::{JointEstimate, Uncertain};
@@ -18,7 +18,8 @@ const ESTIMATED: Rule = Rule::note("motor-constant");
 /// Fixture: `codegen/tests/external_arm/said.rs`.
 const DOUBTFUL_CONSTANT: Rule = Rule::warning("motor-constant-doubtful");
 
-/// Constants that motors of turning joints have, with gears that the description does not have [N m/A].
+/// Smallest and largest usual motor constant of a revolute joint, including gears that the description lacks
+/// [N m/A].
 const USUAL: [f64; 2] = [1e-3, 100.0];
 
 /// Motor constants that are known within a factor of 2.
@@ -27,7 +28,7 @@ fn known(found: &Identification) -> impl Iterator<Item = (&JointEstimate, Uncert
     constants.filter(|(_, constant)| constant.has_one_size())
 }
 
-/// Motor constants with their intervals.
+/// Findings that state the identified motor constants with confidence intervals.
 pub(super) fn findings(found: &Identification) -> Vec<Finding> {
     let level = 100.0 * found.estimate.confidence;
     let finding = |(joint, constant): (&JointEstimate, Uncertain)| {
@@ -41,7 +42,7 @@ pub(super) fn findings(found: &Identification) -> Vec<Finding> {
     known(found).map(finding).collect()
 }
 
-/// Adds doubts about motor constants to the warnings of an estimate.
+/// Adds warnings about doubtful motor constants to the findings of an estimate.
 pub(super) fn add_doubts(found: &mut Identification) {
     let doubts: Vec<Finding> = known(found).filter_map(doubt).collect();
     found.estimate.findings.extend(doubts);

@@ -1,4 +1,4 @@
-//! `gelenk identify --online`.
+//! The command `gelenk identify --online`.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -18,14 +18,15 @@ use super::read::{read, say};
 use crate::identify::{DescribedForces, InterpretedRobot, OnlineJoint, Replay, online_page, replay};
 use crate::wording::list;
 
-/// Replays logs through the estimator of the loop: prints laws, intervals, trust and errors of predictions, and writes the page.
+/// Replays logs through the friction estimator of the control loop. Prints friction terms with intervals,
+/// trust, and prediction errors, and writes the page.
 pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
     let (loaded, robot) = read(arguments)?;
     let forces = DescribedForces::new(&loaded.model, arguments.gravity_compensated)
         .map_err(|problems| Failure::Descriptions(vec![problems]))?;
     let recording = print::identified(runs(&arguments.logs, &robot, &settings(arguments)?.columns))?;
     say("replaying the log period by period");
-    // An effort that is later than the positions has a negative time until it acts.
+    // If efforts are recorded later than positions, the time until an effort acts is negative.
     let delay = -arguments.delay.unwrap_or(0.0);
     let found = replay(&robot, &|y, v, a| forces.at(y, v, a), &recording.runs, delay);
     let found = print::after(found, &recording.findings)?;

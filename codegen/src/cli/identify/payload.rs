@@ -1,4 +1,4 @@
-//! `gelenk identify --payload`.
+//! The command `gelenk identify --payload`.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -23,7 +23,7 @@ use crate::wording::list;
 /// Name of the load's body in the written description.
 const NAME: &str = "payload";
 
-/// Estimates the load, and writes a description with it as a body.
+/// Identifies the load, and writes a description in which the load is a body.
 pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
     let (loaded, robot) = read(arguments)?;
     let default = || PathBuf::from(format!("{}_payload.toml", loaded.model.name));
@@ -50,7 +50,8 @@ struct Carrier {
     link: String,
 }
 
-/// Links are those of the description. The joint that moves a link names it, too.
+/// The link of `--payload-on`, which may also be the name of the joint that moves the link; by default the
+/// last moving link.
 fn carrier(arguments: &Identify, robot: &InterpretedRobot) -> Result<Carrier, Failure> {
     let model = robot.model();
     let joints = model.carrying_joints();
@@ -102,7 +103,7 @@ fn describe(
     )?)
 }
 
-/// A name that no body of the description has: a body of the same name would be replaced.
+/// A name that no body of the description has, because a body with the same name would be replaced.
 fn free_name(model: &Model) -> String {
     let is_taken =
         |name: &str| model.links.iter().flat_map(|link| &link.bodies).any(|body| body.name == name);
@@ -111,7 +112,7 @@ fn free_name(model: &Model) -> String {
     names.find(|name| !is_taken(name)).unwrap_or_else(|| NAME.to_owned())
 }
 
-/// Values of the load with their names and units.
+/// Identified values of the load: name, unit and value.
 fn values(payload: &Payload) -> Vec<(&'static str, &'static str, Uncertain)> {
     const CENTRE: [&str; 3] = ["centre of mass x", "centre of mass y", "centre of mass z"];
     const MOMENTS: [&str; 6] = ["Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz"];

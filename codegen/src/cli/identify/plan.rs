@@ -1,4 +1,4 @@
-//! `gelenk identify --plan`.
+//! The command `gelenk identify --plan`.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -17,10 +17,10 @@ use super::read::{read, say};
 use crate::identify::InterpretedRobot;
 use crate::wording::three_digits;
 
-/// Most rows of a plan.
+/// Largest number of rows of a plan.
 const MOST_ROWS: f64 = 1e6;
 
-/// Searches a motion and writes it.
+/// Searches a motion that excites the parameters, and writes it as CSV.
 pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
     if arguments.seconds * arguments.rate > MOST_ROWS {
         return Err(Failure::Usage(format!(
@@ -56,7 +56,7 @@ pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Fa
     }
 }
 
-/// The positions of all joints by `joint=position,…`.
+/// Parses the positions of all joints from `joint=position,…`.
 fn posture(text: &str, names: &[String]) -> Result<Vec<f64>, Failure> {
     let fault = |message: String| Failure::Usage(format!("--start '{text}': {message}"));
     let mut positions = vec![None; names.len()];
@@ -84,7 +84,7 @@ fn posture(text: &str, names: &[String]) -> Result<Vec<f64>, Failure> {
     }
 }
 
-/// How the robot comes to the motion.
+/// Sentence about how the robot reaches the beginning of the motion.
 fn beginning(plan: &Plan, robot: &InterpretedRobot) -> String {
     let [start, ..] = plan.motion.instant(0.0);
     let joints = robot.joint_names();
@@ -105,7 +105,7 @@ fn beginning(plan: &Plan, robot: &InterpretedRobot) -> String {
     }
 }
 
-/// A log of the motion must not be lost to a new plan.
+/// Returns an error if the file exists and is not a plan, so that no log is overwritten.
 fn require_plan_or_nothing(path: &Path, header: &str) -> Result<(), Failure> {
     match fs::read(path) {
         Ok(found) if !found.is_empty() && !found.starts_with(header.as_bytes()) => {
@@ -166,7 +166,7 @@ fn as_text(plan: &Plan, robot: &InterpretedRobot, path: &Path) -> String {
     text
 }
 
-/// Range of the inputs along the motion, if some inputs act at frames; else empty.
+/// Table of the ranges of the inputs along the motion; empty if no input acts at a frame.
 fn inputs_text(plan: &Plan, robot: &InterpretedRobot) -> String {
     if plan.inputs.is_empty() {
         return String::new();

@@ -1,15 +1,15 @@
 //! Base parameters: the identifiable combinations of the inertial parameters (Khalil and Kleinfinger 1987;
 //! Gautier 1991).
 //!
-//! The regressor at random states is stacked and factorized by Gram–Schmidt from the first column to the
-//! last. A column that depends on earlier columns joins their groups, so parameters move towards the base.
-//! The method is numerical, because the known rules cover neither branches with special axes nor gravity
-//! along an axis. The states come from a fixed seed and sums are plain loops, so a description gives the same
-//! groups on every platform.
+//! The rows of the regressor at random states are stacked. Gram–Schmidt orthogonalization visits the columns
+//! from the first to the last. An independent column leads a new group. A column that depends on earlier
+//! columns is added to their groups, so parameters move towards the base. The method is numerical, because
+//! the known rules cover neither branches with special axes nor gravity along an axis. The states come from a
+//! fixed seed, and sums have a fixed order, so the groups are the same on every platform.
 //!
-//! If free lengths, gear ratios or gravity enter the regressor, groups are formed at several of their values.
-//! A coefficient that differs between values is not a number, for example i² J of a rotor with a free gear
-//! ratio i.
+//! If free lengths, gear ratios or gravity enter the regressor, groups are formed at several values of these
+//! parameters. A coefficient that differs between the values is not constant, for example the factor i² of a
+//! rotor's inertia with a free gear ratio i.
 
 use crate::dynamics::parameters::regressor::inertial_regressor;
 use crate::dynamics::recursion::motion::MotionInput;
@@ -21,45 +21,49 @@ use crate::program::flow::operands;
 use crate::program::interpret::{Functions, interpret};
 use crate::program::{GraphOutput, InputArray, Operand, Program, Shape, lower};
 
-/// A column is dependent if so little of its length is left after the projection on those before it. Exact
-/// dependencies leave some 1e-15, angles given with nine digits 1e-9.
+/// Largest part of a column's length that is left after the projection on earlier columns if the column
+/// depends on them. Exact dependencies leave about 1e-15, angles with nine digits 1e-9.
 const DEPENDENT: f64 = 1e-7;
 
-/// A column shorter than this share of the longest is rounding itself.
+/// A column shorter than this part of the longest column is rounding.
 const ROUNDING: f64 = 1e-13;
 
-/// Coefficients keep 12 decimals below 1 and 13 digits above: what lies below is the rounding of the factorization.
+/// Factor for rounding: coefficients below 1 keep 12 decimals, others 13 digits. Further digits are rounding
+/// of the factorization.
 const DIGITS: f64 = 1e12;
 
-/// Coefficients below this are zero.
+/// Coefficients with a smaller magnitude are zero.
 const SMALLEST: f64 = 1e-10;
 
-/// The fewest states for the stacked regressor. A link on the base is seen by one row, so ten would just do.
+/// Smallest number of states of the stacked regressor. One row depends on a link on the base, so ten states
+/// would be just enough.
 const STATES: usize = 25;
 
-/// Values of the free parameters that the regressor is looked at with, where it depends on them.
+/// Number of values of the free parameters for which groups are formed, if the regressor depends on them.
 const VALUES: usize = 3;
 
-/// Coefficients at different values of the free parameters are one if they differ by no more than this,
-/// relative to the larger one where that is above 1: some hundred times the rounding of the factorization.
+/// Largest difference of two equal coefficients at different values of the free parameters, about a hundred
+/// times the rounding of the factorization. It is relative to the larger coefficient if that is above 1.
 const SAME: f64 = 1e-9;
 
-/// Base parameters of a model for almost all values of its free parameters. Special values, for example a
-/// length of zero, may have fewer.
+/// Base parameters of a model for almost all values of its free parameters. A model with special values, for
+/// example a length of zero, may have fewer base parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BaseParameters {
-    /// Parameters that lead a group, ascending; their columns are the base regressor.
+    /// Indices of the parameters that lead a group, in ascending order. Their columns of the regressor are
+    /// the base regressor.
     pub leaders: Vec<usize>,
-    /// Members of the groups including leaders, in the order of the groups.
+    /// Terms of all groups, in the order of the groups. A group's leader is its first term.
     pub terms: Vec<Term>,
 }
 
-/// Group i is the sum of coefficient · parameter over its terms.
+/// A term of a group. The base parameter of a group is the sum of coefficient · parameter over the group's
+/// terms.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Term {
-    /// The group.
+    /// Index of the group.
     pub group: usize,
-    /// The parameter.
+    /// Index of the inertial parameter.
     pub parameter: usize,
     /// Factor of the parameter; `None` if it depends on free parameters.
     pub coefficient: Option<f64>,
@@ -81,13 +85,15 @@ impl BaseParameters {
         Self::in_common(&found.collect::<Vec<_>>())
     }
 
-    /// The constant terms: β\[group\] = Σ coefficient · π\[parameter\]. `None` if some are not constant.
+    /// All terms as (group, parameter, coefficient): β\[group\] = Σ coefficient · π\[parameter\]. `None` if a
+    /// coefficient depends on free parameters.
     pub fn constant_terms(&self) -> Option<Vec<(usize, usize, f64)>> {
         let terms = self.terms.iter();
         terms.map(|term| Some((term.group, term.parameter, term.coefficient?))).collect()
     }
 
-    /// Intersection of several results: leaders of every one, and coefficients that are the same in all.
+    /// Combines the results for several values of free parameters: the leaders of all results, and the
+    /// coefficients that are the same in all results.
     fn in_common(found: &[Self]) -> Self {
         let mut leaders: Vec<usize> = found.iter().flat_map(|one| one.leaders.clone()).collect();
         leaders.sort_unstable();
@@ -112,7 +118,7 @@ impl BaseParameters {
         Self { leaders, terms }
     }
 
-    /// Basis of the columns of a stacked regressor.
+    /// Base parameters from the columns of a stacked regressor.
     fn of_columns(columns: &[Vec<f64>]) -> Self {
         let longest = columns.iter().map(|c| dot(c, c).sqrt()).fold(0.0, f64::max);
         let mut basis = Basis::default();
@@ -141,7 +147,7 @@ impl BaseParameters {
         Self { leaders, terms }
     }
 
-    /// The terms of each group, leader first.
+    /// Terms of each group. The leader is the first term.
     pub fn groups(&self) -> impl Iterator<Item = &[Term]> {
         self.terms.chunk_by(|a, b| a.group == b.group)
     }
@@ -154,7 +160,8 @@ fn is_same(one: &Term, other: &Term) -> bool {
     }
 }
 
-/// Whether a free parameter enters the regressor: lengths, gear ratios and gravity do, masses do not.
+/// Whether a free parameter enters the regressor. This can be a length, a gear ratio or gravity, but not a
+/// mass.
 fn reads_parameters(program: &Program) -> bool {
     let is_parameter = |operand: &Operand| matches!(operand, Operand::Parameter(_));
     let mut read = program.instructions.iter().flat_map(|made| operands(made.operation));
@@ -170,7 +177,7 @@ fn regressor_program(model: &Model, mechanism: &Mechanism<Number>) -> Program {
     let [v, a] = [1, 2].map(|array| (0..n).map(|k| graph.input(array, k)).collect::<Vec<_>>());
     let input = MotionInput { y: &y, v: &v, a: &a };
     let mut matrix = inertial_regressor(&mechanism.on(&graph), model, input);
-    // No force is measured where the motion is prescribed.
+    // Rows of driven coordinates are left out, because their forces are not measured.
     matrix.truncate(free);
     let columns = matrix.first().map_or(0, Vec::len);
     let output = GraphOutput {
@@ -183,7 +190,7 @@ fn regressor_program(model: &Model, mechanism: &Mechanism<Number>) -> Program {
     lower(&graph, inputs.into(), &[output])
 }
 
-/// Columns of the regressor over all states, one below the other.
+/// Columns of the regressor, with the rows of all states one below the other.
 fn stacked_columns(model: &Model, program: &Program, parameters: &[f64]) -> Vec<Vec<f64>> {
     let ranges = position_ranges(model);
     let rows = model.coordinates.len();
@@ -207,8 +214,9 @@ fn stacked_columns(model: &Model, program: &Program, parameters: &[f64]) -> Vec<
     columns
 }
 
-/// States enough to tell all columns apart: twice the columns of a row, each counted at the row that sees the fewest. One row sees
-/// all links that follow its coordinate.
+/// Number of states that distinguishes all columns. Each column is counted at the row with the fewest
+/// non-zero columns among the rows where it is not zero. The number of states is at least twice the largest
+/// count of a row.
 fn state_count(entries: &[Operand], rows: usize) -> usize {
     let count = entries.len() / rows.max(1);
     let sees = |row: usize, column: usize| entries[row * count + column] != Operand::Constant(0.0);
@@ -224,7 +232,7 @@ fn state_count(entries: &[Operand], rows: usize) -> usize {
     own.iter().fold(STATES, |most, own| most.max(2 * own))
 }
 
-/// See [`DIGITS`].
+/// The coefficient with the digits of [`DIGITS`].
 fn without_rounding(coefficient: f64) -> f64 {
     match coefficient.abs() < 1.0 {
         true => (coefficient * DIGITS).round() / DIGITS,
@@ -232,7 +240,7 @@ fn without_rounding(coefficient: f64) -> f64 {
     }
 }
 
-/// How far from zero each coordinate may go: every angle, one metre.
+/// Largest magnitude of each coordinate: π for angles, 1 m for prismatic joints.
 fn position_ranges(model: &Model) -> Vec<f64> {
     let joints = model.joints().chain(model.driven_joints());
     joints
@@ -247,14 +255,14 @@ fn position_ranges(model: &Model) -> Vec<f64> {
 #[derive(Default)]
 struct Basis {
     directions: Vec<Vec<f64>>,
-    /// Column k of R: the k-th independent column in these directions.
+    /// Column k of R has the components of the k-th independent column in these directions.
     triangle: Vec<Vec<f64>>,
 }
 
 enum Projection {
-    /// A new direction.
+    /// The column is independent of the earlier columns.
     Independent,
-    /// A dependent direction: coefficients over the independent columns.
+    /// The column is the sum of the independent columns times these coefficients.
     Dependent(Vec<f64>),
 }
 
@@ -263,7 +271,7 @@ impl Basis {
         let length = dot(column, column).sqrt();
         let mut rest = column.to_vec();
         let mut shares = vec![0.0; self.directions.len()];
-        // Twice, so that nothing of the directions survives by rounding.
+        // The second pass removes the rounding of the first pass.
         for _ in 0..2 {
             for (share, direction) in shares.iter_mut().zip(&self.directions) {
                 let along = dot(direction, &rest);
@@ -300,12 +308,11 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Steele, Lea and Flood 2014.
+/// Random numbers of SplitMix64 (Steele, Lea and Flood 2014).
 struct SplitMix64(u64);
 
 impl SplitMix64 {
-    /// Within 30 % of a described value, and anywhere near zero if that is described: a value without
-    /// special meaning.
+    /// A random value within 30 % of the description's value, or within ±0.3 if that value is 0.
     fn near(&mut self, described: f64) -> f64 {
         match described {
             0.0 => self.within(0.3),
@@ -313,7 +320,7 @@ impl SplitMix64 {
         }
     }
 
-    /// Uniform between ±`range`.
+    /// A number with uniform distribution between −`range` and `range`.
     fn within(&mut self, range: f64) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;

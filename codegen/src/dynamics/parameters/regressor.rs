@@ -1,16 +1,17 @@
 //! Regressor of the inertial parameters: `W π = M ÿ + k − q_gravity`.
 //!
-//! Each link has ten parameters in its described frame; objects fixed to the link or held on it are included:
-//! m, m c_x, m c_y, m c_z, I_xx, I_xy, I_yy, I_xz, I_yz, I_zz about the frame's origin (order of Pinocchio).
-//! A unit of each parameter requires the force and moment
+//! Each link that a joint moves has ten parameters in the link's frame: m, m c_x, m c_y, m c_z, I_xx, I_xy,
+//! I_yy, I_xz, I_yz, I_zz about the frame's origin (order of Pinocchio). Links that are fixed to the link are
+//! included. A unit of a parameter requires the force F and the moment n
 //!
 //! ```text
 //! m: F = a          m c: F = U e, n = e × a          I: n = E ω̇ + ω × E ω
 //! ```
 //!
 //! with the acceleration a of the origin minus gravity, and U = ω̇× + ω× ω× (Atkeson, An and Hollerbach
-//! 1986). The row of a joint is the power of these at unit velocity of the joint, so the screws of joints are
-//! passed outwards and no wrench towards the base. Each rotor adds one column.
+//! 1986). E is the unit matrix of the inertia entry, e a unit vector. The entry in the row of a joint is the
+//! power of F and n at a unit of the joint's velocity. For this, the screws of the joints are passed to the
+//! leaves, instead of wrenches to the base. Each rotor adds one column.
 
 use crate::dynamics::formulation::Formulation;
 use crate::dynamics::matrix::Matrix;
@@ -23,14 +24,14 @@ use crate::model::{Drive, Input, Model, RotorCoupling};
 use crate::spatial::{Matrix3, Motion, Vector3, rotate};
 use gelenk_formula::Formula;
 
-/// Number of parameters per link.
+/// Number of inertial parameters of a link.
 pub const PER_LINK: usize = 10;
 
-/// Symbols of the parameters of a link.
+/// Symbols of the inertial parameters of a link, in their order.
 pub const SYMBOLS: [&str; PER_LINK] = ["m", "mcx", "mcy", "mcz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz"];
 
-/// Drives with a rotor (all except ideal ones): those of the inputs in their order, then those without an
-/// input.
+/// Drives with a rotor, that is all drives except ideal ones. The drives of the inputs come first in the
+/// order of the inputs, then the drives without an input.
 pub fn drives_with_rotor(model: &Model) -> impl Iterator<Item = &Drive> {
     let inputless = model.moving_drives().filter(|drive| drive.input == Input::None);
     model.input_drives().chain(inputless).filter(|drive| !is_ideal(drive))
@@ -40,7 +41,8 @@ fn is_ideal(drive: &Drive) -> bool {
     drive.gear_ratio == Formula::ONE && drive.rotor_inertia == Formula::ZERO
 }
 
-/// Names of all parameters: links by moving joint, then rotors.
+/// Names of all inertial parameters: the parameters of the links that joints move, then the inertias of the
+/// rotors.
 pub fn parameter_names(model: &Model) -> Vec<String> {
     let joints = model.carrying_joints().into_iter();
     let links = joints.flat_map(|joint| SYMBOLS.map(|symbol| format!("{symbol}_{}", joint.name)));
@@ -59,8 +61,8 @@ pub fn inertial_parameters<'g>(graph: &'g Graph, model: &Model) -> Vec<Scalar<'g
     links.chain(rotors).collect()
 }
 
-/// Regressor `W`; rows by coordinate, columns in the order of [`parameter_names`]. The mechanism is in metres
-/// and not regrouped.
+/// Regressor W. Rows are coordinates, columns have the order of [`parameter_names`]. The mechanism must be in
+/// metres, with the masses of the description.
 pub fn inertial_regressor<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     model: &Model,
@@ -100,7 +102,7 @@ pub fn inertial_regressor<'g>(
     matrix
 }
 
-/// Motion of a body for a unit of a joint's velocity, in the body's frame, along the joint's z axis.
+/// Motion of a body for a unit of a joint's velocity, in the body's frame.
 #[derive(Clone, Copy)]
 struct Screw<'g> {
     joint: usize,
@@ -129,11 +131,11 @@ fn joint_screws<'g>(mechanism: &Mechanism<Scalar<'g>>, placements: &[Placement<'
     screws
 }
 
-/// Motion of a link in its described frame.
+/// Motion of a link in the link's frame.
 struct LinkMotion<'g> {
-    /// From the body's axes to those of the described frame.
+    /// Rotation from the body's axes to the axes of the link's frame.
     rotation: nalgebra::Matrix3<f64>,
-    /// Origin of the described frame in the body's.
+    /// Origin of the link's frame in the body's frame.
     origin: Vector3<Scalar<'g>>,
     /// Acceleration of the origin, minus gravity.
     acceleration: Vector3<Scalar<'g>>,
@@ -162,13 +164,13 @@ impl<'g> LinkMotion<'g> {
         }
     }
 
-    /// A motion of the body in the described frame.
+    /// Transforms a motion of the body to the link's frame.
     fn motion(&self, motion: Motion<'g>) -> Motion<'g> {
         let at_origin = motion.linear + motion.angular.cross(self.origin);
         Motion { angular: rotate(&self.rotation, motion.angular), linear: rotate(&self.rotation, at_origin) }
     }
 
-    /// Powers of the units of each parameter's factor, at a velocity.
+    /// Power that a unit of each parameter requires at the velocity `screw`.
     fn powers(&self, screw: Motion<'g>) -> [Scalar<'g>; PER_LINK] {
         let (a, u, turn) = (self.acceleration, &self.spread, screw.angular);
         let by_force = Vector3([0, 1, 2].map(|k| u.column(k).dot(screw.linear)));
@@ -178,7 +180,8 @@ impl<'g> LinkMotion<'g> {
         [mass, first[0], first[1], first[2], xx, xy, yy, xz, yz, zz]
     }
 
-    /// Moments that units of I_xx, I_xy, I_yy, I_xz, I_yz, I_zz need; most of their components stand in U.
+    /// Moments that units of I_xx, I_xy, I_yy, I_xz, I_yz, I_zz require. Most of their components are entries
+    /// of U.
     fn inertia_moments(&self) -> [Vector3<Scalar<'g>>; 6] {
         let (u, w, e) = (&self.spread, self.omega, self.angular);
         let (xy, xz, yz) = (w[0] * w[1], w[0] * w[2], w[1] * w[2]);
@@ -193,8 +196,9 @@ impl<'g> LinkMotion<'g> {
     }
 }
 
-/// Forces that a unit of a rotor's axial inertia needs. Spinning with `a · ω + i ẏ` about its axis a it needs
-/// the moment `a (a · ω̇ + i ÿ) + ω × a (a · ω + i ẏ)` on its carrier and `i (a · ω̇ + i ÿ)` at its joint.
+/// Forces by coordinate that a unit of a rotor's axial inertia requires. The rotor spins with `a · ω + i ẏ`
+/// about its axis a. It requires the moment `a (a · ω̇ + i ÿ) + ω × a (a · ω + i ẏ)` on its carrier and `i (a
+/// · ω̇ + i ÿ)` at its joint.
 fn rotor_column<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     drive: &Drive,

@@ -1,4 +1,4 @@
-//! Motion of the bodies, and their forces and moments.
+//! Motions of the bodies as arrays over joints, and the forces that they require.
 
 use super::builder::{ArrayBuilder, Rows};
 use super::rows::{entries_of, flat, flow_of, force_of, moments_of, motion_of, moved, vector};
@@ -6,30 +6,31 @@ use super::setup::Setup;
 use crate::graph::Scalar;
 use crate::program::arrays::ArrayId;
 
-/// Motion of all bodies, their inertia, and the forces from their velocities.
+/// Arrays of the bodies' motions, inertias and forces, in the base frame.
 pub(super) struct Motions {
-    /// Velocity contributed by each joint.
+    /// Velocity that each joint adds to the velocity of its parent.
     pub joint_velocity: ArrayId,
     pub velocity: ArrayId,
-    /// Ṡ; equal to Ψ̇ for joints without quaternions.
+    /// Rate Ṡ of the joint's screw. For joints without quaternions it is equal to Ψ̇, see [`super`].
     pub screw_rate: ArrayId,
-    /// Acceleration a with gravity, from the velocities and, in the inverse dynamics, from the accelerations.
+    /// Acceleration a minus gravity. In the inverse dynamics it contains the joints' accelerations, otherwise
+    /// only the terms of velocities.
     pub acceleration: ArrayId,
-    /// Acceleration contributed by each joint.
+    /// Acceleration that each joint adds to the acceleration of its parent.
     pub joint_acceleration: ArrayId,
     pub inertia: ArrayId,
     pub force: ArrayId,
 }
 
-/// Sums over all bodies beyond each joint.
+/// Arrays of sums over all bodies beyond each joint.
 pub(super) struct Composites {
     pub inertia: ArrayId,
     pub flow: ArrayId,
     pub force: ArrayId,
 }
 
-/// Inertia, momentum, rate of the screw, the acceleration that the joint adds, and the rate of the momentum,
-/// of one body.
+/// Rows of one body: inertia, momentum, rate of the screw, acceleration that the joint adds, and rate of the
+/// momentum.
 fn body_in_motion<'g>(
     [axes, origin, moments, screw, rate, gravity, velocity]: [&Rows<'g>; 7],
     acceleration: Option<Scalar<'g>>,
@@ -52,7 +53,8 @@ fn body_in_motion<'g>(
     ]
 }
 
-/// Computes velocities, accelerations and forces of the bodies, and 2 ∫ ṙ dm and 2 ∫ ṙ rᵀ dm.
+/// Computes velocities, accelerations and forces of the bodies. The second result is the array of `2 ∫ ṙ dm`
+/// and `2 ∫ ṙ rᵀ dm` of each body.
 pub(super) fn move_bodies(
     builder: &mut ArrayBuilder,
     setup: &Setup,
@@ -65,7 +67,7 @@ pub(super) fn move_bodies(
         |rows| [motion_of(rows[0]).scaled(rows[1][0]).entries().to_vec()],
     );
     let velocity = builder.sum_ancestors(joint_velocity, "velocity");
-    // The bodies of a chain but the last have no mass: what holds for it may be said of all of them.
+    // Only the last body of a chain has a mass, so all bodies of the chain may have its velocity.
     let velocity = builder.gather_last(velocity, "velocity_of_body");
     let [axes, origins, moments, screws, rates, gravity] =
         [setup.axes, setup.origins, setup.moments, setup.screws, setup.rates, setup.gravity];

@@ -1,4 +1,5 @@
-//! Builder of array forms.
+//! Builder of array forms: functions as straight-line code (the setup), then loops over joints (the steps).
+//! An array has one column per joint or coordinate, and one or more rows.
 
 use crate::graph::{Edge, Graph, Scalar};
 use crate::layout::{Dimension, Extent};
@@ -7,19 +8,20 @@ use crate::program::arrays::{
 };
 use crate::program::{GraphOutput, InputArray, Program, Shape, lower, lower_from_leaves};
 
-/// Rows of an array at one joint.
+/// The values of an array at one joint, one for each row.
 pub(super) type Rows<'g> = [Scalar<'g>];
 
-/// An array form under construction.
+/// An array form while it is built.
 pub(super) struct ArrayBuilder {
     form: Arrays,
-    /// Rows that the setup computes.
+    /// Arrays that the setup computes.
     set_up: Vec<GraphOutput>,
 }
 
 impl ArrayBuilder {
-    /// - `coordinates`: how the joints follow coordinates; `None` if each joint is a coordinate
-    /// - `chains`: velocities of each joint with a quaternion
+    /// - `joints`: tree of the joints
+    /// - `coordinates`: coordinates that the joints follow; `None` if each joint is independent
+    /// - `chains`: for each joint with a quaternion the joints of the loops that are its velocities
     pub(super) fn new(joints: Tree, coordinates: Option<Coordinates>, chains: Vec<Vec<usize>>) -> Self {
         Self {
             form: Arrays {
@@ -36,12 +38,12 @@ impl ArrayBuilder {
         }
     }
 
-    /// Extent with an entry per coordinate.
+    /// Extent of an array with one entry per coordinate.
     pub(super) fn each_coordinate(&self) -> Extent {
         Extent::new(Dimension::Velocities, self.form.coordinates().len())
     }
 
-    /// An entry for each joint.
+    /// Extent of an array with one entry per joint.
     fn each_joint(&self) -> Extent {
         match self.form.coordinates {
             None => self.each_coordinate(),
@@ -70,7 +72,7 @@ impl ArrayBuilder {
         self.of_coordinates(name, self.form.coordinates().len())
     }
 
-    /// Computes rows over joints by straight-line code before all steps.
+    /// Computes an array over joints in the setup.
     pub(super) fn set_up(&mut self, name: &str, rows: Vec<Vec<Scalar<'_>>>) -> ArrayId {
         self.set_up.push(GraphOutput {
             name: name.to_owned(),
@@ -80,7 +82,7 @@ impl ArrayBuilder {
         self.array(name, rows.len())
     }
 
-    /// Computes a matrix over coordinates by straight-line code, if each joint is a coordinate.
+    /// Computes a matrix over coordinates in the setup. Each joint must be independent.
     pub(super) fn set_up_matrix(&mut self, name: &str, matrix: Vec<Vec<Scalar<'_>>>) -> ArrayId {
         let array = self.set_up(name, matrix);
         let n = self.each_coordinate();
@@ -88,7 +90,8 @@ impl ArrayBuilder {
         array
     }
 
-    /// Computes rows for each joint by the same code.
+    /// Adds a step that computes arrays joint by joint, with the same code for each joint. `build` makes the
+    /// values of `writes` at a joint from the values of `reads` at this joint.
     pub(super) fn map<const R: usize, const W: usize>(
         &mut self,
         (name, about): (&str, &str),
@@ -126,21 +129,21 @@ impl ArrayBuilder {
         written
     }
 
-    /// Sums along the paths to the base.
+    /// Adds a step that sums an array along the path from the base to each joint.
     pub(super) fn sum_ancestors(&mut self, from: ArrayId, name: &str) -> ArrayId {
         let to = self.array(name, self.form.arrays[from].rows);
         self.form.steps.push(Step::SumAncestors { from, to });
         to
     }
 
-    /// Sums over subtrees.
+    /// Adds a step that sums an array over the subtree of each joint.
     pub(super) fn sum_subtrees(&mut self, from: ArrayId, name: &str) -> ArrayId {
         let to = self.array(name, self.form.arrays[from].rows);
         self.form.steps.push(Step::SumSubtrees { from, to });
         to
     }
 
-    /// A matrix over pairs of joints.
+    /// Adds a step that computes a matrix over pairs of joints. See [`Pairs`] for the entries.
     pub(super) fn pairs(
         &mut self,
         before: (ArrayId, ArrayId),
@@ -153,8 +156,8 @@ impl ArrayBuilder {
         to
     }
 
-    /// Sums an array over joints to an array over coordinates; returns the array itself if each joint is a
-    /// coordinate.
+    /// Adds a step that sums an array over joints to an array over coordinates. Returns the array itself if
+    /// each joint is independent.
     pub(super) fn collect(&mut self, from: ArrayId, name: &str) -> ArrayId {
         if self.form.coordinates.is_none() {
             return from;
@@ -164,7 +167,8 @@ impl ArrayBuilder {
         to
     }
 
-    /// Sums a matrix over pairs of joints to a matrix over pairs of coordinates.
+    /// Adds a step that sums a matrix over pairs of joints to a matrix over pairs of coordinates. Returns the
+    /// matrix itself if each joint is independent.
     pub(super) fn project(&mut self, from: ArrayId, name: &str) -> ArrayId {
         if self.form.coordinates.is_none() {
             return from;
@@ -174,7 +178,8 @@ impl ArrayBuilder {
         to
     }
 
-    /// Expands an array over coordinates to an array over joints.
+    /// Adds a step that copies an array over coordinates to an array over joints. Returns the array itself if
+    /// each joint is independent.
     pub(super) fn spread(&mut self, from: ArrayId, name: &str) -> ArrayId {
         if self.form.coordinates.is_none() {
             return from;
@@ -184,20 +189,21 @@ impl ArrayBuilder {
         to
     }
 
-    /// Whether joints have quaternions.
+    /// Whether the robot has joints with quaternions.
     pub(super) fn has_quaternions(&self) -> bool {
         !self.form.chains.is_empty()
     }
 
-    /// Copies to each joint the entry of its carrier joint; zero at the base.
+    /// Adds a step that copies to each joint the values of the joint that carries it. Joints on the base get
+    /// zeros.
     pub(super) fn gather_carriers(&mut self, from: ArrayId, name: &str) -> ArrayId {
         let to = self.array(name, self.form.arrays[from].rows);
         self.form.steps.push(Step::GatherCarriers { from, to });
         to
     }
 
-    /// Copies the value of each joint's last velocity to all velocities of the joint. Returns the array itself for
-    /// robots without quaternions.
+    /// Adds a step that copies the values at the last velocity of each joint with a quaternion to all
+    /// velocities of the joint. Returns the array itself for robots without quaternions.
     pub(super) fn gather_last(&mut self, from: ArrayId, name: &str) -> ArrayId {
         if !self.has_quaternions() {
             return from;
@@ -207,7 +213,7 @@ impl ArrayBuilder {
         to
     }
 
-    /// `matrix − other`; `other` must have exactly one row per coordinate.
+    /// Adds a step that computes `matrix − other`. `other` must have one row per coordinate.
     pub(super) fn subtract(
         &mut self,
         (matrix, other): (ArrayId, ArrayId),
@@ -222,21 +228,21 @@ impl ArrayBuilder {
         difference
     }
 
-    /// Inverse of a matrix with the zeros of a mass matrix.
+    /// Adds a step that inverts a matrix over coordinates, which must have the zeros of the mass matrix.
     pub(super) fn invert(&mut self, from: ArrayId, name: &str) -> ArrayId {
         let to = self.matrix(name);
         self.form.steps.push(Step::Invert { from, to });
         to
     }
 
-    /// `−left · right`
+    /// Adds a step that computes the product `−left · right` of two matrices over coordinates.
     pub(super) fn negative_product(&mut self, left: ArrayId, right: ArrayId, name: &str) -> ArrayId {
         let to = self.matrix(name);
         self.form.steps.push(Step::NegativeProduct { left, right, to });
         to
     }
 
-    /// Product of a symmetric matrix and a vector.
+    /// Adds a step that multiplies a symmetric matrix and a vector over coordinates.
     pub(super) fn apply(&mut self, matrix: ArrayId, vector: ArrayId, name: &str) -> ArrayId {
         let to = self.of_coordinates(name, 1);
         self.form.steps.push(Step::Apply { matrix, vector, to });
@@ -248,12 +254,13 @@ impl ArrayBuilder {
         self.form.outputs.push(ArrayOutput { name: name.to_owned(), shape, array });
     }
 
-    /// Finishes the array form; lowers the setup from the graph of its scalars.
+    /// Finishes the array form. The setup becomes a straight-line program of the graph's scalars.
     pub(super) fn finish(self, graph: &Graph, inputs: Vec<InputArray>) -> Arrays {
         Arrays { setup: lower(graph, inputs, &self.set_up), ..self.form }
     }
 
-    /// Finishes an array form with a long setup; values of a branch are computed together.
+    /// Finishes an array form with a long setup. The program of the setup computes the values of a branch
+    /// together.
     pub(super) fn finish_from_leaves(self, graph: &Graph, inputs: Vec<InputArray>) -> Arrays {
         Arrays { setup: lower_from_leaves(graph, inputs, &self.set_up), ..self.form }
     }

@@ -7,7 +7,7 @@ use crate::graph::Scalar;
 use crate::program::arrays::ArrayId;
 use crate::spatial::Motion;
 
-/// `M ÿ + k − q`
+/// Array of the inverse dynamics `M ÿ + k − q`, by coordinate.
 pub(super) fn joint_forces(builder: &mut ArrayBuilder, moving: &Moving) -> ArrayId {
     let forces = forces_at_joints(builder, moving);
     builder.collect(forces, "forces_at_coordinates")
@@ -35,7 +35,7 @@ fn forces_at_joints(builder: &mut ArrayBuilder, moving: &Moving) -> ArrayId {
     forces
 }
 
-/// Forces that accelerate the coordinates.
+/// Array of the forces that accelerate the coordinates: driving forces minus `k − q_gravity`.
 pub(super) fn remaining_forces(builder: &mut ArrayBuilder, moving: &Moving) -> ArrayId {
     let remaining = remaining_at_joints(builder, moving);
     builder.collect(remaining, "remaining_at_coordinates")
@@ -82,7 +82,7 @@ pub(super) fn mass_matrix(builder: &mut ArrayBuilder, moving: &Moving) -> ArrayI
     builder.project(mass, "mass_matrix_of_coordinates")
 }
 
-/// The motion that a joint gives to the bodies beyond it.
+/// Disturbance of the bodies beyond a joint by the joint's coordinate and velocity.
 struct Displacement<'g> {
     /// Ψ̇
     rate: Motion<'g>,
@@ -92,7 +92,7 @@ struct Displacement<'g> {
     twice: Motion<'g>,
 }
 
-/// Rows of the composite that a joint carries.
+/// Rows of the composite body beyond a joint.
 #[derive(Clone, Copy)]
 struct Carried<'a, 'g> {
     inertia: &'a Rows<'g>,
@@ -100,7 +100,7 @@ struct Carried<'a, 'g> {
     force: &'a Rows<'g>,
 }
 
-/// Arrays that [`disturb`] writes, with their numbers of rows.
+/// Names and numbers of rows of the arrays that [`disturb`] computes.
 const DISTURBANCES: [(&str, usize); 7] = [
     ("gains", 9),
     ("by_coordinate", 9),
@@ -111,7 +111,7 @@ const DISTURBANCES: [(&str, usize); 7] = [
     ("own_damping", 1),
 ];
 
-/// The columns of one joint.
+/// Rows of one joint for the Jacobians.
 fn disturb<'g>(
     screw: Motion<'g>,
     Carried { inertia, flow, force }: Carried<'_, 'g>,
@@ -165,7 +165,8 @@ fn disturbances(builder: &mut ArrayBuilder, moving: &Moving) -> [ArrayId; 7] {
     )
 }
 
-/// The same where joints have quaternions: all velocities of a joint share its carrier's motion.
+/// The arrays of [`disturbances`] for robots with quaternions. All velocities of a joint use the motion of
+/// the joint's carrier.
 fn disturbances_on_carriers(
     builder: &mut ArrayBuilder,
     moving: &Moving,
@@ -202,7 +203,7 @@ fn disturbances_on_carriers(
     )
 }
 
-/// Jacobians ∂/∂y and ∂/∂ẏ.
+/// Jacobians of the inverse dynamics by y and by ẏ, as matrices over coordinates.
 pub(super) fn jacobians(builder: &mut ArrayBuilder, moving: &Moving) -> (ArrayId, ArrayId) {
     let Moving { setup, rotors, .. } = moving;
     let [gains, by_coordinate, by_velocity, stiffness, damping, own_stiffness, own_damping] =

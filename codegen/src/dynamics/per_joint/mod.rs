@@ -1,9 +1,18 @@
-//! Jacobians of the inverse and forward dynamics in array form, with spatial vectors in the base frame.
+//! Jacobians of the inverse and forward dynamics in array form, that is as loops over joints. Spatial vectors
+//! are in the base frame.
 //!
-//! In this frame every sum along a path or over a subtree is a sum of arrays, and every entry for two joints
-//! is a product of two columns with six or nine entries. Notation: screw S of a joint; spatial velocity v and
-//! acceleration a of its body; Ψ̇ = v × S and Ψ̈ = a × S + v × Ψ̇; composite inertia I, 2B s = Σ 2 ∫ r ∧ (ω_s
-//! × ṙ) dm and force f of all bodies beyond the joint. For j before i
+//! In this frame every sum along a path or over a subtree is a sum of arrays. Every matrix entry of two
+//! joints is a product of two columns with six or nine entries. The symbols are:
+//!
+//! - S: screw of a joint, the spatial velocity of the joint's body for a unit of the joint's velocity
+//! - v, a: spatial velocity and acceleration of the joint's body
+//! - Ψ̇ = v × S, Ψ̈ = a × S + v × Ψ̇
+//! - I: composite inertia, the sum of the inertias of all bodies beyond the joint
+//! - f: sum of the forces of these bodies
+//! - 2B s = Σ 2 ∫ r ∧ (ω_s × ṙ) dm: force that the velocities ṙ of these bodies add for a motion s with the
+//!   angular part ω_s
+//!
+//! For a joint j on the path from the base to joint i:
 //!
 //! ```text
 //! M_ji = S_jᵀ I_i S_i = M_ij
@@ -11,13 +20,13 @@
 //! ∂τ_j/∂y_i = S_jᵀ (2B_i Ψ̇_i + I_i Ψ̈_i + S_i ×* f_i)   ∂τ_i/∂y_j = S_iᵀ (2B_i Ψ̇_j + I_i Ψ̈_j)
 //! ```
 //!
-//! The velocities of a joint with a quaternion are columns of one S that is fixed in its body. For these
-//! joints and their neighbours, Ψ̇ = v_λ × S and Ψ̈ = a_λ × S + v_λ × Ψ̇ use the motion of the joint's
-//! carrier λ. Ṡ = v × S with the motion of the body replaces one of the two Ψ̇ in the derivatives by ẏ, and
-//! pairs within one joint use the formulas of j before i in both orders.
+//! The velocities of a joint with a quaternion are columns of one S that is fixed in the joint's body. In
+//! robots with such joints, Ψ̇ = v_λ × S and Ψ̈ = a_λ × S + v_λ × Ψ̇ use the motion of the joint's carrier λ.
+//! Ṡ = v × S with the motion of the body replaces one of the two Ψ̇ in the derivatives by ẏ. Pairs within one
+//! joint use the formulas of j before i in both orders.
 //!
-//! (Singh, Russell and Wensing 2022. B is computed from the moments 2 ∫ ṙ dm and 2 ∫ ṙ rᵀ dm of
-//! `derivatives/`, which act only on the angular part.)
+//! The equations are those of Singh, Russell and Wensing (2022). B is computed from the moments 2 ∫ ṙ dm and
+//! 2 ∫ ṙ rᵀ dm, which act only on ω_s.
 
 mod bodies;
 mod builder;
@@ -44,14 +53,15 @@ use crate::kinematics::{Mechanism, Number};
 use crate::program::arrays::Arrays;
 use crate::program::{InputArray, Shape};
 
-/// Whether loops over joints support a mechanism without driven joints. If no joint follows another or has a
-/// quaternion, each rotor must be on the parent of its joint.
+/// Whether functions of a mechanism without driven joints can be written as loops over joints. If no joint
+/// follows another joint and no joint has a quaternion, each rotor must be on the parent body of the joint
+/// that it turns with.
 pub fn is_possible(mechanism: &Mechanism<Number>) -> bool {
     !mechanism.bodies.is_empty()
         && (mechanism.is_coupled() || mechanism.has_quaternions() || mechanism.rotors_are_neighbours())
 }
 
-/// `inverse_dynamics_derivatives`
+/// Array form of the function `inverse_dynamics_derivatives`.
 pub fn inverse_dynamics_derivatives<'g>(
     equations: &Equations<'_, 'g>,
     arguments: &Arguments<'g>,
@@ -61,7 +71,7 @@ pub fn inverse_dynamics_derivatives<'g>(
     builder.finish(equations.graph, inputs)
 }
 
-/// `inverse_dynamics_derivatives_and_mass_matrix`
+/// Array form of the function `inverse_dynamics_derivatives_and_mass_matrix`.
 pub fn inverse_dynamics_derivatives_and_mass_matrix<'g>(
     equations: &Equations<'_, 'g>,
     arguments: &Arguments<'g>,
@@ -74,7 +84,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix<'g>(
     builder.finish(equations.graph, inputs)
 }
 
-/// An array form that begins with its setup.
+/// Begins an array form with its setup.
 fn begin<'g>(
     equations: &Equations<'_, 'g>,
     arguments: &Arguments<'g>,
@@ -89,7 +99,8 @@ fn begin<'g>(
     (builder, setup)
 }
 
-/// The forces and their Jacobians, and the intermediate values of M.
+/// Begins an array form with the inverse dynamics and their Jacobians. Also returns the arrays from which M
+/// is computed.
 fn inverse_dynamics_and_jacobians<'g>(
     equations: &Equations<'_, 'g>,
     arguments: &Arguments<'g>,
@@ -105,7 +116,7 @@ fn inverse_dynamics_and_jacobians<'g>(
     (builder, moving)
 }
 
-/// `forward_dynamics_derivatives`
+/// Array form of the function `forward_dynamics_derivatives`.
 pub fn forward_dynamics_derivatives<'g>(
     equations: &Equations<'_, 'g>,
     arguments: &Arguments<'g>,

@@ -7,17 +7,18 @@ use super::rows::{flat, force_of, moments_of, motion_of};
 use super::setup::Setup;
 use crate::program::arrays::ArrayId;
 
-/// Arrays of the robot in motion.
+/// Arrays of the robot's motion and forces.
 pub(super) struct Moving {
     pub setup: Setup,
     pub motions: Motions,
-    /// Rotors; `None` if no moving body carries a rotor.
+    /// Arrays of the rotors; `None` if no moving body carries a rotor.
     pub rotors: Option<Rotors>,
-    /// Composite bodies including rotors.
+    /// Sums over all bodies beyond each joint, rotors included.
     pub composites: Composites,
 }
 
-/// Sets up the motion, with the accelerations of the setup or with constant velocities.
+/// Computes motion and forces of all bodies, with the accelerations of the setup if `is_accelerated`,
+/// otherwise at ÿ = 0.
 pub(super) fn set_moving(builder: &mut ArrayBuilder, setup: Setup, is_accelerated: bool) -> Moving {
     let (motions, flow) = move_bodies(builder, &setup, is_accelerated);
     let rotors = Rotors::new(builder, &setup, &motions);
@@ -37,7 +38,7 @@ pub(super) fn set_moving(builder: &mut ArrayBuilder, setup: Setup, is_accelerate
     Moving { setup, motions, rotors, composites }
 }
 
-/// Adds the accelerations to a motion with constant velocities.
+/// Adds joint accelerations to a motion at ÿ = 0.
 pub(super) fn accelerate(builder: &mut ArrayBuilder, steady: Moving, accelerations: ArrayId) -> Moving {
     let Moving { setup, motions, rotors, composites } = steady;
     let [gained] = builder.map(

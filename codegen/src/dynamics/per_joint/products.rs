@@ -1,8 +1,8 @@
-//! Jacobians of the forward dynamics in which only the products with M⁻¹ are loops.
+//! Jacobians of the forward dynamics of which only the products with M⁻¹ are loops.
 //!
-//! With short branches most pairs of joints have no common entries, and straight-line code omits them. It
-//! computes M, the accelerations, M⁻¹ and the Jacobians of the inverse dynamics. M⁻¹ is dense if the base
-//! moves, so products with it are loops.
+//! If branches are short, most entries of M and of the Jacobians of the inverse dynamics are zero, and
+//! straight-line code omits them. It computes M, the accelerations, M⁻¹ and these Jacobians. M⁻¹ is dense if
+//! the base moves, so the products with M⁻¹ are loops.
 
 use super::builder::ArrayBuilder;
 use super::tree::LoopJoints;
@@ -12,12 +12,12 @@ use crate::kinematics::{Mechanism, Number};
 use crate::program::arrays::{ArrayId, Arrays};
 use crate::program::{InputArray, Shape};
 
-/// Whether each joint of the loops is a coordinate.
+/// Whether each joint of the loops is independent, as these functions need it.
 pub fn products_are_possible(mechanism: &Mechanism<Number>) -> bool {
     LoopJoints::new(mechanism).coordinates(mechanism).is_none()
 }
 
-/// `forward_dynamics_derivatives`
+/// Array form of the function `forward_dynamics_derivatives`, with loops only for the products with M⁻¹.
 pub fn forward_dynamics_derivatives_by_products<'g>(
     equations: &Equations<'_, 'g>,
     arguments: &Arguments<'g>,
@@ -37,7 +37,7 @@ pub fn forward_dynamics_derivatives_by_products<'g>(
     builder.finish_from_leaves(equations.graph, inputs)
 }
 
-/// The results `ÿ`, `∂ÿ/∂y = −M⁻¹ ∂n/∂y`, `∂ÿ/∂ẏ = −M⁻¹ ∂n/∂ẏ` and `M⁻¹`.
+/// Declares the results `ÿ`, `∂ÿ/∂y = −M⁻¹ ∂n/∂y`, `∂ÿ/∂ẏ = −M⁻¹ ∂n/∂ẏ` and `M⁻¹`.
 ///
 /// - `forces`: derivatives ∂n/∂y and ∂n/∂ẏ of the forces n that the accelerations require
 pub(super) fn put_derivatives(

@@ -1,8 +1,9 @@
-//! Rotors on the parents of their joints.
+//! Rotors on the parent bodies of their joints.
 //!
-//! The momentum i J a of such a rotor couples its joint i with every joint before it, but not with itself;
-//! the columns of the Jacobians do the same. With ω and ω̇ of the parent, the sums of `rotor.rs` over
-//! subtrees include all bodies beyond, without the rotor of the joint itself.
+//! Such a rotor has the momentum h = i J a per unit of the joint's velocity, with the gear ratio i, the axial
+//! inertia J and the axis a. It couples the joint with every joint before it, but not with itself. The same
+//! holds for the columns of the Jacobians. The equations are those of `recursion/rotor.rs`, with ω and ω̇ of
+//! the parent. Sums over the subtree of a joint leave out the joint's own rotor.
 
 use super::bodies::{Composites, Motions};
 use super::builder::ArrayBuilder;
@@ -12,18 +13,18 @@ use crate::graph::Scalar;
 use crate::program::arrays::ArrayId;
 use crate::spatial::{Force, Matrix3, Vector3};
 
-/// Rotors in motion.
+/// Arrays of the rotors' motion.
 pub(super) struct Rotors {
-    /// h = i J a
+    /// Momentum h = i J a per unit of the joint's velocity.
     momentum: ArrayId,
-    /// ω × h
+    /// ω × h with the angular velocity ω of the parent.
     swept: ArrayId,
-    /// ẏ h
+    /// Momentum ẏ h of the rotor's spin.
     spin: ArrayId,
 }
 
 impl Rotors {
-    /// `None` if no moving body carries a rotor.
+    /// Computes the arrays; `None` if no moving body carries a rotor.
     pub fn new(builder: &mut ArrayBuilder, setup: &Setup, motions: &Motions) -> Option<Self> {
         let momentum = setup.momenta?;
         let [swept, spin] = builder.map(
@@ -39,7 +40,7 @@ impl Rotors {
         Some(Self { momentum, swept, spin })
     }
 
-    /// `ÿ h + ẏ ω × h`: moments on the bodies that carry rotors.
+    /// Moments `ÿ h + ẏ ω × h` on the bodies that carry rotors, by joint.
     pub fn moments(&self, builder: &mut ArrayBuilder, setup: &Setup, accelerations: ArrayId) -> ArrayId {
         let [moments] = builder.map(
             ("rotor_moments", "Moment of each joint's rotor on the body before the joint."),
@@ -53,7 +54,7 @@ impl Rotors {
         moments
     }
 
-    /// `ẏ ω × h`: moments on the bodies that carry rotors, at ÿ = 0.
+    /// Moments `ẏ ω × h` on the bodies that carry rotors at ÿ = 0, by joint.
     pub fn steady_moments(&self, builder: &mut ArrayBuilder, setup: &Setup) -> ArrayId {
         let [moments] = builder.map(
             ("steady_rotor_moments", "Moment of each joint's rotor on the body before the joint, at ÿ = 0."),
@@ -64,7 +65,7 @@ impl Rotors {
         moments
     }
 
-    /// `ÿ h`: the contribution of accelerations to the moments.
+    /// Contribution `ÿ h` of the accelerations to the moments, by joint.
     pub fn added_moments(&self, builder: &mut ArrayBuilder, accelerations: ArrayId) -> ArrayId {
         let [moments] = builder.map(
             (
@@ -78,7 +79,7 @@ impl Rotors {
         moments
     }
 
-    /// Adds the moments of all rotors beyond each joint to the forces there.
+    /// Adds the moments of all rotors on bodies beyond each joint to the force on these bodies.
     pub fn add_moments(builder: &mut ArrayBuilder, force: ArrayId, moments: ArrayId) -> ArrayId {
         let sum = builder.sum_subtrees(moments, "composite_rotor_moment");
         let [force] = builder.map(
@@ -94,7 +95,7 @@ impl Rotors {
         force
     }
 
-    /// Forces and angular momentum of the bodies, rotors included.
+    /// Adds the rotors to the forces and angular momenta of the composite bodies.
     pub fn complete(&self, builder: &mut ArrayBuilder, bodies: Composites, moments: ArrayId) -> Composites {
         let force = Self::add_moments(builder, bodies.force, moments);
         let sum = builder.sum_subtrees(self.spin, "composite_rotor_spin");

@@ -1,4 +1,4 @@
-//! Rows of arrays as vectors, motions, forces and masses.
+//! Conversion between rows of arrays and vectors, motions, forces and masses.
 
 use super::builder::Rows;
 use crate::graph::Scalar;
@@ -34,7 +34,8 @@ pub(super) fn entries_of<'g>(moments: &MassMoments<Scalar<'g>>) -> Vec<Scalar<'g
     [&[moments.mass][..], &moments.first.0, &moments.second.entries()].concat()
 }
 
-/// Moments of a body about the base's origin, in the axes of the base.
+/// Moments of mass of a body about the base's origin, in the axes of the base, from the moments `own` in the
+/// body's frame.
 pub(super) fn moved<'g>(
     axes: &Rows<'g>,
     origin: Vector3<Scalar<'g>>,
@@ -58,7 +59,7 @@ pub(super) fn moved<'g>(
     }
 }
 
-/// `2 ∫ ṙ dm` and `2 ∫ ṙ rᵀ dm`
+/// The moments `2 ∫ ṙ dm` and `2 ∫ ṙ rᵀ dm` of a moving body about the base's origin.
 pub(super) fn flow_of<'g>(
     moments: &MassMoments<Scalar<'g>>,
     velocity: Motion<'g>,
@@ -71,7 +72,10 @@ pub(super) fn flow_of<'g>(
     )
 }
 
-/// `2B s` with the angular part of s.
+/// Force `2B s` of a motion s, from the angular part of s; see [`super`].
+///
+/// - `spin`: tr 2K − 2K with 2K = 2 ∫ ṙ rᵀ dm
+/// - `momentum`: 2 ∫ ṙ dm
 pub(super) fn swept<'g>(
     spin: &Matrix3<'g>,
     momentum: Vector3<Scalar<'g>>,
@@ -80,7 +84,7 @@ pub(super) fn swept<'g>(
     Force { moment: spin.times(angular), force: angular.cross(momentum) }
 }
 
-/// `tr A − A` of nine entries, rows first.
+/// Matrix `tr A − A` of a matrix A with nine entries, rows first.
 pub(super) fn complement<'g>(a: &Rows<'g>) -> Matrix3<'g> {
     Matrix3([[a[4] + a[8], -a[1], -a[2]], [-a[3], a[0] + a[8], -a[5]], [-a[6], -a[7], a[0] + a[4]]])
 }

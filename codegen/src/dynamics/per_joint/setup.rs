@@ -1,4 +1,4 @@
-//! Setup of the loops: straight-line code for each joint.
+//! Setup of the loops: arrays over joints that straight-line code computes before the loops.
 
 use super::builder::ArrayBuilder;
 use super::rows::entries_of;
@@ -21,17 +21,18 @@ pub(super) struct Setup {
     pub moments: ArrayId,
     pub rates: ArrayId,
     pub gravity: ArrayId,
-    /// Gravity as acceleration of the base, for joints carried by the base; `None` without quaternions.
+    /// Acceleration of the base that replaces gravity, at joints on the base; `None` for robots without
+    /// quaternions.
     pub base_acceleration: Option<ArrayId>,
-    /// i² J of rotors.
+    /// Inertias i² J of rotors on the diagonal of M, with the gear ratio i and the axial inertia J.
     pub rotors: ArrayId,
-    /// Accelerations, or the driving forces.
+    /// Accelerations or driving forces, see [`Last`].
     pub last: ArrayId,
-    /// Springs and friction: derivatives by y and ẏ, and force.
+    /// Three rows of springs and friction at a joint: derivative by its y, derivative by its ẏ, force.
     pub joint_forces: ArrayId,
-    /// Springs and friction that depend on the motion of other coordinates.
+    /// Derivatives of springs and friction by other coordinates; `None` if all of them are zero.
     pub coupled_forces: Option<CoupledForces>,
-    /// Momenta i J a of rotors on the parents of their joints; `None` without such rotors.
+    /// Momenta i J a of rotors on the parent bodies of their joints; `None` if there are no such rotors.
     pub momenta: Option<ArrayId>,
 }
 
@@ -41,15 +42,16 @@ pub(super) struct CoupledForces {
     pub by_velocities: ArrayId,
 }
 
-/// Last argument of a function.
+/// Last argument of the function.
 pub(super) enum Last<'g> {
-    /// Accelerations of the coordinates; followers have those of their coordinate.
+    /// Accelerations of the coordinates. A follower has the acceleration of its coordinate, because its screw
+    /// contains the ratio.
     Accelerations(Vec<Scalar<'g>>),
-    /// Driving forces of the coordinates; they act only at the joints of these coordinates.
+    /// Driving forces of the coordinates. They act only at the independent joints.
     DrivingForces(Vec<Scalar<'g>>),
 }
 
-/// Straight-line code for poses and values of single joints.
+/// Computes the arrays of the setup.
 pub(super) fn set_up<'g>(
     builder: &mut ArrayBuilder,
     equations: &Equations<'_, 'g>,
@@ -104,7 +106,7 @@ struct Rows<'a, 'g> {
 }
 
 impl<'g> Rows<'_, 'g> {
-    /// An array by the entries of each joint; rows that a joint has no entries for are 0.
+    /// Fills an array with the entries of each joint. Rows without an entry are 0.
     fn fill(&mut self, name: &str, count: usize, entries: impl Fn(usize) -> Vec<Scalar<'g>>) -> ArrayId {
         let mut rows = vec![vec![self.zero; self.loops.list.len()]; count];
         for (joint, &place) in self.loops.places.iter().enumerate() {
@@ -115,7 +117,8 @@ impl<'g> Rows<'_, 'g> {
         self.builder.set_up(name, rows)
     }
 
-    /// Fills an array by coordinate, at the joint that moves by this coordinate.
+    /// Fills an array with the entries of each coordinate, at the independent joint of this coordinate. Other
+    /// joints get 0.
     fn fill_own(&mut self, name: &str, count: usize, entries: impl Fn(usize) -> Vec<Scalar<'g>>) -> ArrayId {
         let loops = self.loops;
         self.fill(name, count, |joint| match loops.is_own(joint) {
@@ -135,17 +138,19 @@ impl<'g> Rows<'_, 'g> {
     }
 }
 
-/// A mechanism with the joints of its loops.
+/// A mechanism with the joints of the loops.
 pub(super) struct Joints<'a, 'g> {
     pub mechanism: &'a Mechanism<Scalar<'g>>,
     pub loops: &'a LoopJoints<Scalar<'g>>,
 }
 
 impl<'g> Joints<'_, 'g> {
-    /// Whether the base carries the joint that a joint of the loops belongs to.
+    /// Whether a joint of the loops is on the base. For a velocity of a joint with a quaternion this is asked
+    /// of the whole joint.
     fn is_on_base(&self, joint: usize) -> bool {
         let first = match self.loops.list[joint].moved {
-            // The bodies of a chain follow one coordinate each: their joints stand together too.
+            // Each body of a chain follows one coordinate, so the joints of the chain are adjacent in the
+            // list.
             Moved::Body(index) => {
                 self.mechanism.bodies[index].chain.map_or(joint, |chain| joint - (index - chain.first))
             }
@@ -154,7 +159,7 @@ impl<'g> Joints<'_, 'g> {
         self.loops.tree.parents[self.loops.places[first]].is_none()
     }
 
-    /// The pose of the body that a joint moves; that of a rotor does not show its turns.
+    /// Pose of the body that a joint moves. For a rotor it is the pose of the rotor's carrier.
     fn pose(&self, poses: &BasePoses<'g>, joint: usize) -> FramePose<'g> {
         match self.loops.list[joint].moved {
             Moved::Body(index) => *poses.body(index),
@@ -165,7 +170,7 @@ impl<'g> Joints<'_, 'g> {
         }
     }
 
-    /// Motion for a unit of the coordinate's.
+    /// Motion in the base frame for a unit of the coordinate's velocity.
     fn screw(&self, poses: &BasePoses<'g>, joint: usize) -> Motion<'g> {
         let LoopJoint { moved, follows, .. } = self.loops.list[joint];
         let pose = self.pose(poses, joint);
@@ -182,7 +187,8 @@ impl<'g> Joints<'_, 'g> {
         }
     }
 
-    /// Moments of the mass that a joint carries itself; those of a rotor that is a joint are not part of its carrier.
+    /// Moments of the mass that a joint moves, without the bodies beyond. A rotor that is a joint of the
+    /// loops is subtracted from its carrier.
     fn moments(&self, joint: usize) -> MassMoments<Scalar<'g>> {
         let LoopJoint { moved, is_last, .. } = self.loops.list[joint];
         let of_rotor = |index: usize| {
@@ -204,7 +210,7 @@ impl<'g> Joints<'_, 'g> {
     }
 }
 
-/// Springs and friction by coordinate.
+/// Forces of springs and friction by coordinate.
 struct JointForces<'a, 'g> {
     equations: &'a Equations<'a, 'g>,
     arguments: &'a Arguments<'g>,
@@ -217,7 +223,7 @@ impl<'a, 'g> JointForces<'a, 'g> {
         Self { equations, arguments, forces }
     }
 
-    /// Derivatives of the force on a coordinate by the position and velocity of one.
+    /// Derivatives of the force on coordinate `row` by the position and velocity of coordinate `column`.
     fn by(&self, row: usize, column: usize) -> [Scalar<'g>; 2] {
         let force = self.forces[row];
         [
@@ -226,13 +232,14 @@ impl<'a, 'g> JointForces<'a, 'g> {
         ]
     }
 
-    /// The derivatives of the force on a coordinate by its own position and velocity, then the force itself.
+    /// Derivatives of the force on a coordinate by the position and velocity of this coordinate, then the
+    /// force.
     fn own(&self, coordinate: usize) -> [Scalar<'g>; 3] {
         let [by_position, by_velocity] = self.by(coordinate, coordinate);
         [by_position, by_velocity, self.forces[coordinate]]
     }
 
-    /// Derivatives by other coordinates, if there are some.
+    /// Derivatives by the positions and velocities of other coordinates; `None` if all of them are zero.
     fn coupled(&self) -> Option<[Matrix<'g>; 2]> {
         if self.equations.forces_are_local() {
             return None;
@@ -251,7 +258,7 @@ impl<'a, 'g> JointForces<'a, 'g> {
     }
 }
 
-/// i² J of the rotors that add to the diagonal of M, by coordinate.
+/// Inertias i² J of the rotors on the diagonal of M, by coordinate.
 fn rotor_inertia<'g>(joints: &Joints<'_, 'g>) -> Vec<Scalar<'g>> {
     let Joints { mechanism, loops } = joints;
     let n = mechanism.coordinates;
@@ -262,8 +269,8 @@ fn rotor_inertia<'g>(joints: &Joints<'_, 'g>) -> Vec<Scalar<'g>> {
     (0..n).map(|coordinate| matrix[coordinate][coordinate]).collect()
 }
 
-/// `i J a` in the base frame of the rotors on the parents of the joints that they drive, by joint; `None` if there are
-/// none.
+/// Momenta `i J a` in the base frame of the rotors on the parent bodies of the joints that they drive, by
+/// joint; `None` if there are no such rotors.
 fn rotor_momenta<'g>(joints: &Joints<'_, 'g>, poses: &BasePoses<'g>) -> Option<Vec<Vector3<Scalar<'g>>>> {
     let Joints { mechanism, loops } = joints;
     let mut momenta = vec![Vector3::zero(mechanism.graph.constant(0.0)); loops.list.len()];

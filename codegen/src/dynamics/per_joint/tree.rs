@@ -1,17 +1,17 @@
-//! Joints of the loops. Each follows exactly one coordinate.
+//! Joints of the loops. Each joint of the loops follows exactly one coordinate.
 //!
-//! A joint that follows several coordinates is a series of joints along one axis, one per coordinate; the
-//! last carries the mass. The ratio is part of the joint's screw, so sums over the joints of a coordinate
-//! have no factors:
+//! A joint of the robot that follows several coordinates becomes a series of joints along one axis, one joint
+//! per coordinate. The last joint of the series carries the mass. The ratio is part of a joint's screw, so
+//! sums over the joints of a coordinate have no factors:
 //!
 //! ```text
 //! τ_c = Σ_{i of c} τ_i      M_cd = Σ_{i of c, j of d} M_ij      (∂τ/∂y)_cd = Σ_{i of c, j of d} ∂τ_i/∂y_j
 //! ```
 //!
-//! A joint with a quaternion is a series of joints, one per velocity.
+//! A joint with a quaternion becomes a series of joints, one joint per velocity.
 //!
-//! A rotor whose momentum is not added at a neighbouring joint is also a joint: it turns about its axis on
-//! its carrier and has only its axial inertia.
+//! A rotor becomes a joint if its momentum cannot be added at a joint of its carrier. This joint turns about
+//! the rotor's axis and moves only the rotor's axial inertia.
 
 use crate::kinematics::{Followed, Mechanism, Numbers, Rotor};
 use crate::program::arrays::{Coordinates, Tree};
@@ -21,30 +21,31 @@ use crate::program::arrays::{Coordinates, Tree};
 pub(super) struct LoopJoint<S> {
     /// Object that the joint moves.
     pub moved: Moved,
-    /// Followed coordinate, and motion per unit of it.
+    /// Coordinate that the joint follows, with the ratio of the joint's motion to the coordinate's.
     pub follows: Followed<S>,
-    /// Whether the joint carries the mass: the last in a series.
+    /// Whether the joint is the last of its series. Only the last joint carries the mass.
     pub is_last: bool,
 }
 
-/// Object moved by a joint of the loops.
+/// Object that a joint of the loops moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Moved {
-    /// A body of the mechanism.
+    /// The body with this index in the mechanism.
     Body(usize),
-    /// A rotor of the mechanism.
+    /// The rotor with this index in the mechanism.
     Rotor(usize),
 }
 
 /// All joints of the loops.
 pub(super) struct LoopJoints<S> {
-    /// Joints, parents first.
+    /// The joints, parents first.
     pub list: Vec<LoopJoint<S>>,
-    /// Row of each joint in arrays.
+    /// Position of each joint in arrays.
     pub places: Vec<usize>,
-    /// Tree of the joints, by row.
+    /// Tree of the joints, by the positions in arrays.
     pub tree: Tree,
-    /// For each rotor the neighbouring joint that turns it, if the rotor is on that joint's parent.
+    /// For each rotor the joint that turns the rotor, if the carrier of the rotor is the parent body of this
+    /// joint; otherwise `None`.
     pub beside: Vec<Option<usize>>,
 }
 
@@ -81,7 +82,7 @@ impl<S: Numbers> LoopJoints<S> {
         Self { list, places, tree, beside }
     }
 
-    /// Coordinates of the joints; `None` if each joint is a coordinate.
+    /// Coordinates that the joints follow, by the positions in arrays; `None` if each joint is independent.
     pub(super) fn coordinates(&self, mechanism: &Mechanism<S>) -> Option<Coordinates> {
         let mut of_joints = vec![0; self.list.len()];
         for (joint, &place) in self.list.iter().zip(&self.places) {
@@ -90,14 +91,14 @@ impl<S: Numbers> LoopJoints<S> {
         (of_joints.len() > mechanism.coordinates).then(|| Coordinates::new(&self.tree, of_joints))
     }
 
-    /// Velocities of each joint with a quaternion, by row.
+    /// For each joint with a quaternion the positions in arrays of its velocities.
     pub(super) fn chains(&self, mechanism: &Mechanism<S>) -> Vec<Vec<usize>> {
         let mut chains: Vec<Vec<usize>> = Vec::new();
         for (joint, &place) in self.list.iter().zip(&self.places) {
             let Moved::Body(index) = joint.moved else { continue };
             match mechanism.bodies[index].chain {
                 Some(chain) if chain.first == index => chains.push(vec![place]),
-                // The bodies of a chain stand together.
+                // The bodies of a chain are adjacent.
                 Some(_) => chains.last_mut().into_iter().for_each(|chain| chain.push(place)),
                 None => {}
             }
@@ -105,19 +106,19 @@ impl<S: Numbers> LoopJoints<S> {
         chains
     }
 
-    /// The coordinate that a joint follows.
+    /// Index of the coordinate that a joint follows.
     pub(super) fn coordinate(&self, joint: usize) -> usize {
         self.list[joint].follows.coordinate
     }
 
-    /// Whether a joint is the joint of its coordinate.
+    /// Whether a joint is the independent joint of its coordinate.
     pub(super) fn is_own(&self, joint: usize) -> bool {
         self.places[joint] == self.coordinate(joint)
     }
 }
 
 impl<S: Numbers> Collected<S> {
-    /// Adds a joint for each followed coordinate; the last of them.
+    /// Adds a joint for each followed coordinate. Returns the last one.
     fn row(&mut self, moved: Moved, mut parent: Option<usize>, terms: &[Followed<S>]) -> Option<usize> {
         for (k, &follows) in terms.iter().enumerate() {
             let is_last = k + 1 == terms.len();
@@ -127,7 +128,7 @@ impl<S: Numbers> Collected<S> {
         parent
     }
 
-    /// The joint that turns with a rotor, where it stands on the rotor's carrier.
+    /// The joint that turns with a rotor, if this joint is on the rotor's carrier.
     fn beside(&self, rotor: &Rotor<S>) -> Option<usize> {
         let (carrier, turned) = (rotor.carrier?, rotor.transmission.single()?);
         let turns = |&(joint, parent): &(LoopJoint<S>, Option<usize>)| {
@@ -137,12 +138,13 @@ impl<S: Numbers> Collected<S> {
     }
 }
 
-/// Whether a rotor only adds to the diagonal of M.
+/// Whether a rotor only adds its inertia to a diagonal entry of M.
 pub(super) fn is_on_diagonal<S: Numbers>(rotor: &Rotor<S>) -> bool {
     rotor.carrier.is_none() && rotor.transmission.single().is_some()
 }
 
-/// The joints of the coordinates stand first, in order; all others follow them.
+/// Positions of the joints in arrays: first the independent joints in the order of the coordinates, then all
+/// other joints.
 fn places<S: Numbers>(mechanism: &Mechanism<S>, list: &[LoopJoint<S>]) -> Vec<usize> {
     let mut next = mechanism.coordinates;
     let place = |joint: &LoopJoint<S>| {

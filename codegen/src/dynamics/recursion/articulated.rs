@@ -1,15 +1,17 @@
-//! Forward dynamics by articulated bodies (Featherstone 2008, section 7.3), with accelerations relative to
-//! the joints' own frames.
+//! Forward dynamics by articulated bodies (Featherstone 2008, section 7.3). Accelerations are in the frames
+//! of the bodies.
 //!
-//! With ω̇ and the acceleration a of its origin minus gravity, a body with all bodies beyond it requires
+//! A body has the angular acceleration ω̇, and the acceleration a of its origin minus gravity. The body and
+//! all bodies beyond it require the moment n and the force F
 //!
 //! ```text
 //! n = J ω̇ + C a + n₀          F = Cᵀ ω̇ + M a + F₀
 //! ```
 //!
-//! From the leaves on, a joint's equation gives its acceleration in terms of its parent's and passes an
-//! articulated body with fewer inertia terms to the parent. The work grows linearly with the number of
-//! joints; that of the mass matrix and its factorization grows quadratically and cubically.
+//! From the leaves to the base, the equation of each joint is solved for the joint's acceleration as a
+//! function of the parent's acceleration. The rest is an articulated body that is added to the parent. The
+//! number of operations grows linearly with the number of joints. For the mass matrix it grows quadratically,
+//! for the factorization cubically.
 
 use crate::dynamics::formulation::Formulation;
 use crate::dynamics::recursion::placement::{Placement, Turn, place};
@@ -17,8 +19,8 @@ use crate::graph::Scalar;
 use crate::kinematics::{Body, Followed, JointAxis, Mechanism};
 use crate::spatial::{Matrix3, Twist, Vector3};
 
-/// Accelerations from joint forces, by coordinate. The mechanism is in metres, not
-/// [coupled](Mechanism::is_coupled), and its [rotors are neighbours](Mechanism::rotors_are_neighbours).
+/// Accelerations under joint forces, by coordinate. The mechanism must be in metres and must not be
+/// [coupled](Mechanism::is_coupled), and its [rotors must be neighbours](Mechanism::rotors_are_neighbours).
 pub fn forward_dynamics<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     y: &[Scalar<'g>],
@@ -37,12 +39,13 @@ pub fn forward_dynamics<'g>(
     tree.accelerate(&joints)
 }
 
-/// Coupling of rotors to one joint.
+/// Coupling of the rotors of one joint.
 #[derive(Clone, Copy)]
 struct RotorCoupling<'g> {
-    /// `i J_R a` of rotors on the parent, in the parent's frame.
+    /// Momentum `i J_R a` of the rotors on the parent per unit of the joint's velocity, in the parent's
+    /// frame.
     axial: Vector3<Scalar<'g>>,
-    /// `i² J_R` of all its rotors.
+    /// Inertia `i² J_R` of all rotors of the joint.
     inertia: Scalar<'g>,
 }
 
@@ -53,7 +56,7 @@ impl<'g> RotorCoupling<'g> {
             let mut coupling = Self { axial: Vector3::zero(zero), inertia: zero };
             let rotors = mechanism.rotors.iter();
             for rotor in rotors.filter(|rotor| rotor.driven == Some(index)) {
-                // For a unit of the joint's acceleration, which is not that of the coordinate.
+                // The unit is the joint's acceleration, which may differ from the coordinate's by a ratio.
                 let per_joint = |x: Scalar<'g>| x.divided_by(body.transmission.own().ratio);
                 coupling.inertia = coupling.inertia + per_joint(per_joint(rotor.reflected_inertia()));
                 if rotor.carrier.is_some() {
@@ -70,13 +73,13 @@ impl<'g> RotorCoupling<'g> {
 /// Velocities of a body in its own frame.
 #[derive(Clone, Copy)]
 struct Rates<'g> {
-    /// Angular velocity of the parent.
+    /// Angular velocity of the parent, in the body's frame.
     carried: Vector3<Scalar<'g>>,
     /// Angular velocity ω.
     omega: Vector3<Scalar<'g>>,
     /// Velocity of the joint.
     joint: Scalar<'g>,
-    /// Velocity terms: of ω̇ for revolute joints, of the origin's acceleration for prismatic joints.
+    /// Velocity terms of ω̇ for a revolute joint, or of the origin's acceleration for a prismatic joint.
     coriolis: Vector3<Scalar<'g>>,
 }
 
@@ -102,23 +105,23 @@ fn rates<'g>(
     rates
 }
 
-/// Articulated inertia and bias of a body with its subtree.
+/// Articulated inertia and bias of a body and all bodies beyond it.
 #[derive(Clone, Copy)]
 struct Articulated<'g> {
-    /// J, symmetric.
+    /// Matrix J, symmetric.
     inertia: Matrix3<'g>,
-    /// C
+    /// Matrix C.
     coupling: Matrix3<'g>,
-    /// M, symmetric.
+    /// Matrix M, symmetric.
     mass: Matrix3<'g>,
-    /// n₀
+    /// Moment n₀.
     moment: Vector3<Scalar<'g>>,
-    /// F₀
+    /// Force F₀.
     force: Vector3<Scalar<'g>>,
 }
 
-/// A joint's equation: `ÿ = known − per_angular · ω̇ − per_linear · a`, with the accelerations that its
-/// parent gives it.
+/// A joint's equation `ÿ = known − per_angular · ω̇ − per_linear · a`, with the accelerations that come from
+/// the parent.
 #[derive(Clone, Copy)]
 struct JointEquation<'g> {
     known: Scalar<'g>,
@@ -134,7 +137,7 @@ struct Tree<'a, 'g> {
 }
 
 impl<'g> Tree<'_, 'g> {
-    /// From the leaves to the base.
+    /// Solves the equations of all joints, from the leaves to the base.
     fn eliminate(&self, forces: &[Scalar<'g>]) -> Vec<JointEquation<'g>> {
         let mut bodies: Vec<Articulated<'g>> =
             (0..self.mechanism.bodies.len()).map(|k| self.rigid(k)).collect();
@@ -156,7 +159,7 @@ impl<'g> Tree<'_, 'g> {
         joints
     }
 
-    /// The body alone.
+    /// Inertia and bias of a body without the bodies beyond it.
     fn rigid(&self, index: usize) -> Articulated<'g> {
         let (moments, omega) = (self.placements[index].moments, self.rates[index].omega);
         let s = moments.second;
@@ -172,7 +175,8 @@ impl<'g> Tree<'_, 'g> {
         }
     }
 
-    /// Solves a joint's equation for its acceleration; the rest is what its parent feels.
+    /// Solves a joint's equation for the joint's acceleration. The second result is the articulated body that
+    /// the parent has to move.
     fn eliminate_joint(
         &self,
         index: usize,
@@ -201,7 +205,7 @@ impl<'g> Tree<'_, 'g> {
         let own = own + coupling.inertia;
         let reciprocal =
             own.constant(1.0).divided_by(own).named(|| format!("inverse_d_{}", described.identifier));
-        // Exactly 1 where only the body resists: what is eliminated then vanishes exactly.
+        // The quotient is exactly 1 for equal values, so that eliminated entries are exactly zero.
         let per = |x: Scalar<'g>| match x == own {
             true => own.constant(1.0),
             false => x * reciprocal,
@@ -217,7 +221,7 @@ impl<'g> Tree<'_, 'g> {
             force: bias + by_linear.scaled(known),
         };
         if coupling.inertia.is_zero() {
-            // All of the joint's force, and nothing else, passes along its axis.
+            // The component along the joint's axis is exactly the joint's force.
             match revolute {
                 true => rest.moment.0[2] = force,
                 false => rest.force.0[2] = force,
@@ -226,7 +230,7 @@ impl<'g> Tree<'_, 'g> {
         (joint, rest)
     }
 
-    /// About the parent's origin, in the parent's frame.
+    /// Transforms an articulated body to the parent's frame and origin.
     fn pass_on(&self, index: usize, rest: Articulated<'g>) -> Articulated<'g> {
         let (body, placement) = (&self.mechanism.bodies[index], &self.placements[index]);
         let zero = placement.extension.constant(0.0);
@@ -236,7 +240,7 @@ impl<'g> Tree<'_, 'g> {
         turned.shifted(placement.translation, omega)
     }
 
-    /// From the base to the leaves.
+    /// Computes the accelerations, from the base to the leaves.
     fn accelerate(&self, joints: &[JointEquation<'g>]) -> Vec<Scalar<'g>> {
         let zero = self.mechanism.graph.constant(0.0);
         let mut result = vec![zero; joints.len()];
@@ -257,7 +261,7 @@ impl<'g> Tree<'_, 'g> {
         result
     }
 
-    /// Angular acceleration, and acceleration of the origin, that the parent gives a body.
+    /// Angular acceleration, and acceleration of the origin, that a body has from its parent.
     fn carried(
         &self,
         index: usize,
@@ -292,7 +296,8 @@ impl<'g> Articulated<'g> {
         }
     }
 
-    /// About a point that is nearer by the lever `d`: `a = a' + ω̇ × d + ω × (ω × d)`, `n' = n + d × F`.
+    /// Transforms to a point from which the old point has the position `d`: `a = a' + ω̇ × d + ω × (ω × d)`,
+    /// `n' = n + d × F`.
     fn shifted(self, d: Vector3<Scalar<'g>>, omega: Vector3<Scalar<'g>>) -> Self {
         if d.is_zero() {
             return self;
@@ -302,7 +307,7 @@ impl<'g> Articulated<'g> {
         let force = self.force + self.mass.times(centripetal);
         let moment = self.moment + self.coupling.times(centripetal) + d.cross(force);
         let coupling = self.coupling + lever.product(&self.mass);
-        // J − C d× + d× C'ᵀ; the last is the transpose of −C' d×.
+        // The inertia is J − C d× + d× C'ᵀ. The last term is the transpose of −C' d×.
         let (before, after) = (self.coupling.product(&lever), coupling.product(&lever));
         let mut inertia = self.inertia;
         for i in 0..3 {
@@ -314,7 +319,7 @@ impl<'g> Articulated<'g> {
         Self { inertia, coupling, mass: self.mass, moment, force }
     }
 
-    /// In the axes before the joint's turn and twist.
+    /// Transforms to the axes before the joint's turn and twist.
     fn turned(self, turn: Option<Turn<'g>>, twist: &Twist) -> Self {
         let vector = |v: Vector3<Scalar<'g>>| twist.to_parent(turn.map_or(v, |turn| v.turned(turn)));
         let matrix = |a: &Matrix3<'g>| {
@@ -341,7 +346,7 @@ impl<'g> Articulated<'g> {
     }
 }
 
-/// `A − u uᵀ/d` with `per = u/d`; the lower triangle serves both.
+/// Matrix `A − u uᵀ/d` with `per = u/d`. The lower triangle is computed and copied.
 fn minus_symmetric<'g>(a: &Matrix3<'g>, u: Vector3<Scalar<'g>>, per: Vector3<Scalar<'g>>) -> Matrix3<'g> {
     let mut result = *a;
     for i in 0..3 {
@@ -353,7 +358,7 @@ fn minus_symmetric<'g>(a: &Matrix3<'g>, u: Vector3<Scalar<'g>>, per: Vector3<Sca
     result
 }
 
-/// `A − u wᵀ/d` with `u/d` and `w/d` at hand; exact zeros if one of them is 1.
+/// Matrix `A − u wᵀ/d` with `per_u = u/d` and `per_w = w/d`. Rows are exact if an entry of `u/d` is 1.
 fn minus_product<'g>(
     a: &Matrix3<'g>,
     u: Vector3<Scalar<'g>>,

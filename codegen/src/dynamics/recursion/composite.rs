@@ -1,8 +1,8 @@
 //! Mass matrix by composite rigid bodies.
 //!
-//! Column j of M is the force that accelerates the composite body beyond joint j by 1, passed on to the
-//! joints before j (Walker and Orin 1982; Featherstone 2008, ch. 6). Moments of mass replace spatial
-//! inertias.
+//! Column j of M is the force that accelerates the composite of all bodies beyond joint j by 1. It is passed
+//! on to the joints before j (Walker and Orin 1982; Featherstone 2008, ch. 6). Moments of mass replace
+//! spatial inertias.
 
 use crate::dynamics::formulation::{Formulation, RunLink};
 use crate::dynamics::recursion::placement::{Placement, ends_at_root, place};
@@ -11,7 +11,7 @@ use crate::graph::Scalar;
 use crate::kinematics::{JointAxis, Mechanism, Transmission};
 use crate::spatial::{Force, MassMoments, Vector3};
 
-/// Mass matrix `M(y)`, row-major, both triangles filled.
+/// Mass matrix `M(y)` as a list of rows. Both triangles are filled.
 pub fn mass_matrix<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     formulation: &Formulation,
@@ -33,8 +33,8 @@ pub fn mass_matrix<'g>(
     matrix
 }
 
-/// Copies one triangle of M to the other if joints follow others: sums of the same terms in two orders would
-/// differ in their last bits.
+/// Copies one triangle of M to the other if joints follow other joints. Otherwise the triangles would differ
+/// in the last bits, because they are sums of the same terms in two orders.
 pub(super) fn mirror<'g>(mechanism: &Mechanism<Scalar<'g>>, matrix: &mut [Vec<Scalar<'g>>]) {
     if !mechanism.is_coupled() {
         return;
@@ -49,9 +49,9 @@ pub(super) fn mirror<'g>(mechanism: &Mechanism<Scalar<'g>>, matrix: &mut [Vec<Sc
 /// Composite of a body and all bodies beyond it.
 #[derive(Clone, Copy)]
 pub(in crate::dynamics) struct Composite<'g> {
-    /// Moments in the body's working frame.
+    /// Moments of mass in the body's working frame, the frame of the body's equations.
     pub moments: MassMoments<Scalar<'g>>,
-    /// Σ_xx + Σ_yy, which is invariant under rotation about z.
+    /// Sum Σ_xx + Σ_yy of second moments. A rotation about z does not change it.
     pub polar: Scalar<'g>,
 }
 
@@ -85,7 +85,7 @@ impl<'g> Composite<'g> {
         Self { moments, polar: moments.second.xx + moments.second.yy }
     }
 
-    /// `(tr Σ − Σ) v`: product of the inertia tensor about the origin and a vector.
+    /// Product `(tr Σ − Σ) v` of the inertia tensor about the origin and a vector.
     pub fn inertia_times(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         let s = self.moments.second;
         Vector3([
@@ -96,7 +96,7 @@ impl<'g> Composite<'g> {
     }
 }
 
-/// Moments in the frame before the joint, in the parent's unit of length.
+/// Transforms moments of mass to the frame before the joint, and to the parent's unit of length.
 pub(super) fn before_joint<'g>(
     moments: MassMoments<Scalar<'g>>,
     placement: &Placement<'g>,
@@ -108,7 +108,7 @@ pub(super) fn before_joint<'g>(
     }
 }
 
-/// `Σ_xx + Σ_yy` after a displacement by `p`.
+/// Sum `Σ_xx + Σ_yy` after a displacement by `p`.
 fn polar_after_shift<'g>(
     polar: Scalar<'g>,
     moments: &MassMoments<Scalar<'g>>,
@@ -123,7 +123,7 @@ fn polar_after_shift<'g>(
 #[derive(Clone, Copy)]
 struct Carried<'g> {
     force: Force<'g>,
-    /// Transverse moment that goes to the frame before the run directly.
+    /// Moment across the axis that goes directly to the frame before the run of parallel joints.
     transverse: Vector3<Scalar<'g>>,
 }
 
@@ -198,8 +198,7 @@ impl<'g> Column<'_, 'g> {
     }
 }
 
-/// Adds the force along one joint for a unit of another one's acceleration to the entries of M, and its mirror
-/// image.
+/// Adds the force along one joint for a unit acceleration of another joint to both entries of M.
 fn couple<'g>(
     row: &Transmission<Scalar<'g>>,
     column: &Transmission<Scalar<'g>>,

@@ -1,4 +1,4 @@
-//! `M = Lᵀ D L` along the branches of the tree, and solutions with it.
+//! Factorization `M = Lᵀ D L` along the branches of the tree, and solution of `M x = b` with the factors.
 //!
 //! Elimination from the leaves to the base keeps the zeros of M between branches (Featherstone 2005; 2008,
 //! section 6.5).
@@ -6,21 +6,22 @@
 use crate::graph::{Graph, Scalar};
 use crate::kinematics::{Mechanism, Numbers};
 
-/// Factors of a mass matrix. Rows and columns are in the order of the bodies whose joints are coordinates.
+/// Factors L and D of the mass matrix `M = Lᵀ D L`. Rows and columns have the order of the bodies with
+/// independent joints.
 #[derive(Debug, Clone)]
 pub struct Factorization<'g> {
-    /// Unit lower triangle L: `lower[i][j]` for each ancestor j of i.
+    /// Lower triangle L with unit diagonal: `lower[i][j]` for each ancestor j of i.
     lower: Vec<Vec<Option<Scalar<'g>>>>,
-    /// Reciprocals of D.
+    /// Reciprocals of the diagonal of D.
     reciprocals: Vec<Scalar<'g>>,
-    /// Earlier entries that M couples with each of them, nearest first.
+    /// For each row the earlier rows that M couples with it, nearest first.
     ancestors: Vec<Vec<usize>>,
-    /// Coordinates of the ancestors.
+    /// Coordinate of each row.
     coordinates: Vec<usize>,
 }
 
 impl<'g> Factorization<'g> {
-    /// Factorizes a mass matrix by coordinates.
+    /// Factorizes a mass matrix. Its rows and columns have the order of the coordinates.
     pub fn new<S: Numbers>(mechanism: &Mechanism<S>, mass_matrix: &[Vec<Scalar<'g>>]) -> Self {
         let coordinates: Vec<_> = mechanism.independent().map(|body| body.joint).collect();
         let names: Vec<_> = mechanism.independent().map(|body| &body.identifier).collect();
@@ -47,13 +48,13 @@ impl<'g> Factorization<'g> {
         Self { lower, reciprocals, ancestors: couplings, coordinates }
     }
 
-    /// `M⁻¹`
+    /// Inverse M⁻¹. Rows and columns have the order of the coordinates.
     pub fn inverse(&self, graph: &'g Graph) -> Vec<Vec<Scalar<'g>>> {
         let count = self.coordinates.len();
         let unit =
             |k: usize| (0..count).map(|i| graph.constant(if i == k { 1.0 } else { 0.0 })).collect::<Vec<_>>();
         let mut inverse: Vec<Vec<Scalar<'g>>> = (0..count).map(|k| self.solve(&unit(k))).collect();
-        // Symmetric: one triangle serves both.
+        // The inverse is symmetric, so one triangle is copied.
         for i in 0..count {
             for j in 0..i {
                 inverse[i][j] = inverse[j][i];
@@ -62,7 +63,7 @@ impl<'g> Factorization<'g> {
         inverse
     }
 
-    /// Solution of `M x = right`, by coordinates.
+    /// Solution x of `M x = right`, by coordinate. Entries of driven coordinates are those of `right`.
     pub fn solve(&self, right: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let mut x: Vec<_> = self.coordinates.iter().map(|&coordinate| right[coordinate]).collect();
         for i in (0..x.len()).rev() {
@@ -90,9 +91,9 @@ impl<'g> Factorization<'g> {
     }
 }
 
-/// Lists, for each coordinate, the earlier coordinates with non-zero entries in M, nearest first. In addition to the
-/// ancestors these are the coordinates of bodies that carry a rotor of another branch, and the coordinates of joints
-/// that follow a common coordinate.
+/// Lists, for each coordinate, the earlier coordinates with non-zero entries in M, nearest first. These are
+/// the ancestors, the coordinates of bodies that carry a rotor of another branch, and coordinates that a
+/// common follower couples.
 fn couplings(coordinates: &[usize], mass_matrix: &[Vec<Scalar<'_>>]) -> Vec<Vec<usize>> {
     let count = coordinates.len();
     let entry = |i: usize, j: usize| mass_matrix[coordinates[i]][coordinates[j]];

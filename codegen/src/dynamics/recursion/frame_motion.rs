@@ -1,4 +1,4 @@
-//! Pose, Jacobian and acceleration of frames, in the axes of the base.
+//! Pose, Jacobian and acceleration of named frames, in the axes of the base.
 
 use nalgebra::Matrix3;
 
@@ -10,24 +10,24 @@ use crate::graph::Scalar;
 use crate::kinematics::{JointAxis, Mechanism};
 use crate::spatial::{Force, Pose, Vector3, rotate};
 
-/// A pose over the graph: origin, and the frame's axes as columns.
+/// Pose of a frame in the base frame, as expressions of the graph.
 #[derive(Debug, Clone, Copy)]
 pub struct FramePose<'g> {
-    /// Origin in the base frame (m).
+    /// Origin of the frame in the base frame [m].
     pub origin: Vector3<Scalar<'g>>,
-    /// Axes x, y, z in the base frame.
+    /// Unit vectors of the frame's axes x, y, z in the base frame.
     pub axes: [Vector3<Scalar<'g>>; 3],
 }
 
-/// The bodies of a mechanism, seen from the base.
+/// Poses of a mechanism's bodies in the base frame.
 pub struct BasePoses<'g> {
     mechanism: Mechanism<Scalar<'g>>,
     bodies: Vec<FramePose<'g>>,
 }
 
 impl<'g> BasePoses<'g> {
-    /// Poses at the coordinates `y`. The mechanism is in metres, with the bodies' own frames as working
-    /// frames.
+    /// Computes the poses at the coordinates `y`. The mechanism must be in metres, with equations in the
+    /// bodies' own frames.
     pub fn new(mechanism: Mechanism<Scalar<'g>>, y: &[Scalar<'g>]) -> Self {
         let placements = place(&mechanism, &Formulation::plain(mechanism.bodies.len()), y);
         let base = FramePose::base(mechanism.graph.constant(1.0));
@@ -48,12 +48,12 @@ impl<'g> BasePoses<'g> {
         Self { mechanism, bodies }
     }
 
-    /// Pose of a body.
+    /// Pose of the body with this index.
     pub fn body(&self, index: usize) -> &FramePose<'g> {
         &self.bodies[index]
     }
 
-    /// Pose of a frame fixed to a link of the model.
+    /// Pose of a frame that is fixed to a link of the model. `frame` is the frame's pose in the link.
     pub fn pose(&self, link: usize, frame: &Pose<Scalar<'g>>) -> FramePose<'g> {
         let (body, pose) = self.in_body(link, frame);
         let body =
@@ -62,7 +62,8 @@ impl<'g> BasePoses<'g> {
         FramePose { origin, ..body.twisted(&pose.rotation) }
     }
 
-    /// Jacobian of a frame: rows linear first, columns by coordinate.
+    /// Jacobian of a frame, 6 × n. The first three rows are the linear velocity, the last three the angular
+    /// velocity.
     pub fn jacobian(&self, link: usize, frame: &Pose<Scalar<'g>>) -> Vec<Vec<Scalar<'g>>> {
         let origin = self.pose(link, frame).origin;
         let zero = self.mechanism.graph.constant(0.0);
@@ -85,7 +86,8 @@ impl<'g> BasePoses<'g> {
         rows
     }
 
-    /// Adds `Jᵀ` times force and moment at the origin of a frame, in the axes of the base.
+    /// Adds the generalized forces `Jᵀ w` of a wrench w to `forces`. The wrench acts at the origin of a frame
+    /// and is in the axes of the base.
     pub fn add_wrench(
         &self,
         link: usize,
@@ -108,7 +110,7 @@ impl<'g> BasePoses<'g> {
         }
     }
 
-    /// Acceleration of a frame, linear part first; `J̇ ẏ` if all accelerations are 0.
+    /// Acceleration of a frame without gravity: linear, then angular. At ÿ = 0 this is `J̇ ẏ`.
     pub fn acceleration(
         &self,
         link: usize,
@@ -132,14 +134,14 @@ impl<'g> BasePoses<'g> {
 }
 
 impl<'g> FramePose<'g> {
-    /// The frame of the base.
+    /// Pose of the base frame.
     pub fn base(one: Scalar<'g>) -> Self {
         let zero = one.constant(0.0);
         let axes = [[one, zero, zero], [zero, one, zero], [zero, zero, one]].map(Vector3);
         Self { origin: Vector3::zero(one), axes }
     }
 
-    /// The axes after a constant rotation.
+    /// The pose after a constant rotation.
     fn twisted(&self, rotation: &Matrix3<f64>) -> Self {
         let rows = [0, 1, 2].map(|row| {
             rotate(&rotation.transpose(), Vector3([self.axes[0][row], self.axes[1][row], self.axes[2][row]]))
@@ -148,7 +150,7 @@ impl<'g> FramePose<'g> {
         Self { origin: self.origin, axes }
     }
 
-    /// The axes after the turn from the frame before the run.
+    /// The pose after the turn about z from the frame before the run of parallel joints.
     fn turned(&self, placement: &Placement<'g>) -> Self {
         let Some((s, c)) = placement.turn_from_run else {
             return *self;
@@ -158,7 +160,7 @@ impl<'g> FramePose<'g> {
         Self { origin: self.origin, axes }
     }
 
-    /// The axes after the rotation by a quaternion.
+    /// The pose after the rotation by a quaternion.
     fn with_attitude(&self, placement: &Placement<'g>) -> Self {
         let Some(attitude) = placement.attitude else {
             return *self;
@@ -166,12 +168,12 @@ impl<'g> FramePose<'g> {
         Self { origin: self.origin, axes: attitude.0.map(|axis| self.direction(axis)) }
     }
 
-    /// A point of the frame in the base frame.
+    /// Transforms a point from the frame to the base frame.
     fn point(&self, p: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         self.origin + self.direction(p)
     }
 
-    /// A direction of the frame in the base frame.
+    /// Transforms a direction from the frame to the axes of the base.
     pub fn direction(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         self.axes[0].scaled(v[0]) + self.axes[1].scaled(v[1]) + self.axes[2].scaled(v[2])
     }

@@ -1,15 +1,15 @@
 //! Branches of a body with equal levers, for example mirror-symmetric legs of a quadruped or arms of a
 //! humanoid.
 //!
-//! The components of their origins p are ±c with the same c. Outwards, products with c are computed once, and
-//! common parts of the origins are added first. Inwards, sums of the forces f with the signs s = ±1 of a
-//! component are computed before the product,
+//! The origins p of such branches have components ±c with the same c. For the accelerations, products with c
+//! are computed once, and common parts of the origins are added first. For the forces f, sums with the signs
+//! s = ±1 of a component are computed before the product,
 //!
 //! ```text
 //! Σ p × f = Σ_k Σ_c c e_k × Σ s f          over the branches with |p_k| = c
 //! ```
 //!
-//! and common parts of these sums and of Σ f are added once.
+//! Common parts of these sums and of Σ f are added once.
 
 use crate::dynamics::recursion::motion::BodyMotion;
 use crate::dynamics::recursion::placement::Placement;
@@ -17,8 +17,8 @@ use crate::graph::Scalar;
 use crate::kinematics::{JointAxis, Mechanism};
 use crate::spatial::{Force, Vector3};
 
-/// Constant origin of a body in its parent's frame, including the translation along its axis; `None` if no
-/// other branch of the parent has an equal lever.
+/// Constant origin of a body in the parent's frame, including the translation along the joint's axis. `None`
+/// if no other branch of the parent has an equal lever.
 pub(super) fn mirrored<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     placements: &[Placement<'g>],
@@ -52,7 +52,7 @@ fn branch_origin<'g>(
 ) -> Option<Vector3<Scalar<'g>>> {
     let (body, placement) = (&mechanism.bodies[index], &placements[index]);
     let on_chain = body.chain.is_none() && mechanism.bodies[body.parent?].chain.is_some();
-    // Elsewhere only where the formulation asks for it.
+    // On other bodies only if the translation along the axis is zero.
     let asked = mechanism.has_quaternions() && body.chain.is_none() && placement.extension.is_zero();
     let turns = body.axis == JointAxis::Revolute && body.unit_ratio == 1.0;
     let zero = placement.extension.constant(0.0);
@@ -61,7 +61,7 @@ fn branch_origin<'g>(
     ((on_chain || asked) && turns && origin.values().is_some()).then_some(origin)
 }
 
-/// Acceleration of a branch's origin; common parts of several branches are added first.
+/// Acceleration of a branch's origin in the parent's frame. Common parts of several branches are added first.
 pub(super) fn carried<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     placements: &[Placement<'g>],
@@ -90,7 +90,7 @@ impl<'g> Branches<'g> {
         self.forces.push(force);
     }
 
-    /// `own` plus the forces of all branches, about the body's origin.
+    /// Adds the forces of all branches to `own`, about the body's origin.
     pub fn added_to(&self, own: Force<'g>) -> Force<'g> {
         let mut result = own;
         if self.forces.is_empty() {
@@ -116,7 +116,7 @@ impl<'g> Branches<'g> {
         result
     }
 
-    /// The different lengths of a component, without 0.
+    /// The different magnitudes of component `k`, without 0.
     fn lengths(&self, k: usize) -> Vec<f64> {
         let mut lengths: Vec<f64> = Vec::new();
         for length in self.origins.iter().map(|origin| origin[k].abs()) {
@@ -127,14 +127,15 @@ impl<'g> Branches<'g> {
         lengths
     }
 
-    /// The branches whose component has a length, with its signs.
+    /// The branches whose component `k` has the magnitude `length`, with its signs.
     fn signs(&self, k: usize, length: f64) -> Vec<(usize, f64)> {
         let components = self.origins.iter().map(|origin| origin[k]).enumerate();
         components.filter(|(_, x)| x.abs() == length).map(|(branch, x)| (branch, x.signum())).collect()
     }
 }
 
-/// Sums of the same terms with different signs: the pair that most of them contain is added first, and so on.
+/// Computes sums of the same terms with different signs. The pair that most sums contain is added first, and
+/// so on.
 fn shared_sums<'g>(mut terms: Vec<Scalar<'g>>, mut sums: Vec<Vec<(usize, f64)>>) -> Vec<Scalar<'g>> {
     while let Some((a, b, relative)) = commonest(&sums) {
         let pair = terms[a] + terms[b].signed(relative);
@@ -174,7 +175,7 @@ fn commonest(sums: &[Vec<(usize, f64)>]) -> Option<Pair> {
     best.map(|(_, pair)| pair)
 }
 
-/// The sign with which a sum contains a pair.
+/// Sign with which a sum contains a pair; `None` if the sum does not contain it.
 fn sign_of_pair(sum: &[(usize, f64)], (a, b, relative): Pair) -> Option<f64> {
     let sign = |wanted: usize| sum.iter().find(|(term, _)| *term == wanted).map(|(_, sign)| *sign);
     let (first, second) = (sign(a)?, sign(b)?);

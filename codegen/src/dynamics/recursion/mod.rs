@@ -1,4 +1,4 @@
-//! Recursive equations over the bodies of a mechanism.
+//! Recursive equations over the bodies of a mechanism, from the base to the leaves and back.
 
 pub mod articulated;
 pub mod composite;

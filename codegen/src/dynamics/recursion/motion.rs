@@ -1,52 +1,53 @@
-//! Motions of the bodies, and the states at which equations are evaluated.
+//! Motions of the bodies, and the arguments of the recursive equations.
 
 use crate::dynamics::formulation::Diagonal;
 use crate::graph::Scalar;
 use crate::kinematics::Body;
 use crate::spatial::{Matrix3, Vector3};
 
-/// The motion of a body in its working frame.
+/// Motion of a body in its working frame, the frame of the body's equations.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::dynamics) struct BodyMotion<'g> {
     /// Angular velocity ω.
     pub omega: Vector3<Scalar<'g>>,
-    /// Components of the angular acceleration ω̇ that U required.
+    /// Components of the angular acceleration ω̇. A component is `None` if U was computed without it.
     pub(super) angular: [Option<Scalar<'g>>; 3],
-    /// U = ω̇× + ω× ω×.
+    /// Matrix U = ω̇× + ω× ω×. A point r of the body has the acceleration a + U r.
     pub spread: Matrix3<'g>,
-    /// U_zz − U_yy, U_xx − U_zz and U_yy − U_xx, if they are computed separately from U.
+    /// Differences U_zz − U_yy, U_xx − U_zz and U_yy − U_xx; `None` if they are computed from U.
     pub(super) differences: Option<[Scalar<'g>; 3]>,
-    /// Acceleration of the origin minus gravity.
+    /// Acceleration a of the origin minus gravity.
     pub acceleration: Vector3<Scalar<'g>>,
-    /// Motion of the chain, for a body of a joint with a quaternion.
+    /// Motion of the chain of bodies that a joint with a quaternion consists of; `None` for other bodies.
     pub chain: Option<ChainMotion<'g>>,
 }
 
 /// State and accelerations at which the inverse dynamics are evaluated.
 #[derive(Debug, Clone, Copy)]
 pub struct MotionInput<'a, 'g> {
-    /// Coordinates.
+    /// Positions y, by coordinate.
     pub y: &'a [Scalar<'g>],
-    /// Velocities.
+    /// Velocities ẏ, by coordinate.
     pub v: &'a [Scalar<'g>],
-    /// Accelerations.
+    /// Accelerations ÿ, by coordinate.
     pub a: &'a [Scalar<'g>],
 }
 
-/// Motion of the last body of a chain, with intermediate values.
+/// Intermediate values for the motion of a chain's last body, in the frame of this body. See
+/// [`super::quaternion`].
 #[derive(Debug, Clone, Copy)]
 pub(in crate::dynamics) struct ChainMotion<'g> {
-    /// Angular velocity ω_c from the joint's parent.
+    /// Angular velocity ω_c of the joint's parent.
     pub(super) carried_omega: Vector3<Scalar<'g>>,
-    /// Angular acceleration ω̇_c from the parent.
+    /// Angular acceleration ω̇_c of the parent.
     pub(super) carried_angular: Vector3<Scalar<'g>>,
-    /// U_c of the parent.
+    /// Matrix U_c of the parent.
     pub(super) carried_spread: Matrix3<'g>,
-    /// Acceleration a_c from the parent, minus gravity.
+    /// Acceleration a_c that the body's origin has from the parent, minus gravity.
     pub(super) carried_acceleration: Vector3<Scalar<'g>>,
-    /// Linear velocity l of the joint.
+    /// Linear velocity l of the joint [m/s].
     pub(super) linear: Vector3<Scalar<'g>>,
-    /// Angular velocity ν of the joint.
+    /// Angular velocity ν of the joint [rad/s].
     pub(super) turning: Vector3<Scalar<'g>>,
 }
 
@@ -63,7 +64,7 @@ impl<'g> BodyMotion<'g> {
         }
     }
 
-    /// Motion of the body of a joint with a quaternion.
+    /// Motion of the body that a joint with a quaternion moves.
     pub(super) fn of_chain(
         omega: Vector3<Scalar<'g>>,
         angular: Vector3<Scalar<'g>>,
@@ -74,7 +75,7 @@ impl<'g> BodyMotion<'g> {
         Self { omega, angular, spread, differences: None, acceleration, chain: Some(chain) }
     }
 
-    /// Computes the diagonal of U and its differences by the chosen method.
+    /// Computes the diagonal of U and the differences of its entries by the chosen method.
     pub(super) fn find_diagonal(&mut self, diagonal: Diagonal) {
         let (u, squares) = (&mut self.spread.0, |w: Vector3<Scalar<'g>>| w.0.map(Scalar::squared));
         let across = |[first, second]: [Scalar<'g>; 2]| Some([first, second, -(first + second)]);
@@ -103,7 +104,7 @@ impl<'g> BodyMotion<'g> {
         self
     }
 
-    /// Angular acceleration ω̇; taken from the antisymmetric part of U if not known.
+    /// Angular acceleration ω̇. Unknown components are computed from U and ω.
     pub(in crate::dynamics) fn angular_acceleration(&self) -> Vector3<Scalar<'g>> {
         let (u, w) = (&self.spread, self.omega);
         let from_spread = [u[2][1] - w[1] * w[2], u[0][2] - w[0] * w[2], u[1][0] - w[0] * w[1]];
@@ -111,7 +112,7 @@ impl<'g> BodyMotion<'g> {
     }
 }
 
-/// `U = ω̇× + ω× ω×`
+/// Matrix `U = ω̇× + ω× ω×`.
 pub(in crate::dynamics) fn spread_of<'g>(
     omega: Vector3<Scalar<'g>>,
     angular: Vector3<Scalar<'g>>,

@@ -1,14 +1,15 @@
 //! Recursive Newton–Euler equations with moments of mass.
 //!
-//! With U = ω̇× + ω× ω×, a point r of a body has the acceleration a + U r. With the moments m, h, Σ of the
-//! body's mass
+//! A point r of a body has the acceleration a + U r with the acceleration a of the origin and U = ω̇× + ω×
+//! ω×. With the mass m and the moments h = ∫ r dm and Σ = ∫ r rᵀ dm, the body requires the force F and the
+//! moment n about the origin
 //!
 //! ```text
 //! F = m a + U h            n = h × a + vee(U Σ − Σ Uᵀ)
 //! ```
 //!
-//! (Luh, Walker and Paul 1980; second moments: Balafoutis and Patel 1989; frames: Khalil and Dombre 2002, ch.
-//! 9.)
+//! The recursion is that of Luh, Walker and Paul (1980), with the second moments of Balafoutis and Patel
+//! (1989) and the frames of Khalil and Dombre (2002, ch. 9).
 
 use crate::dynamics::formulation::{AngularRoute, BodyChoices, Formulation, RunLink};
 use crate::dynamics::recursion::mirrored::{Branches, carried as carried_to_branch, mirrored};
@@ -23,13 +24,13 @@ use crate::spatial::{Force, Matrix3, Symmetric3, Twist, Vector3};
 
 /// Inverse dynamics with intermediate values.
 pub(super) struct InverseDynamicsParts<'g> {
-    /// Working frames.
+    /// Working frame of each body, the frame of the body's equations.
     pub placements: Vec<Placement<'g>>,
     /// Motion of each body.
     pub motions: Vec<BodyMotion<'g>>,
-    /// Force that accelerates each body and all bodies beyond it.
+    /// Wrench that accelerates each body and all bodies beyond it.
     pub wrenches: Vec<Force<'g>>,
-    /// Generalized forces by coordinate.
+    /// Generalized forces `M ÿ + k − q_gravity` by coordinate.
     pub generalized: Vec<Scalar<'g>>,
 }
 
@@ -42,9 +43,10 @@ pub fn inverse_dynamics<'g>(
     inverse_dynamics_parts(mechanism, formulation, input).generalized
 }
 
-/// Force that accelerates each body and all bodies beyond it, gravity included, about the body's origin and
-/// in its working frame. The mechanism must be in metres and not regrouped, and the formulation without
-/// shortcuts, because base parameters give other forces.
+/// For each body the wrench that accelerates the body and all bodies beyond it, gravity included. The moment
+/// is about the body's origin, and the axes are those of the working frame. The mechanism must be in metres
+/// and have the masses of the description, because other equivalent masses give other wrenches. The
+/// formulation must pass all moments to the parent.
 pub fn wrenches<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     formulation: &Formulation,
@@ -69,8 +71,8 @@ pub(super) fn inverse_dynamics_parts<'g>(
     InverseDynamicsParts { placements, motions, wrenches, generalized }
 }
 
-/// Linear and angular acceleration of a point fixed to a body, in the body's own frame, without gravity. The
-/// mechanism must be in metres.
+/// Linear acceleration of a point of a body without gravity, and angular acceleration of the body, in the
+/// body's own frame. The mechanism must be in metres.
 pub fn frame_acceleration<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     input: MotionInput<'_, 'g>,
@@ -138,7 +140,7 @@ pub(in crate::dynamics) fn motions<'g>(
     motions
 }
 
-/// One revolute joint on the way outwards.
+/// The step across one revolute joint, from the base to the leaves.
 struct RevoluteStep<'a, 'g> {
     mechanism: &'a Mechanism<Scalar<'g>>,
     placements: &'a [Placement<'g>],
@@ -149,7 +151,7 @@ struct RevoluteStep<'a, 'g> {
 }
 
 impl<'g> RevoluteStep<'_, 'g> {
-    /// BodyMotion of the body, given the acceleration of its origin.
+    /// Motion of the body. `origin` is the acceleration of the body's origin.
     fn turn(&self, input: MotionInput<'_, 'g>, origin: Vector3<Scalar<'g>>) -> BodyMotion<'g> {
         let (rate, acceleration) = self.rates(input);
         let source = match self.choices.source {
@@ -186,7 +188,8 @@ impl<'g> RevoluteStep<'_, 'g> {
         motion
     }
 
-    /// Rate and acceleration of the turn relative to the source.
+    /// Velocity and acceleration of the angle between the source and the body. The source is the body from
+    /// which the velocities are taken.
     fn rates(&self, input: MotionInput<'_, 'g>) -> (Scalar<'g>, Scalar<'g>) {
         let mut chain = vec![self.index];
         if self.choices.source == RunLink::RunBase {
@@ -213,7 +216,7 @@ impl<'g> RevoluteStep<'_, 'g> {
         self.mechanism.bodies[first].twist
     }
 
-    /// A vector from the source's working frame to this one.
+    /// Transforms a vector from the source's working frame to the working frame of this body.
     fn carry(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         let placement = &self.placements[self.index];
         let turn = match self.choices.source {
@@ -230,7 +233,8 @@ impl<'g> RevoluteStep<'_, 'g> {
     }
 }
 
-/// One prismatic joint on the way outwards: `a + 2 ω × z ḋ + z d̈`.
+/// Motion beyond one prismatic joint with the position d and the axis z: the acceleration of the origin is `a
+/// + 2 ω × z ḋ + z d̈`.
 fn extend<'g>(
     parent: &BodyMotion<'g>,
     body: &Body<Scalar<'g>>,
@@ -258,7 +262,7 @@ fn unit_z(any: Scalar<'_>) -> Vector3<Scalar<'_>> {
     Vector3([any.constant(0.0), any.constant(0.0), any.constant(1.0)])
 }
 
-/// U from ω, from U z, and from the angular acceleration about z.
+/// Matrix U from ω, from `points` = U z, and from the angular acceleration `axial` about z.
 fn spread_from_axis<'g>(
     omega: Vector3<Scalar<'g>>,
     points: Vector3<Scalar<'g>>,
@@ -275,7 +279,7 @@ fn spread_from_axis<'g>(
     ])
 }
 
-/// Force and moment about the origin that move a body's own mass.
+/// Force, and moment about the origin, that accelerate the mass of one body.
 fn own_force<'g>(motion: &BodyMotion<'g>, placement: &Placement<'g>) -> Force<'g> {
     let (moments, a) = (placement.moments, motion.acceleration);
     let force = a.scaled(moments.mass) + motion.spread.times(moments.first);
@@ -283,10 +287,11 @@ fn own_force<'g>(motion: &BodyMotion<'g>, placement: &Placement<'g>) -> Force<'g
     Force { moment, force }
 }
 
-/// `vee(U Σ − Σ Uᵀ)`
+/// Moment `vee(U Σ − Σ Uᵀ)`.
 fn moment_of_second<'g>(motion: &BodyMotion<'g>, s: Symmetric3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
     let u = &motion.spread;
-    // Where nothing else was chosen, a difference is a node that stands behind the terms before it.
+    // Without another choice, the difference is made here, so that its node is created after the earlier
+    // terms.
     let difference = |k: usize| {
         let [from, to] = [[2, 1], [0, 2], [1, 0]][k];
         motion.differences.map_or_else(|| u[from][from] - u[to][to], |all| all[k])
@@ -298,7 +303,8 @@ fn moment_of_second<'g>(motion: &BodyMotion<'g>, s: Symmetric3<Scalar<'g>>) -> V
     ])
 }
 
-/// Rotors: forces of their spin on the coordinates that they follow, and on the bodies that carry them.
+/// Adds the forces of the rotors to the coordinates that the rotors follow, and the moments to the bodies
+/// that carry them.
 fn add_rotors<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     placements: &[Placement<'g>],
@@ -322,7 +328,7 @@ fn add_rotors<'g>(
     }
 }
 
-/// Adds the force of each body to the force of its parent, from the leaves to the base.
+/// Adds the wrench of each body to the wrench of its parent, from the leaves to the base.
 fn gather<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     formulation: &Formulation,
@@ -331,7 +337,7 @@ fn gather<'g>(
     generalized: &mut [Scalar<'g>],
 ) {
     let zero = mechanism.graph.constant(0.0);
-    // Transverse moments that go to the frame before a run directly, without the bodies between.
+    // Moments across the axes that go directly to the frame before a run, not from body to body.
     let mut transverse = vec![Vector3::zero(zero); mechanism.bodies.len()];
     let mut branches = vec![Branches::default(); mechanism.bodies.len()];
     let mut shared = SharedRatios::of(mechanism);

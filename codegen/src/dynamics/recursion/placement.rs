@@ -1,4 +1,5 @@
-//! Working frames: the frame of each body's equations, and its pose relative to the parent's.
+//! Working frames. The working frame is the frame of a body's equations. A placement is its pose in the
+//! parent's working frame. A run is a sequence of revolute joints with parallel axes.
 
 use crate::dynamics::formulation::{Formulation, WorkingFrame};
 use crate::graph::Scalar;
@@ -9,28 +10,30 @@ use gelenk_formula::Function;
 /// Sine and cosine of an angle.
 pub type Turn<'g> = (Scalar<'g>, Scalar<'g>);
 
-/// The working frame of one body.
+/// The working frame of one body, relative to the working frame of the parent.
 #[derive(Debug, Clone, Copy)]
 pub struct Placement<'g> {
-    /// Turn about z relative to the parent's working frame, after the twist; `None` if the frames coincide.
+    /// Turn about z from the parent's working frame, after the twist; `None` if there is no turn.
     pub turn: Option<Turn<'g>>,
-    /// Rotation by a quaternion after that turn.
+    /// Rotation by a quaternion after the turn; `None` if there is no quaternion.
     pub attitude: Option<Attitude<Scalar<'g>>>,
-    /// Origin in the parent's working frame (m).
+    /// Vector from the parent's origin to the joint's axis, in the parent's working frame and unit of length.
     pub translation: Vector3<Scalar<'g>>,
-    /// Displacement along z: constant for revolute joints; includes the coordinate for prismatic ones.
+    /// Displacement of the origin along z. It is constant for revolute joints and includes the position for
+    /// prismatic joints.
     pub extension: Scalar<'g>,
-    /// First body of this body's run of parallel revolute joints.
+    /// First body of the run to which this body belongs.
     pub run: usize,
-    /// Turn about z relative to the frame before the run's first joint.
+    /// Turn about z from the frame before the run's first joint; `None` if there is no turn.
     pub turn_from_run: Option<Turn<'g>>,
     /// Moments of mass in the working frame.
     pub moments: MassMoments<Scalar<'g>>,
-    /// Turn about z from the working frame to the body's own frame.
+    /// Turn about z from the working frame to the body's own frame; `None` if the frames are equal.
     pub to_body: Option<Turn<'g>>,
-    /// Parent's unit of length divided by this body's.
+    /// The parent's unit of length divided by the body's unit of length.
     pub unit_ratio: f64,
-    /// Body whose own frame is parallel to the working frame; `None`: the frame before the run's first joint.
+    /// Body whose own frame is parallel to the working frame; `None` if the working frame is parallel to the
+    /// frame before the run's first joint.
     aligned: Option<usize>,
 }
 
@@ -90,8 +93,8 @@ fn place_body<'g>(
     }
 }
 
-/// The turn between two frames of one run: from the own frame of body `from` to that of body `to`, `None`
-/// standing for the frame before the run. Angles are added before the sine.
+/// Turn between two frames of one run, from the own frame of body `from` to the own frame of body `to`.
+/// `None` means the frame before the run. Angles are added before the sine is computed.
 fn turn_between<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     y: &[Scalar<'g>],
@@ -117,7 +120,7 @@ fn turn_between<'g>(
     let transmissions = joints.iter().map(|&joint| &mechanism.bodies[joint].transmission);
     let angle = Transmission::sum_of_motions(transmissions, zero, y);
     if angle.is_zero() && mechanism.is_coupled() {
-        // The joints of a parallelogram turn each other back.
+        // In a parallelogram the angles add up to zero.
         return offset.constant_turn(mechanism.graph);
     }
     let angle = angle.named(|| format!("angle{name}")) + zero.constant(offset.remainder);
@@ -127,8 +130,8 @@ fn turn_between<'g>(
     Some(offset.advance((sine, cosine)))
 }
 
-/// Whether a body's parent is a revolute joint on the base with another direction. Only that joint's own
-/// torque then needs the quantities passed to it.
+/// Whether a body's parent is on the base with a revolute joint, and the axes of both joints are not
+/// parallel. A wrench that is passed to this parent is then only needed for the parent's torque.
 pub fn ends_at_root(mechanism: &Mechanism<Scalar<'_>>, body: usize) -> bool {
     let child = &mechanism.bodies[body];
     let root = child.parent.map(|parent| &mechanism.bodies[parent]);
@@ -136,8 +139,8 @@ pub fn ends_at_root(mechanism: &Mechanism<Scalar<'_>>, body: usize) -> bool {
         && root.is_some_and(|root| root.parent.is_none() && root.axis == JointAxis::Revolute)
 }
 
-/// The parent of a body, if both turn about parallel axes by angles that may be added; they then belong to one run.
-/// A body of a quaternion joint belongs to no run: the pose of its joint lies between the two.
+/// The parent of a body, if both belong to one run; otherwise `None`. A body of a joint with a quaternion
+/// belongs to no run.
 fn run_parent(mechanism: &Mechanism<Scalar<'_>>, body: usize) -> Option<usize> {
     let turns = |body: usize| {
         let body = &mechanism.bodies[body];
@@ -148,7 +151,7 @@ fn run_parent(mechanism: &Mechanism<Scalar<'_>>, body: usize) -> Option<usize> {
     is_run.then_some(parent)
 }
 
-/// The bodies of the run that ends with `member`, from its first body on.
+/// The bodies of the run up to `member`, starting with the first body.
 fn run_chain(mechanism: &Mechanism<Scalar<'_>>, member: usize) -> Vec<usize> {
     let mut chain: Vec<usize> =
         std::iter::successors(Some(member), |&body| run_parent(mechanism, body)).collect();
@@ -158,7 +161,7 @@ fn run_chain(mechanism: &Mechanism<Scalar<'_>>, member: usize) -> Vec<usize> {
 
 impl<'g> Placement<'g> {
     /// Transforms an angular velocity, angular acceleration or moment from the parent's working frame to this
-    /// one.
+    /// working frame.
     pub fn to_child(&self, twist: &Twist, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         let v = twist.to_child(v);
         let v = self.turn.map_or(v, |turn| v.turned_back(turn));
@@ -171,7 +174,8 @@ impl<'g> Placement<'g> {
         twist.to_parent(self.before_joint(v))
     }
 
-    /// Transforms such a vector from this working frame to the frame before the joint.
+    /// Transforms an angular velocity, angular acceleration or moment from this working frame to the frame
+    /// before the joint.
     pub fn before_joint(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         let v = self.before_attitude(v);
         self.turn.map_or(v, |turn| v.turned(turn))
@@ -181,33 +185,35 @@ impl<'g> Placement<'g> {
         self.attitude.map_or(v, |attitude| attitude.to_parent(v))
     }
 
-    /// Transforms a matrix to the frame before the joint, `R A Rᵀ`.
+    /// Transforms a matrix A to the frame before the joint, `R A Rᵀ`.
     pub fn matrix_before_joint(&self, a: &Matrix3<'g>) -> Matrix3<'g> {
         let a = self.attitude.map_or(*a, |attitude| attitude.matrix_to_parent(a));
         self.turn.map_or(a, |turn| a.turned(turn))
     }
 
-    /// Transforms a second moment to the frame before the joint.
+    /// Transforms a second moment of mass to the frame before the joint.
     pub fn second_before_joint(&self, second: Symmetric3<Scalar<'g>>) -> Symmetric3<Scalar<'g>> {
         let second = self.attitude.map_or(second, |attitude| attitude.symmetric_to_parent(second));
         self.turn.map_or(second, |turn| second.turned(turn))
     }
 
-    /// Transforms an acceleration from the parent's working frame and unit to this one's.
+    /// Transforms an acceleration from the parent's working frame and unit of length to this working frame
+    /// and unit.
     pub fn to_child_unit(&self, twist: &Twist, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         let v = self.scaled_turn(twist.to_child(v), |v, turn| v.turned_back(turn));
         self.attitude.map_or(v, |attitude| attitude.to_child(v))
     }
 
-    /// Transforms a force or first moment from this working frame and unit to the frame before the joint and
-    /// the parent's unit.
+    /// Transforms a force or first moment of mass from this working frame and unit of length to the frame
+    /// before the joint and the parent's unit.
     pub fn before_joint_unit(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         self.scaled_turn(self.before_attitude(v), |v, turn| v.turned(turn))
     }
 
-    /// Motion of this body per unit of the parent's angular velocity about z: angular velocity and velocity
-    /// of the origin, in this working frame and unit. Its products with moment and force give the parent's
-    /// component along z in fewer operations than transforming both.
+    /// Motion of this body for a unit of the parent's angular velocity about z: angular velocity and velocity
+    /// of the origin, in this working frame and unit of length. The product of this motion and a wrench is
+    /// the wrench's moment about the parent's z axis. It needs fewer operations than the transformation of
+    /// the wrench.
     pub fn parent_screw(&self, twist: &Twist) -> Motion<'g> {
         let zero = self.extension.constant(0.0);
         let z = Vector3([zero, zero, zero.constant(1.0)]);
@@ -217,7 +223,8 @@ impl<'g> Placement<'g> {
         Motion { angular, linear }
     }
 
-    /// Turns, with the change of unit inside the sine and cosine.
+    /// Turns a vector and changes the unit of length. The ratio of the units is multiplied to sine and
+    /// cosine.
     fn scaled_turn(
         &self,
         v: Vector3<Scalar<'g>>,

@@ -1,21 +1,24 @@
-//! Motion of spherical and floating joints. Their velocities are those of the body in its own frame.
+//! Motion of spherical and floating joints. The velocities of such a joint are the velocities of the body in
+//! the body's frame. The joint is a chain of bodies, one for each velocity, of which only the last body has a
+//! mass.
 //!
-//! Notation: rotation R of the joint; ω_c, ω̇_c and a_c from the parent, where `ω̇_c = Rᵀ ω̇_p` is not the
-//! rate of the components of ω_c; linear and angular velocity l and ν of the joint:
+//! R is the rotation of the joint, l and ν are its linear and angular velocity. ω_c, ω̇_c and a_c are the
+//! parent's motion in the body's axes. `ω̇_c = Rᵀ ω̇_p` with the parent's ω̇_p is not the rate of the
+//! components of ω_c. The motion of the body is
 //!
 //! ```text
 //! ω = ω_c + ν          ω̇ = ω̇_c + ν̇ + ω_c × ν          a = a_c + l̇ + (ω + ω_c) × l
 //! ```
 //!
-//! A small motion δ of the joint along its own velocities changes these for a rotational column e by
+//! A unit of an angular velocity along the unit vector e, or a small motion along it, changes the motion by
 //!
 //! ```text
 //! by the velocity:    δω = e           β = (2 ω − ν) × e                                   δa = e × l
 //! by the position:    δω = ω_c × e     β = ω̇_c × e + (ω_c × e) × ν + ω × (ω_c × e)         δa = a_c × e + 2 (ω_c × e) × l
 //! ```
 //!
-//! and for a translational column e by `δa = (ω + ω_c) × e` and `δa = U_c e`; β and U are defined in
-//! `derivatives/`.
+//! For a linear velocity along e the changes are `δa = (ω + ω_c) × e` by the velocity and `δa = U_c e` by the
+//! position. β and U are defined in `derivatives/`.
 
 use super::motion::{BodyMotion, ChainMotion, MotionInput, spread_of};
 use super::placement::Placement;
@@ -23,7 +26,8 @@ use crate::graph::Scalar;
 use crate::kinematics::{ChainPlace, Mechanism};
 use crate::spatial::{Force, Motion, Vector3};
 
-/// Velocities l and ν of a chain's joint, in the frame of its last body.
+/// Velocities l and ν of the joint of a chain, in the frame of the chain's last body. If `values` are
+/// accelerations, the result has the rates of l and ν.
 pub(super) fn own_motion<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     place: ChainPlace,
@@ -39,7 +43,7 @@ pub(super) fn own_motion<'g>(
     motion
 }
 
-/// Transforms vectors between the parent's frame and the frame of the chain's last body.
+/// Transformation of vectors between the frame of the joint's parent and the frame of the chain's last body.
 pub(super) struct Passage<'a, 'g> {
     pub mechanism: &'a Mechanism<Scalar<'g>>,
     pub placements: &'a [Placement<'g>],
@@ -62,8 +66,8 @@ impl<'g> Passage<'_, 'g> {
         v
     }
 
-    /// Motion of the last body. It replaces the motion of the whole chain, because the bodies before it have
-    /// no mass.
+    /// Motion of the chain's last body. All bodies of the chain use this motion, because the other bodies
+    /// have no mass.
     pub fn motion(&self, parent: &BodyMotion<'g>, input: MotionInput<'_, 'g>) -> BodyMotion<'g> {
         let translation = self.placements[self.place.first].translation;
         let carried_omega = self.to_last(parent.omega);
@@ -86,17 +90,20 @@ impl<'g> Passage<'_, 'g> {
     }
 }
 
-/// Changes from a small motion along one velocity of a joint, or from that velocity.
+/// Changes of the body's motion by one velocity of its joint, and by a small motion along this velocity.
 pub(super) struct ChainDisturbance<'g> {
-    /// δω, β and δa from the position.
+    /// Changes δω, β and δa by the position.
     pub by_position: [Vector3<Scalar<'g>>; 3],
-    /// δω, β and δa from the velocity.
+    /// Changes δω, β and δa by the velocity.
     pub by_velocity: [Vector3<Scalar<'g>>; 3],
 }
 
 impl<'g> ChainMotion<'g> {
+    /// Changes of the body's motion by one velocity.
+    ///
     /// - `omega`: angular velocity of the last body
-    /// - `screw`: unit motion of the velocity
+    /// - `turns`: whether the velocity is angular
+    /// - `e`: unit vector of the velocity in the frame of the last body
     pub(super) fn disturbance(
         &self,
         omega: Vector3<Scalar<'g>>,
@@ -122,7 +129,10 @@ impl<'g> ChainMotion<'g> {
     }
 }
 
-/// Unit motion of a velocity in the frame of the chain's last body.
+/// Motion of the chain's last body for a unit of one velocity, in the frame of this body.
+///
+/// - `turns`: whether the velocity is angular
+/// - `place`: place of the velocity in the chain
 pub(super) fn unit_motion<'g>(turns: bool, place: ChainPlace, any: Scalar<'g>) -> Motion<'g> {
     let mut e = Vector3::zero(any);
     e.0[place.axis] = any.constant(1.0);
@@ -132,7 +142,7 @@ pub(super) fn unit_motion<'g>(turns: bool, place: ChainPlace, any: Scalar<'g>) -
     }
 }
 
-/// Component of a force on the last body along one velocity.
+/// Component of a wrench on the chain's last body along one velocity.
 pub(super) fn force_along(turns: bool, place: ChainPlace, f: Force<'_>) -> Scalar<'_> {
     if turns { f.moment[place.axis] } else { f.force[place.axis] }
 }

@@ -1,31 +1,33 @@
-//! Rotors: forces of an axisymmetric body that spins in its carrier, beyond the inertia that it adds to the
-//! carrier.
+//! Forces of rotors. A rotor is an axisymmetric body that spins in its carrier. Its mass and its inertia J a
+//! aᵀ belong to the carrier; the forces of its spin are added here.
 //!
-//! A rotor of axial inertia J turns by i ẏ about the axis a of its carrier, which has the angular velocity ω;
-//! y is a coordinate or a sum of coordinates. It requires the moment n on the carrier and the force f on the
-//! coordinate:
+//! A rotor with the axial inertia J turns with the speed i ẏ about the axis a relative to its carrier, which
+//! has the angular velocity ω. The gear ratio is i, and y is a coordinate or a weighted sum of coordinates.
+//! The rotor requires the moment n on the carrier and the force f along y:
 //!
 //! ```text
 //! n = i J (ÿ a + ẏ ω × a)          f = i J (a · ω̇ + i ÿ)
 //! ```
 //!
-//! (Featherstone 2008, section 9.6, on gears.) The rotor's mass and its inertia J a aᵀ belong to the carrier.
+//! Featherstone (2008, section 9.6) has the equations of geared drives.
 
 use crate::dynamics::recursion::placement::Placement;
 use crate::graph::Scalar;
 use crate::kinematics::{Mechanism, Rotor};
 use crate::spatial::{Matrix3, Vector3};
 
-/// Rotor in the working frame of its carrier.
+/// A rotor in the working frame of its carrier.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Gyrostat<'g> {
     /// Axis a of the rotor.
     axis: Vector3<Scalar<'g>>,
-    /// i J
+    /// Product i J.
     coupling: Scalar<'g>,
 }
 
 impl<'g> Gyrostat<'g> {
+    /// Transforms a rotor to the working frame of its carrier.
+    ///
     /// - `placement`: placement of the carrier
     pub(super) fn new(rotor: &Rotor<Scalar<'g>>, placement: &Placement<'g>) -> Self {
         let coupling = rotor.coupling_inertia();
@@ -33,12 +35,12 @@ impl<'g> Gyrostat<'g> {
         Self { axis, coupling }
     }
 
-    /// `i J a`: moment on the carrier per unit of the coordinate's acceleration.
+    /// Moment `i J a` on the carrier for a unit of the acceleration ÿ.
     pub(super) fn momentum(&self) -> Vector3<Scalar<'g>> {
         self.axis.scaled(self.coupling)
     }
 
-    /// `i J (ÿ a + ẏ ω × a)`: moment on the carrier.
+    /// Moment `i J (ÿ a + ẏ ω × a)` on the carrier.
     pub(super) fn moment(
         &self,
         omega: Vector3<Scalar<'g>>,
@@ -48,18 +50,18 @@ impl<'g> Gyrostat<'g> {
         self.axis.scaled(self.coupling * acceleration) + omega.cross(self.axis).scaled(self.coupling * rate)
     }
 
-    /// `i J a · ω̇`: force on the coordinate from the carrier's angular acceleration.
+    /// Force `i J a · ω̇` along y by the carrier's angular acceleration ω̇.
     pub(super) fn carried(&self, angular: Vector3<Scalar<'g>>) -> Scalar<'g> {
         self.coupling * self.axis.dot(angular)
     }
 
-    /// `(i J ẏ a)×`: moment of the rotor's spin per angular velocity of the carrier.
+    /// Matrix `(i J ẏ a)×` of the moment of the rotor's spin for an angular velocity of the carrier.
     pub(super) fn spin(&self, rate: Scalar<'g>) -> Matrix3<'g> {
         Matrix3::cross(self.axis.scaled(self.coupling * rate))
     }
 
-    /// The entries of M: i J times the share of each joint between the base and the carrier in the rotor's
-    /// axis.
+    /// Adds the entries of M that couple the rotor with the joints between the base and the carrier: i J
+    /// times the component of the rotor's axis along each joint's axis.
     fn couple(
         &self,
         mechanism: &Mechanism<Scalar<'g>>,
@@ -84,7 +86,8 @@ impl<'g> Gyrostat<'g> {
     }
 }
 
-/// Adds `i² J` to the diagonal of M for rotors that follow one coordinate.
+/// Adds the inertias `i² J` of rotors to M. A rotor with one coordinate adds to the diagonal, a rotor with
+/// several coordinates to the entries of all pairs.
 pub(in crate::dynamics) fn add_inertia<'a, 'g: 'a>(
     rotors: impl IntoIterator<Item = &'a Rotor<Scalar<'g>>>,
     matrix: &mut [Vec<Scalar<'g>>],
@@ -97,7 +100,8 @@ pub(in crate::dynamics) fn add_inertia<'a, 'g: 'a>(
     }
 }
 
-/// Adds the entries of M that couple rotors on moving bodies with the joints before these bodies.
+/// Adds the entries of M that couple rotors on moving bodies with the joints between the base and these
+/// bodies.
 pub(super) fn add_coupling<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     placements: &[Placement<'g>],

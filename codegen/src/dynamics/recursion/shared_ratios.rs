@@ -1,10 +1,10 @@
-//! Joints that follow a coordinate with equal ratios: their forces are added before the multiplication by the
+//! Joints that follow a coordinate with equal ratios. Their forces are added before the multiplication by the
 //! ratio.
 
 use crate::graph::Scalar;
 use crate::kinematics::{Mechanism, Transmission};
 
-/// Sums of forces by coordinate and ratio, for ratios that occur several times.
+/// Sums of forces for each coordinate and ratio that occur several times.
 pub(super) struct SharedRatios<'g> {
     sums: Vec<SharedRatio<'g>>,
 }
@@ -16,7 +16,7 @@ struct SharedRatio<'g> {
 }
 
 impl<'g> SharedRatios<'g> {
-    /// Shared ratios of a mechanism, without ±1, which require no product.
+    /// Finds the ratios of a mechanism that occur several times, without ±1, which require no product.
     pub(super) fn of(mechanism: &Mechanism<Scalar<'g>>) -> Self {
         let zero = mechanism.graph.constant(0.0);
         let terms = mechanism.bodies.iter().flat_map(|body| &body.transmission.terms);
@@ -36,7 +36,8 @@ impl<'g> SharedRatios<'g> {
         Self { sums: several }
     }
 
-    /// Adds the generalized forces of a force along the motion, immediately or in [`finish`](Self::finish).
+    /// Adds the generalized forces of a force along the motion of a joint. Terms with a shared ratio are
+    /// added in [`finish`](Self::finish).
     pub(super) fn add_force(
         &mut self,
         moved: &Transmission<Scalar<'g>>,
@@ -56,7 +57,7 @@ impl<'g> SharedRatios<'g> {
         }
     }
 
-    /// Multiplies the sums by their ratios and adds them.
+    /// Multiplies the sums by their ratios and adds the products.
     pub(super) fn finish(self, generalized: &mut [Scalar<'g>]) {
         for SharedRatio { coordinate, ratio, force } in self.sums {
             generalized[coordinate] = generalized[coordinate] + force * ratio;
@@ -65,7 +66,8 @@ impl<'g> SharedRatios<'g> {
 }
 
 impl<'g> SharedRatio<'g> {
-    /// Whether a term has this ratio, 1, or its negative, −1.
+    /// Returns 1 if the term has this coordinate and ratio, −1 if it has the negative ratio, otherwise
+    /// `None`.
     fn sign(&self, coordinate: usize, ratio: Scalar<'g>) -> Option<f64> {
         match (coordinate == self.coordinate, ratio.edge()) {
             (true, edge) if edge == self.ratio.edge() => Some(1.0),

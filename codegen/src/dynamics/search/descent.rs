@@ -1,11 +1,12 @@
-//! Search for the cheapest formulation.
+//! Search for the cheapest formulation: the way to write the equations whose operations have the smallest
+//! weight.
 
 use crate::dynamics::formulation::{
     AngularRoute, BodyChoices, Diagonal, Formulation, LeafAlignment, Lift, RunLink, WorkingFrame,
 };
 use crate::kinematics::{Body, JointAxis, Mechanism, Number, RegroupChoice, SHORTEST_LEVER};
 
-/// Choices available for a mechanism.
+/// Choices that a formulation of a mechanism has.
 #[derive(Debug, Clone)]
 pub struct SearchSpace {
     has_quaternions: bool,
@@ -23,7 +24,7 @@ struct BodyOptions {
     balances: bool,
     lifted: bool,
     parent: Option<usize>,
-    /// Lengths of the children's translations.
+    /// Non-zero lengths of the children's translations, and of the body's own translation along its axis [m].
     own_lengths: Vec<f64>,
 }
 
@@ -67,7 +68,7 @@ impl BodyOptions {
         options
     }
 
-    /// Alternatives of one body that only the recursion of forces has.
+    /// Alternatives of one body that only the recursive inverse dynamics have.
     fn fine_alternatives(&self, now: BodyChoices) -> Vec<BodyChoices> {
         use Diagonal::{Axis, AxisAcross, Squares, Sums};
         let mut options = vec![BodyChoices { by_acceleration: !now.by_acceleration, ..now }];
@@ -83,7 +84,7 @@ impl BodyOptions {
         options
     }
 
-    /// Units of length that may pay in this body.
+    /// Units of length that may save operations in this body.
     fn units(&self, formulation: &Formulation) -> Vec<f64> {
         let parent = self.parent.map(|parent| formulation.bodies[parent].length_unit);
         self.own_lengths.iter().copied().chain(parent).collect()
@@ -91,7 +92,7 @@ impl BodyOptions {
 }
 
 impl SearchSpace {
-    /// Choices for a mechanism.
+    /// Finds the choices for a mechanism.
     pub fn new(mechanism: &Mechanism<Number>) -> Self {
         let children = mechanism.children();
         let parallel = |index: usize| {
@@ -124,18 +125,18 @@ impl SearchSpace {
     }
 }
 
-/// Whether a body has a revolute joint of its own; a chain of a joint with a quaternion leaves no choice.
+/// Whether the body has a revolute joint. The bodies of a joint with a quaternion leave no choice.
 fn is_single_turn(body: &Body<Number>) -> bool {
     body.axis == JointAxis::Revolute && body.chain.is_none()
 }
 
-/// True if all joints are revolute. Prismatic joints and quaternions make forces results, which fixes the
-/// unit of force.
+/// Whether all joints are revolute. With prismatic joints or quaternions, forces are results, so their unit
+/// is fixed.
 fn all_revolute(mechanism: &Mechanism<Number>) -> bool {
     mechanism.bodies.iter().all(is_single_turn)
 }
 
-/// Lengths that would become 1 in a unit for the whole mechanism.
+/// Lengths of the mechanism [m]. As a unit for the whole mechanism, such a length becomes 1.
 fn length_units(mechanism: &Mechanism<Number>) -> Vec<f64> {
     if !all_revolute(mechanism) {
         return Vec::new();
@@ -148,12 +149,12 @@ fn length_units(mechanism: &Mechanism<Number>) -> Vec<f64> {
     let mut units: Vec<f64> = levers.chain(mechanism.gravity.0).filter_map(nonzero_length).collect();
     units.sort_by(f64::total_cmp);
     units.dedup();
-    // Every candidate costs an evaluation; long chains gain by the bodies' own lengths anyway.
+    // Each candidate costs an evaluation. Long chains gain more from the bodies' own lengths.
     units.truncate(16);
     units
 }
 
-/// Lengths that would become 1 in a body's own unit.
+/// Lengths of a body [m]. As the body's own unit, a length becomes 1.
 fn own_lengths(mechanism: &Mechanism<Number>, body: usize, children: &[usize]) -> Vec<f64> {
     let levers = children.iter().flat_map(|&child| mechanism.bodies[child].translation.0);
     levers.chain([mechanism.bodies[body].lift]).filter_map(nonzero_length).collect()
@@ -163,9 +164,9 @@ fn nonzero_length(x: Number) -> Option<f64> {
     x.value().map(f64::abs).filter(|length| *length >= SHORTEST_LEVER)
 }
 
-/// Continues the descent with choices that exist only in the recursion of forces.
+/// Continues the descent of [`cheapest`] with choices that only the recursive inverse dynamics have.
 ///
-/// Robots without quaternions keep the formulation.
+/// For robots without quaternions the result is `start`. `evaluate` is the function of [`cheapest`].
 pub fn refined(
     space: &SearchSpace,
     start: Formulation,
@@ -186,16 +187,17 @@ pub fn refined(
     descent.best
 }
 
-/// The finer descent visits this many nodes at most: a humanoid with 29 joints needs two thirds of them.
+/// Largest number of nodes that the finer descent visits. A humanoid with 29 joints needs two thirds of them.
 const REFINING_NODES: usize = 12_000_000;
 
-/// Formulations are compared by this many visited nodes at most, so that generating stays quick.
+/// Largest number of nodes that the descent visits. It bounds the time of the generator.
 const VISITED_NODES: usize = 600_000;
 
-/// Descends to a formulation that no single change improves.
+/// Improves the plain formulation step by step until no single change makes it cheaper.
 ///
-/// `evaluate` returns the weight of a formulation and the number of its nodes. The search is deterministic:
-/// changes are tried in a fixed order, and every improvement is kept.
+/// `evaluate` returns the weight of a formulation's operations and the number of its graph's nodes. Changes
+/// are tried in a fixed order, and each improvement is kept, so the search is deterministic. It ends after a
+/// fixed number of visited nodes.
 pub fn cheapest(space: &SearchSpace, evaluate: impl Fn(&Formulation) -> (u64, usize)) -> Formulation {
     let plain = Formulation::plain(space.bodies.len());
     let (weight, nodes) = evaluate(&plain);
@@ -264,7 +266,7 @@ impl<F: Fn(&Formulation) -> (u64, usize)> Descent<F> {
 }
 
 impl SearchSpace {
-    /// The finer choices that are cheapest for most bodies.
+    /// Start of the finer descent: the choices that are cheapest for most bodies.
     fn refining(start: &Formulation) -> Formulation {
         let mut next = start.clone();
         for body in &mut next.bodies {
@@ -274,7 +276,7 @@ impl SearchSpace {
         next
     }
 
-    /// A formulation with each body's own length of this rank as its unit.
+    /// The formulation with the length number `rank` of each body as the body's unit of length.
     fn with_own_units(&self, formulation: &Formulation, rank: usize) -> Formulation {
         let mut next = formulation.clone();
         for (body, options) in next.bodies.iter_mut().zip(&self.bodies) {
@@ -283,7 +285,7 @@ impl SearchSpace {
         next
     }
 
-    /// The choices that are cheapest for most bodies of most robots, as a start.
+    /// Start of the descent: the choices that are cheapest for most bodies of most robots.
     fn promising(&self, plain: &Formulation) -> Formulation {
         let mut next = plain.clone();
         for (body, options) in next.bodies.iter_mut().zip(&self.bodies) {

@@ -1,4 +1,5 @@
-//! Search for the cheapest formulation of each quantity.
+//! Search for the formulation of each quantity with the fewest operations. A formulation is one way to write
+//! the equations.
 
 pub mod descent;
 pub mod routes;

@@ -1,4 +1,5 @@
-//! Cheapest derivation of each quantity of a model, searched at its first use.
+//! The cheapest formulation of each quantity of a model. A formulation is one way to write the equations; the
+//! cheapest one has the smallest weight of operations. The search is made when a quantity is used first.
 
 use std::cell::OnceCell;
 
@@ -16,7 +17,7 @@ use crate::graph::{Cost, Edge, Graph, Scalar, substitute};
 use crate::kinematics::{Mechanism, Number};
 use crate::model::Model;
 
-/// Cheapest formulations of a model, each searched at its first use.
+/// Cheapest formulations of a model's quantities. A formulation is searched when its quantity is used first.
 #[derive(Debug)]
 pub struct Formulations<'m> {
     model: &'m Model,
@@ -36,16 +37,17 @@ pub struct Formulations<'m> {
 /// Method of computing the accelerations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ForwardRoute {
-    /// Factorization of M.
+    /// M and its factors `Lᵀ D L`.
     Factorization,
-    /// Articulated bodies.
+    /// Articulated bodies, without M.
     ArticulatedBodies,
 }
 
 impl ForwardRoute {
-    /// Accelerations under joint forces and gravity.
+    /// Accelerations under joint forces and gravity, by coordinate.
     ///
-    /// - `input`: known accelerations of driven coordinates, and 0 for the others
+    /// - `input`: state; the accelerations are known for driven coordinates and 0 for the other coordinates
+    /// - `forces`: joint forces without gravity, by coordinate
     pub fn accelerations<'g>(
         self,
         graph: &'g Graph,
@@ -67,7 +69,7 @@ impl ForwardRoute {
         }
     }
 
-    /// Sentence about this method for the documentation of a function.
+    /// Sentence about this method for the documentation of a generated function.
     pub fn description(self) -> &'static str {
         match self {
             Self::Factorization => {
@@ -85,12 +87,12 @@ impl ForwardRoute {
 pub enum DerivativeRoute {
     /// Forward differentiation of the program of the inverse dynamics.
     Forward,
-    /// Composite bodies.
+    /// Composite bodies in a formulation; the pair frame is the frame in which pairs of joints are combined.
     Composite(Formulation, PairFrame),
 }
 
 impl<'m> Formulations<'m> {
-    /// Creates the formulations of a model and its mechanism, before any search.
+    /// Creates the formulations of a model and its mechanism, without a search.
     pub fn new(model: &'m Model, mechanism: &'m Mechanism<Number>) -> Self {
         Self {
             model,
@@ -108,12 +110,12 @@ impl<'m> Formulations<'m> {
         }
     }
 
-    /// The mechanism.
+    /// The mechanism of the model.
     pub fn mechanism(&self) -> &'m Mechanism<Number> {
         self.mechanism
     }
 
-    /// Cheaper method of computing the accelerations.
+    /// The cheaper method of computing the accelerations.
     pub fn forward_dynamics(&self) -> ForwardRoute {
         *self.forward_dynamics.get_or_init(|| {
             let weight = |route: ForwardRoute| {
@@ -135,7 +137,7 @@ impl<'m> Formulations<'m> {
         })
     }
 
-    /// The base parameters.
+    /// The base parameters of the model.
     pub fn base_parameters(&self) -> &BaseParameters {
         self.base_parameters.get_or_init(|| BaseParameters::new(self.model, self.mechanism))
     }
@@ -149,12 +151,12 @@ impl<'m> Formulations<'m> {
         })
     }
 
-    /// The cheapest formulation of the bias forces, without accelerations.
+    /// The cheapest formulation of the bias forces `k − q_gravity`.
     pub fn bias_forces(&self) -> &Formulation {
         self.bias_forces.get_or_init(|| self.recursive_or_refined(Moving::Steadily))
     }
 
-    /// The cheapest formulation of gravity alone.
+    /// The cheapest formulation of the gravity forces.
     pub fn gravity_forces(&self) -> &Formulation {
         self.gravity_forces.get_or_init(|| self.recursive_or_refined(Moving::Not))
     }
@@ -163,8 +165,8 @@ impl<'m> Formulations<'m> {
         cheapest(&self.space, |formulation| recursion(self.mechanism, formulation, moving))
     }
 
-    /// As [`Self::recursive`], or the formulation of the inverse dynamics, which is searched for more finely if there are
-    /// quaternions.
+    /// The formulation of [`Self::recursive`], or the formulation of the inverse dynamics if that is cheaper.
+    /// With quaternions, the search for the inverse dynamics is finer.
     fn recursive_or_refined(&self, moving: Moving) -> Formulation {
         let own = self.recursive(moving);
         if !self.mechanism.has_quaternions() {
@@ -187,13 +189,14 @@ impl<'m> Formulations<'m> {
         })
     }
 
-    /// Jointly cheapest formulations of M and the bias forces; common terms are computed once.
+    /// The pair of formulations of M and of the bias forces with the smallest weight in sum. Common terms
+    /// count once.
     pub fn mass_and_bias(&self) -> &(Formulation, Formulation) {
         self.mass_and_bias
             .get_or_init(|| self.cheapest_pair(&[self.mass_matrix(), self.bias_forces()], |_, _| Vec::new()))
     }
 
-    /// `M(y)` and `k − q_gravity` in the jointly cheapest formulations.
+    /// `M(y)` and `k − q_gravity` in the formulations of [`Self::mass_and_bias`].
     pub fn mass_matrix_and_bias<'g>(
         &self,
         graph: &'g Graph,
@@ -214,8 +217,8 @@ impl<'m> Formulations<'m> {
         (matrix, newton_euler::inverse_dynamics(&bias.mechanism(graph, self.mechanism), bias, input))
     }
 
-    /// Formulations of M and the bias forces that are cheapest together with the derivatives of the inverse
-    /// dynamics.
+    /// The formulations of M and of the bias forces with the smallest weight in sum with the derivatives of
+    /// the inverse dynamics. Common terms count once.
     pub fn mass_and_bias_beside_derivatives(&self) -> &(Formulation, Formulation) {
         self.beside_derivatives.get_or_init(|| {
             let mut candidates = vec![self.mass_matrix(), self.bias_forces()];
@@ -232,7 +235,8 @@ impl<'m> Formulations<'m> {
         })
     }
 
-    /// The pair of formulations of M and the bias forces that costs least together with other results.
+    /// The pair of formulations of M and of the bias forces with the smallest weight in sum with other
+    /// results.
     fn cheapest_pair(
         &self,
         candidates: &[&Formulation],
@@ -255,7 +259,7 @@ impl<'m> Formulations<'m> {
         )
     }
 
-    /// Cheapest method for the derivatives of the inverse dynamics.
+    /// The cheapest method for the derivatives of the inverse dynamics.
     pub fn derivatives(&self) -> &DerivativeRoute {
         self.derivatives.get_or_init(|| self.cheapest_derivatives())
     }
@@ -288,15 +292,18 @@ impl<'m> Formulations<'m> {
     }
 }
 
-/// Number of joints beyond which a search among the derivatives takes longer than it saves: the formulation of the
-/// inverse dynamics serves them as well.
+/// Largest number of bodies for which formulations of the derivatives are searched. For more bodies the
+/// search takes too long, and the formulation of the inverse dynamics is nearly as good.
 const LARGEST_SEARCHED: usize = 12;
 
-/// Forward differentiation of the program never paid beyond three joints.
+/// Largest number of bodies for which forward differentiation is tried. It was never cheapest for more than
+/// three joints.
 const LARGEST_FORWARD: usize = 4;
 
 impl DerivativeRoute {
-    /// Inverse dynamics with derivatives.
+    /// Inverse dynamics with derivatives by y and ẏ, and M.
+    ///
+    /// - `inverse`: formulation of the inverse dynamics
     pub fn derive<'g>(
         &self,
         graph: &'g Graph,
@@ -315,7 +322,7 @@ impl DerivativeRoute {
         }
     }
 
-    /// Sentence about this method for the documentation of a function.
+    /// Sentence about this method for the documentation of a generated function.
     pub fn description(&self) -> &'static str {
         match self {
             Self::Forward => "Forward differentiation of the inverse dynamics was cheapest.",
@@ -329,8 +336,8 @@ impl DerivativeRoute {
     }
 }
 
-/// Inverse dynamics and its derivatives by their program, at accelerations that may themselves depend on the
-/// state.
+/// Inverse dynamics and their derivatives by forward differentiation. The accelerations may be expressions of
+/// the state; they count as constants.
 fn differentiate_forwards<'g>(
     graph: &'g Graph,
     mechanism: &Mechanism<Number>,
@@ -352,18 +359,18 @@ fn differentiate_forwards<'g>(
     }
 }
 
-/// Motion under which a recursion is priced.
+/// Motion for which the weight of a recursion is computed.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Moving {
-    /// Velocities and accelerations.
+    /// Velocities and accelerations are not zero.
     Accelerated,
-    /// Velocities.
+    /// Only velocities are not zero.
     Steadily,
-    /// Nothing.
+    /// Velocities and accelerations are zero.
     Not,
 }
 
-/// Weight of the recursive equations.
+/// Weight of the recursive inverse dynamics, and number of the graph's nodes.
 fn recursion(mechanism: &Mechanism<Number>, formulation: &Formulation, moving: Moving) -> (u64, usize) {
     weigh(mechanism, |graph, MotionInput { y, v, a }| {
         let still = vec![graph.constant(0.0); y.len()];
@@ -376,7 +383,7 @@ fn recursion(mechanism: &Mechanism<Number>, formulation: &Formulation, moving: M
     })
 }
 
-/// Weight of a computation over a mechanism, and the nodes that it took.
+/// Weight of a computation over a mechanism, and number of the graph's nodes.
 fn weigh<F>(mechanism: &Mechanism<Number>, build: F) -> (u64, usize)
 where
     F: for<'a> FnOnce(&'a Graph, MotionInput<'_, 'a>) -> Vec<Scalar<'a>>,

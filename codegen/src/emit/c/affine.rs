@@ -1,4 +1,5 @@
-//! `linearize` in array form: a call, and the values computed from its results.
+//! Prints `linearize` in array form (as loops over joints): a call of another function, and the results that
+//! are computed from its results.
 
 use super::body::Body;
 use super::context::Context;
@@ -7,7 +8,7 @@ use crate::functions::function::Function;
 use crate::program::Operand;
 use crate::program::arrays::Affine;
 
-/// The public function.
+/// The text of the public function.
 pub(super) fn items(context: &Context<'_>, function: &Function, form: &Affine, name: &str) -> Vec<String> {
     let face = function.program.face();
     let body = Body::new(context, &face);
@@ -53,7 +54,7 @@ fn statements(body: &Body<'_>, form: &Affine) -> Vec<String> {
     [declaration, call].into_iter().chain(columns).chain([affine]).chain(drift).collect()
 }
 
-/// D.
+/// Statements that write D, the derivative of the rate of small motions.
 fn drift_statements(form: &Affine, drift: &str, v: &str) -> Vec<String> {
     let n = form.called.coordinates().len();
     let clear = format!("memset({drift}, 0, {} * sizeof *{drift});", n * n);

@@ -1,4 +1,4 @@
-//! Loops of array forms, included in modules that use them.
+//! Loops of array forms (functions as loops over joints). Their texts are included in modules that use them.
 
 use super::arrays::{MEETINGS, RELATIONS};
 use super::context::Context;
@@ -6,7 +6,7 @@ use crate::emit::arrays::Row;
 use crate::emit::options::Scalar;
 use crate::program::arrays::{ArrayForm, Arrays, Step};
 
-/// The loops that the functions call, after the tables of the joint tree.
+/// Text of the loops that the functions of a module call, after the sizes of rows.
 pub(super) fn text(context: &Context<'_>) -> String {
     let functions = context.module.functions.iter();
     let forms: Vec<&ArrayForm> = functions.filter_map(|function| function.arrays.as_ref()).collect();
@@ -45,8 +45,8 @@ pub(super) fn text(context: &Context<'_>) -> String {
     [context.pasted(&[sizes(first), meetings].concat()), context.pasted_loops(&texts)].concat()
 }
 
-/// Several columns of a row at once, by the vectors that gcc and clang know without instructions being named: left to
-/// its optimizer, gcc 12 made loops of single numbers of them.
+/// Texts of operations on several columns at once, with the vector types of gcc and clang. Without these
+/// types, gcc 12 made loops over single numbers.
 fn parts(context: &Context<'_>, form: &Arrays) -> [&'static str; 3] {
     [
         match context.options.scalar {
@@ -61,7 +61,7 @@ fn parts(context: &Context<'_>, form: &Arrays) -> [&'static str; 3] {
     ]
 }
 
-/// Sums of single numbers.
+/// Text of sums of products of single numbers.
 fn products(form: &Arrays) -> &'static str {
     match form.is_fused {
         true => include_str!("array_kernels/products_fused.c"),
@@ -69,7 +69,7 @@ fn products(form: &Arrays) -> &'static str {
     }
 }
 
-/// Matrices over pairs of joints.
+/// Texts of the loops that compute matrices over pairs of joints.
 fn pairs(form: &Arrays) -> [&'static str; 2] {
     let pairs = match form.is_chain() {
         true => include_str!("array_kernels/chain_pairs.c"),
@@ -78,7 +78,7 @@ fn pairs(form: &Arrays) -> [&'static str; 2] {
     [include_str!("array_kernels/row_products.c"), pairs]
 }
 
-/// A loop over the joints, where there are more of them than coordinates.
+/// The text of a loop over joints, with the number of joints if it differs from the number of coordinates.
 fn of_joints(form: &Arrays, text: &str) -> String {
     match form.coordinates {
         None => text.to_owned(),
@@ -86,7 +86,7 @@ fn of_joints(form: &Arrays, text: &str) -> String {
     }
 }
 
-/// Lengths of rows.
+/// Macros for the lengths of rows.
 fn sizes(form: &Arrays) -> String {
     let row = Row::new(form);
     if form.coordinates.is_some() {
@@ -107,7 +107,7 @@ fn sizes(form: &Arrays) -> String {
     )
 }
 
-/// The order of the pivots, and which of their rows meet.
+/// Macros for the order of the pivots in the inverse of M, and for the rows with common entries.
 fn meetings(form: &Arrays) -> String {
     let mut text =
         "\n// The joint of each pivot from the base, and whether the rows of two joints meet in the inverse.\n".to_owned();

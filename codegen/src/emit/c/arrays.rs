@@ -1,4 +1,5 @@
-//! Functions in array form: straight-line code for the setup, then calls of loops.
+//! Prints functions in array form: straight-line code for the first arrays (the setup), then calls of loops
+//! over joints.
 
 use super::body::{Body, JOINT};
 use super::context::Context;
@@ -10,14 +11,14 @@ use crate::program::arrays::{Arrays, Map, Pairs, Step};
 use crate::program::split;
 use crate::program::{Operand, Program, Shape};
 
-/// Tables of the joints and of the coordinates.
+/// Name of the table of [`arrays::relation`].
 pub(super) const RELATIONS: &str = "relations";
 pub(super) const MEETINGS: &str = "meetings";
 
-/// The value of arrays of which some entries are not written.
+/// Initial value of arrays with entries that are not written.
 const CLEARED: &str = " = {0}";
 
-/// Setup, loops, and public function.
+/// The texts of a function: setup, loops, and the public function.
 pub(super) fn items(context: &Context<'_>, function: &Function, form: &Arrays, name: &str) -> Vec<String> {
     let face = function.program.face();
     let body = Body::new(context, &face);
@@ -27,7 +28,7 @@ pub(super) fn items(context: &Context<'_>, function: &Function, form: &Arrays, n
     items
 }
 
-/// Numbers in the local arrays of a function.
+/// Number of entries of the local arrays of a function.
 pub(super) fn local_numbers(context: &Context<'_>, function: &Function, form: &Arrays) -> usize {
     let face = function.program.face();
     let body = Body::new(context, &face);
@@ -36,13 +37,13 @@ pub(super) fn local_numbers(context: &Context<'_>, function: &Function, form: &A
     arrays.map(|array| form.arrays[array].rows * emission.row.of(form, array)).sum()
 }
 
-/// Where an array stands.
+/// Storage of an array.
 enum Place {
-    /// A constant.
+    /// The array is a constant.
     Table,
-    /// A local variable.
+    /// The array is a local variable.
     Local,
-    /// A result of the function.
+    /// The array is the result of the function with this name.
     Result(String),
 }
 
@@ -91,7 +92,7 @@ impl<'a> Emission<'a> {
         statements
     }
 
-    /// The declaration of an array that the setup fills, or that is constant.
+    /// Declaration of an array that the setup fills, or definition of a constant array.
     fn setup_array(&self, array: usize) -> Option<String> {
         match table(self.form, array) {
             Some(entries) => Some(self.table(array, &entries)),
@@ -110,7 +111,7 @@ impl<'a> Emission<'a> {
         format!("{head} = {};", layout::braces(4, &entries))
     }
 
-    /// A new variable, for arrays that are one.
+    /// Declaration of a local variable; `None` if the array is not a local variable.
     fn declaration(&self, array: usize, value: &str) -> Option<String> {
         let len = self.form.arrays[array].rows * self.row.of(self.form, array);
         let (aligned, ty) = (self.context.constant("ALIGNED"), self.context.ty());
@@ -127,7 +128,7 @@ impl<'a> Emission<'a> {
         }
     }
 
-    /// Entries from one row of an array to the next.
+    /// Distance of two rows of an array, in entries.
     fn width(&self, array: usize) -> usize {
         match self.places[array] {
             Place::Table | Place::Local => self.row.of(self.form, array),
@@ -135,7 +136,7 @@ impl<'a> Emission<'a> {
         }
     }
 
-    /// A result from the array that it is left in.
+    /// Statement that copies a local array to a result; `None` if the array is not a local variable.
     fn copy(&self, array: usize, shape: Shape, result: &str) -> Option<String> {
         let Place::Local = self.places[array] else {
             return None;
@@ -183,7 +184,7 @@ impl<'a> Emission<'a> {
         self.declaration(to, "").into_iter().chain([call]).collect()
     }
 
-    /// Inverts a copy of the matrix, which may be read again.
+    /// Inverts a copy of the matrix, because a later step may read the matrix.
     fn invert(&self, from: usize, to: usize) -> Vec<String> {
         match self.form.coordinates {
             None => self.add_relations(),
@@ -212,7 +213,7 @@ impl<'a> Emission<'a> {
         self.call("pairs", &arguments, pairs.to)
     }
 
-    /// Which joints of a tree stand before and beyond each other.
+    /// Adds the table of the relations of joints, if the joints are not a chain.
     fn add_relations(&self) {
         let about = "Where joint j stands seen from joint i: -1 before it on its path to the base, 1 beyond it or the same, else 0.";
         if !self.form.is_chain() {
@@ -225,7 +226,7 @@ impl<'a> Emission<'a> {
         }
     }
 
-    /// Which coordinates meet.
+    /// Adds the table of the coordinates with common entries in the inverse of M, if they are not a chain.
     fn add_meetings(&self) {
         let about = "Whether the rows of coordinates i and j meet in the inverse of the mass matrix: 0 where they do not.";
         let tree = self.form.coordinates();
@@ -260,14 +261,14 @@ impl<'a> Emission<'a> {
         self.rows(callee, from, to, "")
     }
 
-    /// A call that goes through all rows of two arrays.
+    /// Declaration of an array, and call of a function over all rows of two arrays.
     fn rows(&self, callee: &str, from: usize, to: usize, value: &str) -> Vec<String> {
         let arguments = [self.form.arrays[from].rows.to_string(), self.array(from), self.array(to)];
         let call = layout::call(4, callee, &arguments, ";");
         self.declaration(to, value).into_iter().chain([call]).collect()
     }
 
-    /// The loop of a map, as a function of its own.
+    /// Declarations of the arrays that a step writes, and call of the step's loop.
     fn map(&self, map: &Map) -> Vec<String> {
         let callee = self.map_function(map);
         let arrays = map.reads.iter().chain(&map.writes);
@@ -294,7 +295,7 @@ impl<'a> Emission<'a> {
         format!("{}_setup", self.name)
     }
 
-    /// The arrays that the setup fills.
+    /// Indices of the arrays that the setup fills.
     fn filled(&self) -> impl Iterator<Item = usize> {
         (0..self.form.setup.outputs.len()).filter(|&array| matches!(self.places[array], Place::Local))
     }
@@ -306,7 +307,7 @@ impl<'a> Emission<'a> {
         layout::call(4, &self.setup_name(), &arguments, ";")
     }
 
-    /// The setup as a function, split where it is long.
+    /// The setup as a function, which is split into parts if it is long.
     fn setup_items(&self) -> Vec<String> {
         let outputs = self.filled().map(|array| self.form.setup.outputs[array].clone()).collect();
         let program = Program { outputs, ..self.form.setup.clone() };

@@ -1,4 +1,4 @@
-//! Values of a function: their names, and the printing of operands and results.
+//! Names of the values of a function, and texts of operands and results.
 
 use super::context::Context;
 use super::group;
@@ -12,21 +12,21 @@ pub(super) struct Body<'a> {
     pub(super) program: &'a Program,
     pub(super) flow: Flow,
     pub(super) names: ProgramNames,
-    /// Whether values are those of several states, and arguments hold [`group::COUNT`] states.
+    /// Whether the function evaluates several states at once. Arguments then have [`group::COUNT`] states.
     pub(super) over_lanes: bool,
-    /// Row length, if inputs and results are rows of a loop over joints.
+    /// Length of a row, if inputs and results are rows in a loop over joints.
     pub(super) row: Option<usize>,
-    /// Row length, if results are matrices with padded rows.
+    /// Length of a row, if results are matrices with padded rows.
     pub(super) stride: Option<usize>,
-    /// Result entries that store each value: result, entry.
+    /// For each value the result entries to which it is stored, as indices of result and entry.
     pub(super) stored: Vec<Vec<(usize, usize)>>,
 }
 
-/// The index of a loop over joints.
+/// Name of the index of a loop over joints.
 pub(super) const JOINT: &str = "joint";
 
 impl<'a> Body<'a> {
-    /// A body with results as arguments; a single number is returned instead.
+    /// A body with results as arguments. If the only result is a number, the function returns it instead.
     pub(super) fn new(context: &'a Context<'a>, program: &'a Program) -> Self {
         Self::with_results(context, program, !returns_number(program))
     }
@@ -60,18 +60,18 @@ impl<'a> Body<'a> {
         body
     }
 
-    /// The same body without stores to the results.
+    /// This body without stores to the results.
     pub(super) fn without_stores(mut self) -> Self {
         self.stored = vec![];
         self
     }
 
-    /// Name of a value.
+    /// Name of the value with this index.
     pub(super) fn name(&self, index: usize) -> &str {
         &self.names.values[self.flow.canonical(index)]
     }
 
-    /// Names that are unused in the function.
+    /// Makes names that the function does not use, from the wanted names.
     pub(super) fn fresh<'n>(&self, names: impl IntoIterator<Item = &'n str>) -> Vec<String> {
         let ProgramNames { arguments, results, values } = &self.names;
         let mut taken: Vec<String> = [arguments.as_slice(), results, values].concat();
@@ -79,7 +79,7 @@ impl<'a> Body<'a> {
         self.context.spelling.distinct(names, &taken)
     }
 
-    /// The type of a value.
+    /// Type of a value in C.
     pub(super) fn ty(&self) -> String {
         match self.over_lanes {
             true => group::ty(self.context),
@@ -87,7 +87,8 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// An operand with the type of the function: argument of a call, or entry of a result.
+    /// Text of an operand with the type of the function's values, for the argument of a call or the entry of
+    /// a result.
     pub(super) fn value(&self, operand: Operand) -> String {
         let text = self.operand(operand);
         match (self.over_lanes, operand) {
@@ -96,7 +97,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// An operand of an operator; in code over several states a number is valid for all states.
+    /// Text of an operand of an operator. In code over several states, a number is the same for all states.
     pub(super) fn operand(&self, operand: Operand) -> String {
         match operand {
             Operand::Value(index) => self.name(index).to_owned(),
@@ -113,7 +114,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// Value of an entry, if it is a value.
+    /// Index of the value that an operand is; `None` if the operand is not a value.
     pub(super) fn made(&self, entry: Operand) -> Option<usize> {
         match entry {
             Operand::Value(made) => Some(self.flow.canonical(made)),
@@ -121,7 +122,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// Return statement, if the function returns a single number.
+    /// Return statement; `None` if the function does not return a number.
     pub(super) fn return_statement(&self) -> Option<String> {
         let returns = returns_number(self.program) && !self.over_lanes;
         let number = self.program.outputs.first().filter(|_| returns)?;
@@ -129,7 +130,7 @@ impl<'a> Body<'a> {
         Some(format!("return {};", entry.unwrap_or_else(|| self.context.literal(0.0))))
     }
 
-    /// Arguments that no statement uses.
+    /// Statements that mark unused arguments, to avoid warnings of the compiler.
     pub(super) fn unused(&self) -> Vec<String> {
         let made = self.program.instructions.iter().enumerate();
         let made = made.filter(|(index, _)| self.flow.is_made(*index));
@@ -161,7 +162,7 @@ pub(super) fn returns_number(program: &Program) -> bool {
     matches!(program.outputs.as_slice(), [Output { shape: Shape::Scalar, .. }])
 }
 
-/// Entry of a row in a loop over joints.
+/// Text of the entry of a row in a loop over joints.
 pub(super) fn in_row(name: &str, row: usize, len: usize) -> String {
     match row {
         0 => format!("{name}[{JOINT}]"),

@@ -1,9 +1,9 @@
-//! Comments: plain text after `//` from which no text of a description can escape.
+//! Prints comments of C. Texts of a description cannot end the comment.
 
 use crate::emit::documentation::Block;
 use crate::emit::text::{visible, wrap};
 
-/// Documentation of an item.
+/// Prints the documentation of an item as lines that begin with `///`.
 pub(super) fn documentation(blocks: &[Block]) -> String {
     let mut lines: Vec<String> = vec![];
     let gap = |lines: &mut Vec<String>| {
@@ -24,15 +24,15 @@ pub(super) fn documentation(blocks: &[Block]) -> String {
     lines.iter().map(|line| comment("///", line)).collect()
 }
 
-/// One paragraph of documentation.
+/// Prints one paragraph of documentation.
 pub(super) fn paragraph(text: &str) -> String {
     documentation(&[Block::Paragraph(text.to_owned())])
 }
 
-/// Ends a comment line safely.
+/// Ends a line of a comment so that it is neither continued nor changed by a trigraph.
 pub(super) fn ended(line: &str) -> String {
     let line = line.replace("??", "? ?");
-    // A backslash would take the next line into the comment.
+    // A backslash at the end would continue the comment on the next line.
     let end = if line.ends_with('\\') { "." } else { "" };
     format!("{line}{end}\n")
 }

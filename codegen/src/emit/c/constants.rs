@@ -1,4 +1,4 @@
-//! Constants of a module: lengths as macros, all others as constant objects.
+//! Prints the constants of a module. Lengths are macros, other constants are objects.
 
 use super::context::Context;
 use super::literal::string;
@@ -7,7 +7,7 @@ use crate::emit::documentation::{Block, of_constant};
 use crate::functions::function::{Constant, ConstantValue};
 use crate::layout::{Dimension, Extent};
 
-/// Lengths of the robot's arrays.
+/// Definitions of the numbers of coordinates and inputs, with their documentation.
 pub(super) fn sizes(context: &Context<'_>) -> Vec<String> {
     let size = |name: &str, about: &str, count: usize| {
         format!("{}#define {} {count}\n", comment::paragraph(about), context.constant(name))
@@ -18,7 +18,7 @@ pub(super) fn sizes(context: &Context<'_>) -> Vec<String> {
     ]
 }
 
-/// The declaration of a constant with its documentation.
+/// Declaration of a constant with its documentation, for the header.
 pub(super) fn declaration(context: &Context<'_>, constant: &Constant) -> String {
     let mut blocks = of_constant(constant);
     let name = context.constant(constant.name);
@@ -33,8 +33,8 @@ pub(super) fn declaration(context: &Context<'_>, constant: &Constant) -> String 
     [comment::documentation(&blocks), text].concat()
 }
 
-/// Definition of a constant, or `None` if its declaration is complete. For a hash it compares header and
-/// source.
+/// Definition of a constant, for the source; `None` if the declaration is complete. For the hash of the
+/// description it is a check that header and source have the same hash.
 pub(super) fn definition(context: &Context<'_>, constant: &Constant) -> Option<String> {
     let name = context.constant(constant.name);
     match object(context, constant) {
@@ -50,7 +50,7 @@ pub(super) fn definition(context: &Context<'_>, constant: &Constant) -> Option<S
     }
 }
 
-/// Type for entries of sparse matrices, if the module has one.
+/// Type of the entries of sparse matrices; `None` if the module has no sparse matrix.
 pub(super) fn entry_type(context: &Context<'_>) -> Option<String> {
     let module = context.module;
     let constants = module.functions.iter().flat_map(|function| &function.constants);
@@ -63,15 +63,15 @@ pub(super) fn entry_type(context: &Context<'_>) -> Option<String> {
     })
 }
 
-/// C form of a constant.
+/// A constant in C.
 enum Object {
     Macro(String),
-    /// An empty array, which C does not have.
+    /// An array without entries, which C does not allow.
     Empty,
     Array {
-        /// The type before the name, a space or a star at its end.
+        /// Type before the name, with a space or a star at its end.
         ty: String,
-        /// The lengths behind the name.
+        /// Lengths in brackets after the name.
         lengths: String,
         entries: Vec<String>,
     },

@@ -1,4 +1,4 @@
-//! State shared by all parts of a module during printing.
+//! State that all parts of the printer share while a module is printed.
 
 use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, BTreeSet};
@@ -11,35 +11,35 @@ use crate::emit::names::Spelling;
 use crate::emit::options::EmitOptions;
 use crate::module::Module;
 
-/// A module during printing.
+/// A module while it is printed.
 pub(super) struct Context<'a> {
     pub(super) module: &'a Module,
     pub(super) options: &'a EmitOptions,
-    /// Base name of the files.
+    /// Name of the files without ending.
     pub(super) name: String,
-    /// Prefix of the names of functions and types, e.g. `ur5`.
+    /// Prefix of the names of functions and types, for example `ur5`.
     prefix: String,
     /// Rules for names inside functions.
     pub(super) spelling: Spelling,
-    /// Field names of the free parameters.
+    /// Names of the free parameters as fields of the struct.
     pub(super) parameters: Vec<String>,
-    /// Names of the functions.
+    /// Names of the functions in C, in the order of the module.
     pub(super) functions: Vec<String>,
-    /// Elementary functions called so far.
+    /// Elementary functions that the printed text calls.
     pub(super) kernels: RefCell<BTreeSet<Kernel>>,
-    /// Elementary functions called over several states so far.
+    /// Elementary functions that the printed text calls for several states at once.
     pub(super) lanes_kernels: RefCell<BTreeSet<Kernel>>,
-    /// Whether the sign function was called.
+    /// Whether the printed text calls the sign function.
     pub(super) sign: Cell<bool>,
-    /// Whether a fused sum was negated.
+    /// Whether the printed text negates a fused multiply-add.
     pub(super) negation: Cell<bool>,
-    /// Private functions of array forms, shared by several functions.
+    /// Private functions of array forms (functions as loops over joints). Several functions may call them.
     pub(super) shared: Shared,
-    /// Private constants of array forms for the loops.
+    /// Private constants for the loops of array forms.
     pub(super) tables: Shared,
-    /// Private elementary functions over several states.
+    /// Private elementary functions for several states at once.
     pub(super) of_lanes: Shared,
-    /// Names of the functions over several states, by those of their functions.
+    /// Names in C of the functions over several states, by the names of their functions in the module.
     lanes: BTreeMap<&'a str, String>,
 }
 
@@ -75,12 +75,12 @@ impl<'a> Context<'a> {
         }
     }
 
-    /// Name of a function or type of the module.
+    /// Name in C of a function or type of the module: `name` with the prefix.
     pub(super) fn function(&self, name: &str) -> String {
         format!("{}_{name}", self.prefix)
     }
 
-    /// Name of a function's form over several states, if any.
+    /// Name in C of the version of a function for several states; `None` if there is no such version.
     pub(super) fn lanes_of(&self, function: &str) -> Option<&str> {
         self.lanes.get(function).map(String::as_str)
     }
@@ -89,17 +89,17 @@ impl<'a> Context<'a> {
         !self.lanes.is_empty()
     }
 
-    /// Name of a constant or macro of the module.
+    /// Name in C of a constant or macro of the module: `name` with the prefix in capitals.
     pub(super) fn constant(&self, name: &str) -> String {
         format!("{}_{name}", self.prefix.to_uppercase())
     }
 
-    /// Number type.
+    /// Type of numbers.
     pub(super) fn ty(&self) -> &'static str {
         self.options.scalar.c_type()
     }
 
-    /// Number literal.
+    /// A number as a literal.
     pub(super) fn literal(&self, number: f64) -> String {
         self.options.scalar.c_literal(number)
     }
@@ -108,18 +108,18 @@ impl<'a> Context<'a> {
         !self.parameters.is_empty()
     }
 
-    /// Free parameters as an argument of a call.
+    /// Argument of a call for the free parameters; `None` if there are no free parameters.
     pub(super) fn passed_parameters(&self) -> Option<String> {
         self.has_parameters().then(|| "p".to_owned())
     }
 
-    /// Free parameters as an argument of a signature.
+    /// Declaration of the argument for the free parameters; `None` if there are no free parameters.
     pub(super) fn declared_parameters(&self) -> Option<String> {
         self.has_parameters()
             .then(|| format!("const {} *{} p", self.function("parameters"), self.constant("RESTRICT")))
     }
 
-    /// Fixed text with the names of this module.
+    /// A fixed text with the names of this module. Without free parameters, their argument is removed.
     pub(super) fn pasted(&self, text: &str) -> String {
         let text = match self.has_parameters() {
             true => text.to_owned(),
@@ -128,19 +128,19 @@ impl<'a> Context<'a> {
         self.pasted_names(&text)
     }
 
-    /// Fixed text without free parameters, with the names of this module.
+    /// A fixed text with the names of this module, for texts without the argument for free parameters.
     pub(super) fn pasted_names(&self, text: &str) -> String {
         let text = text.replace("gelenk_", &format!("{}_", self.prefix));
         text.replace("GELENK_", &format!("{}_", self.prefix.to_uppercase()))
     }
 
-    /// Fixed text of loops in the number type of the module.
+    /// A fixed text with the names and the number type of this module.
     pub(super) fn pasted_loops(&self, text: &str) -> String {
         self.pasted(&in_scalar(text, self.options.scalar))
     }
 }
 
-/// Private items shared by several functions, by name, in order of their addition.
+/// Private items that several functions use, in the order in which they were added.
 #[derive(Debug, Default)]
 pub(super) struct Shared {
     names: RefCell<BTreeMap<String, String>>,
@@ -148,12 +148,13 @@ pub(super) struct Shared {
 }
 
 impl Shared {
-    /// Text of all items.
+    /// The text of all items.
     pub(super) fn text(&self) -> String {
         self.items.borrow().iter().map(|item| format!("\n{item}")).collect()
     }
 
-    /// Adds an item if it is absent; returns its name, which is numbered if another item has the name.
+    /// Adds an item unless it was already added, and returns its name. The name gets a number if another item
+    /// has the name `stem`.
     pub(super) fn add(&self, stem: &str, item: impl Fn(&str) -> String) -> String {
         let mut names = self.names.borrow_mut();
         let mut number = 1;

@@ -1,4 +1,4 @@
-//! Functions over a sample time: fixed texts that call functions of the module.
+//! Prints functions over a sample time. They are fixed texts that call functions of the module.
 
 use std::collections::BTreeSet;
 
@@ -12,7 +12,7 @@ use crate::emit::names::spelled;
 use crate::functions::composition::Composition;
 use crate::module::ComposedFunction;
 
-/// Declaration of a function with its documentation.
+/// Declaration of a function with its documentation, for the header.
 pub(super) fn declaration(context: &Context<'_>, composed: &ComposedFunction) -> String {
     let results = composed.results.iter().map(|result| {
         signature::result_label(&spelled(result.name), result.name, &shape_text(&result.extents))
@@ -37,7 +37,7 @@ fn head(context: &Context<'_>, composed: &ComposedFunction, tail: &str) -> Strin
     layout::call(0, &format!("void {name}"), &arguments, tail)
 }
 
-/// The functions, after their common texts.
+/// The definitions of the functions, after the texts that they share.
 pub(super) fn text(context: &Context<'_>) -> String {
     let compositions = context.module.compositions.iter();
     let texts = [shared(context), own(context)].concat().into_iter().filter(|text| !text.is_empty());
@@ -48,7 +48,7 @@ pub(super) fn text(context: &Context<'_>) -> String {
     texts.chain(functions).collect()
 }
 
-/// The texts for positions of every kind.
+/// The shared texts that do not depend on quaternions.
 fn shared(context: &Context<'_>) -> Vec<&'static str> {
     let compositions = context.module.compositions.iter();
     let texts: BTreeSet<Text> = compositions.flat_map(|each| each.composition.texts()).copied().collect();
@@ -57,7 +57,7 @@ fn shared(context: &Context<'_>) -> Vec<&'static str> {
     texts.map(Text::c_source).collect()
 }
 
-/// The texts for positions on a manifold, or for those in a vector space.
+/// The shared texts for robots with quaternions, or for robots without quaternions.
 fn own(context: &Context<'_>) -> Vec<&'static str> {
     let compositions = context.module.compositions.iter().map(|each| each.composition);
     if context.module.has_quaternions() {

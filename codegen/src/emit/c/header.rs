@@ -1,10 +1,10 @@
-//! The header of a module.
+//! Prints the header of a module.
 
 use super::context::Context;
 use super::{comment, constants, discrete_time, lanes, parameters, positions, public, stack};
 use crate::emit::header;
 
-/// Text of `<name>.h`.
+/// Prints the file `<name>.h`.
 pub(super) fn text(context: &Context<'_>) -> String {
     let module = context.module;
     let mut items = constants::sizes(context);
@@ -37,13 +37,13 @@ pub(super) fn text(context: &Context<'_>) -> String {
     )
 }
 
-/// The comment at the top of both files.
+/// The comment at the top of header and source.
 pub(super) fn top(context: &Context<'_>) -> String {
     let lines = header::lines(context.module, &context.options.command);
     lines.iter().map(|line| comment::ended(line)).collect()
 }
 
-/// How functions are called.
+/// Comment about the calling convention.
 fn conventions(context: &Context<'_>) -> String {
     let (n, function) = (context.constant("N"), context.function(""));
     let (capitals, ty) = (context.constant(""), context.ty());

@@ -1,4 +1,4 @@
-//! Calling convention of a module as data.
+//! Signatures and documentation of a C module as data.
 
 use super::body::{Body, returns_number};
 use super::context::Context;
@@ -10,7 +10,7 @@ use crate::functions::position_functions::{PositionFunction, extents};
 use crate::layout::{Dimension, Extent};
 use crate::module::ComposedFunction;
 
-/// Calling convention of a module.
+/// The signatures and the documentation of all functions of a module.
 pub(super) fn of(context: &Context<'_>) -> Interface {
     let functions = context.module.functions.iter().zip(&context.functions);
     let functions = functions.map(|(each, name)| function(context, each, name));
@@ -101,8 +101,7 @@ fn composition(context: &Context<'_>, composed: &ComposedFunction) -> Callable {
     }
 }
 
-/// The functions of positions with quaternions that write their results; `normalize`, which changes its argument, is left
-/// to C.
+/// The functions of positions with quaternions, except `normalize`, which changes its argument.
 fn of_positions(context: &Context<'_>) -> Vec<Callable> {
     let (positions, velocities) = (context.module.positions, context.module.coordinates);
     let callable = |function: &PositionFunction| {
@@ -139,7 +138,7 @@ fn of_positions(context: &Context<'_>) -> Vec<Callable> {
     functions(context).iter().filter(|each| **each != PositionFunction::Normalize).map(callable).collect()
 }
 
-/// The lengths of an argument; its entries may come in rows.
+/// The lengths of an argument. Wrenches and driven joints have rows.
 fn rows(extent: Extent) -> Vec<Extent> {
     match extent.row() {
         Some(row) => vec![Extent::new(extent.dimension, extent.len / row), Extent::fixed(row)],

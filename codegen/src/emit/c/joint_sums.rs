@@ -1,4 +1,4 @@
-//! Sums over joints as functions of a module: along paths, over subtrees, and over the joints of a
+//! Prints functions for sums over joints: along paths to the base, over subtrees, and over the joints of a
 //! coordinate.
 
 use super::arrays::Emission;
@@ -11,7 +11,8 @@ impl Emission<'_> {
             Some(parent) => format!("to[{joint}] = from[{joint}] + to[{parent}];"),
             None => format!("to[{joint}] = from[{joint}];"),
         });
-        // What stands behind the joints is read as whole rows are: numbers that nothing has set may be slow ones.
+        // The padding is read with the rows. Values that were never set may be subnormal numbers, which are
+        // slow.
         let zero = self.context.literal(0.0);
         let padding = (self.form.joints.len()..self.row.len).map(|entry| format!("to[{entry}] = {zero};"));
         let sums: Vec<String> = sums.chain(padding).collect();
@@ -32,7 +33,7 @@ impl Emission<'_> {
         self.sum_function("sum_subtrees", "Adds to each joint all beyond it.", &sums)
     }
 
-    /// Sums by coordinate of a row by joint.
+    /// Statements that sum a row over joints to a row over coordinates.
     fn collected(&self) -> Vec<String> {
         let joints = followers(self.form).into_iter().enumerate();
         let sum = |(coordinate, joints): (usize, Vec<usize>)| {
@@ -65,7 +66,7 @@ impl Emission<'_> {
         self.gather("gather_last", about, [self.row.len; 2], &sources)
     }
 
-    /// Copies of entries; entries without a source stay zero.
+    /// Name of a function that copies entries of rows. Entries without a source stay zero.
     fn gather(&self, stem: &str, about: &str, lengths: [usize; 2], sources: &[Option<usize>]) -> String {
         let copies = sources.iter().enumerate();
         let copies = copies.filter_map(|(place, &source)| Some(format!("to[{place}] = from[{}];", source?)));
@@ -106,9 +107,9 @@ impl Emission<'_> {
         self.function(stem, about, [self.row.len; 2], sums)
     }
 
-    /// A function over rows.
+    /// Name of a function that applies statements to each row.
     ///
-    /// - `lengths`: entries of a row that is read and of one that is written, padding included
+    /// - `lengths`: length of a row that is read, and of a row that is written, including padding
     fn function(&self, stem: &str, about: &str, [from, to]: [usize; 2], sums: &[String]) -> String {
         let context = self.context;
         self.context.shared.add(&self.context.function(stem), |name| {

@@ -1,12 +1,17 @@
-//! Functions over eight states stored one after the other, with the same bits as functions over one state.
+//! Prints functions over eight states (lanes) that are stored one after the other. The results have the same
+//! bits as those of functions over one state.
 //!
-//! The text of such a function is that of its scalar form with another type: a vector of states of register
-//! width, from the vector extensions of gcc and clang. It needs no compiler optimization and is independent
-//! of the processor. Other compilers process one state at a time.
+//! The text of such a function is the text of the function for one state with another type of values: a
+//! vector type of gcc and clang with register width. The text does not rely on the optimizer and is
+//! independent of the processor. Other compilers process one state at a time.
 //!
-//! Entries are loaded from the states and stored to them one by one, so arrays of states need no conversion.
-//! With conversion to structures of arrays, `inverse_dynamics` of a UR5 took 31 ns instead of 26 ns per
-//! state, and `linearize` 190 ns instead of 177 ns (gcc 12, AVX2).
+//! Entries are loaded and stored one by one, so arrays of states need no conversion to structures of arrays.
+//! Times per state for a UR5 (gcc 12, AVX2):
+//!
+//! | function | one by one | with conversion |
+//! |---|---|---|
+//! | `inverse_dynamics` | 26 ns | 31 ns |
+//! | `linearize` | 177 ns | 190 ns |
 
 use super::body::Body;
 use super::context::Context;
@@ -17,14 +22,15 @@ use crate::emit::text::code;
 use crate::functions::function::Function;
 use crate::layout::Extent;
 
-/// Number of states for the header, if there are functions over several states.
+/// Definition of the number of states, for the header; `None` if there are no functions over several states.
 pub(super) fn size(context: &Context<'_>) -> Option<String> {
     let about =
         comment::paragraph("Number of states that functions whose names end in `_lanes` take at once.");
     context.has_lanes().then(|| format!("{about}#define {} {COUNT}\n", context.constant("LANES")))
 }
 
-/// Declaration of a function over several states, and its difference from the scalar function.
+/// Declaration of a function over several states, with its documentation; `None` if the function has no such
+/// version.
 pub(super) fn declaration(context: &Context<'_>, function: &Function) -> Option<String> {
     let name = context.lanes_of(&function.name)?;
     let body = Body::over_lanes(context, &function.program);
@@ -45,7 +51,9 @@ pub(super) fn declaration(context: &Context<'_>, function: &Function) -> Option<
     Some(format!("{}{head}\n", comment::documentation(&blocks)))
 }
 
-/// The private functions over a group of states, then the public function that calls them for each group.
+/// The texts of a function over several states: private functions over a group of states that fit in a
+/// register, then the public function that calls them for each group. Empty if the function has no such
+/// version.
 pub(super) fn items(context: &Context<'_>, function: &Function) -> Vec<String> {
     let Some(name) = context.lanes_of(&function.name) else {
         return vec![];
@@ -56,7 +64,7 @@ pub(super) fn items(context: &Context<'_>, function: &Function) -> Vec<String> {
         Body::over_lanes(context, &function.program)
     });
     let arguments = signature::arguments(&body);
-    // Not inlined: two unrolled halves would outgrow the instruction cache.
+    // The function is not inlined, because two unrolled halves would not fit in the instruction cache.
     let head = format!("{} static void {of_group}", context.constant("NOINLINE"));
     items.push(layout::function(&layout::call(0, &head, &arguments, ""), &statements));
     let first = &body.fresh(["first"])[0];

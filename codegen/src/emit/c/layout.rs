@@ -1,14 +1,14 @@
-//! Layout of statements and signatures in lines of limited length.
+//! Breaks statements and signatures into lines of limited length.
 
-/// Longest line of code.
+/// Largest number of characters of a line of code.
 const WIDTH: usize = 118;
 
 /// Indentation of continuation lines relative to the first line.
 const FURTHER: &str = "    ";
 
-/// `head(arguments)tail`; arguments are wrapped if the line is too long.
+/// The text `head(arguments)tail`. The arguments are on further lines if the text is too long for one line.
 ///
-/// - `indent`: indentation of the statement
+/// - `indent`: number of characters by which the statement is indented
 pub(super) fn call(indent: usize, head: &str, arguments: &[String], tail: &str) -> String {
     let line = format!("{head}({}){tail}", arguments.join(", "));
     if indent + line.chars().count() <= WIDTH {
@@ -17,9 +17,9 @@ pub(super) fn call(indent: usize, head: &str, arguments: &[String], tail: &str) 
     format!("{head}(\n{}){tail}", filled(indent, arguments))
 }
 
-/// A list in braces.
+/// A list of entries in braces. The entries are on further lines if the list is too long for one line.
 ///
-/// - `indent`: indentation of the statement
+/// - `indent`: number of characters by which the statement is indented
 pub(super) fn braces(indent: usize, entries: &[String]) -> String {
     let line = format!("{{{}}}", entries.join(", "));
     if indent + line.chars().count() <= WIDTH {
@@ -28,7 +28,7 @@ pub(super) fn braces(indent: usize, entries: &[String]) -> String {
     format!("{{\n{}\n}}", filled(indent, entries))
 }
 
-/// Entries on as many further lines as they need.
+/// Entries on further lines.
 fn filled(indent: usize, entries: &[String]) -> String {
     let mut lines = vec![FURTHER.to_owned()];
     for (index, entry) in entries.iter().enumerate() {
@@ -45,13 +45,13 @@ fn filled(indent: usize, entries: &[String]) -> String {
     lines.join("\n")
 }
 
-/// A function with indented statements.
+/// The text of a function with indented statements.
 pub(super) fn function(head: &str, statements: &[String]) -> String {
     let body: String = statements.iter().map(|statement| indented(statement)).collect();
     format!("{head}\n{{\n{body}}}\n")
 }
 
-/// Indents a statement by one level.
+/// The statement, indented by one level.
 pub(super) fn indented(statement: &str) -> String {
     let lines = statement.lines().map(|line| format!("    {line}\n"));
     lines.collect()

@@ -1,9 +1,9 @@
-//! Numbers and texts as C literals with the same bits and bytes.
+//! Literals of C. They have the bits of the numbers and the bytes of the texts.
 
 use crate::emit::options::Scalar;
 
 impl Scalar {
-    /// Type in C.
+    /// Name of the type in C.
     pub(super) fn c_type(self) -> &'static str {
         match self {
             Self::F64 => "double",
@@ -11,7 +11,7 @@ impl Scalar {
         }
     }
 
-    /// A number as an operand, entry or argument.
+    /// A number as a literal of this type.
     pub(super) fn c_literal(self, number: f64) -> String {
         #[allow(clippy::cast_possible_truncation, reason = "f32 constants are the rounded f64 ones")]
         let single = number as f32;
@@ -29,14 +29,14 @@ fn infinity(number: f64) -> String {
     if number < 0.0 { "-INFINITY" } else { "INFINITY" }.to_owned()
 }
 
-/// Text as a UTF-8 string without trigraphs.
+/// A text as a string literal in UTF-8, without trigraphs.
 pub(super) fn string(text: &str) -> String {
     let mut literal = String::from("\"");
     for byte in text.bytes() {
         match byte {
             b'"' | b'\\' | b'?' => literal.extend(['\\', char::from(byte)]),
             b' '..=b'~' => literal.push(char::from(byte)),
-            // Three digits: what follows cannot belong to it.
+            // An escape has at most three digits, so a digit after it is not part of it.
             _ => literal.push_str(&format!("\\{byte:03o}")),
         }
     }
@@ -44,7 +44,7 @@ pub(super) fn string(text: &str) -> String {
     literal
 }
 
-/// Converts loops for `double` to another number type: types, literals and functions of the standard library.
+/// Converts a text for `double` to the number type `scalar`: types, literals and functions of the C library.
 pub(super) fn in_scalar(text: &str, scalar: Scalar) -> String {
     match scalar {
         Scalar::F64 => text.to_owned(),
@@ -58,7 +58,7 @@ pub(super) fn in_scalar(text: &str, scalar: Scalar) -> String {
     }
 }
 
-/// Puts `f` behind each number with a decimal point.
+/// Appends `f` to each number with a decimal point.
 fn with_suffixes(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     let mut letters = text.chars().peekable();

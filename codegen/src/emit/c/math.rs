@@ -1,4 +1,5 @@
-//! Elementary functions in C: included texts, and functions of the C library that are single instructions.
+//! Elementary functions in C. They are texts that are included in the module, or functions of the C library
+//! that are single instructions.
 
 use gelenk_kernels::math::{C_BITS, C_BITS_F32, Kernel};
 
@@ -7,7 +8,8 @@ use crate::emit::kernels;
 use crate::emit::options::Scalar;
 use gelenk_formula::Function as Call;
 
-/// Function of one number. Sines and cosines are computed in pairs.
+/// Name of the function to call for an elementary function, except sine and cosine, which are computed in
+/// pairs.
 pub(super) fn callee(context: &Context<'_>, function: Call) -> String {
     match function {
         Call::Sign => {
@@ -15,7 +17,7 @@ pub(super) fn callee(context: &Context<'_>, function: Call) -> String {
             context.function("sign")
         }
         Call::Abs => of_scalar(context, "fabs"),
-        // The instruction of the processor, whose result is correctly rounded as that of our own text in Rust.
+        // The processor's instruction rounds correctly, as the function in Rust modules does.
         Call::Sqrt => of_scalar(context, "sqrt"),
         Call::Tanh => own(context, [Kernel::Tanh, Kernel::TanhF32]),
         Call::Exp => own(context, [Kernel::Exp, Kernel::ExpF32]),
@@ -23,24 +25,24 @@ pub(super) fn callee(context: &Context<'_>, function: Call) -> String {
     }
 }
 
-/// Function that computes `a b + c` with one rounding.
+/// Name of the function that computes `a b + c` with one rounding.
 pub(super) fn multiply_add(context: &Context<'_>) -> String {
     of_scalar(context, "fma")
 }
 
-/// Function that computes `−x` of a fused sum. gcc 12 moves the minus into the sum, `−a b − c`, whose zero
-/// has the opposite sign of the zero of `−(a b + c)`.
+/// Name of the function that negates a fused multiply-add. Without it, gcc 12 replaces `−(a b + c)` by `−a b
+/// − c`, which is a zero with the opposite sign if it is zero.
 pub(super) fn negate_fused(context: &Context<'_>) -> String {
     context.negation.set(true);
     context.function("negated")
 }
 
-/// Function that computes sine and cosine of one angle.
+/// Name of the function that computes sine and cosine of one angle.
 pub(super) fn sin_cos(context: &Context<'_>) -> String {
     own(context, [Kernel::SinCos, Kernel::SinCosF32])
 }
 
-/// Function that computes sines and cosines of 2, 4 or 8 angles.
+/// Name of the function that computes sines and cosines of 2, 4 or 8 angles.
 pub(super) fn sin_cos_of(context: &Context<'_>, lanes: usize) -> String {
     own(context, kernels::sin_cos_of(lanes))
 }
@@ -58,7 +60,7 @@ fn of_scalar(context: &Context<'_>, name: &str) -> String {
     }
 }
 
-/// The called functions, and those that they call.
+/// The text of the functions that the module calls, and of the functions that these call.
 pub(super) fn text(context: &Context<'_>) -> String {
     let needed = kernels::needed(&context.kernels.borrow());
     let texts = needed.iter().map(|&kernel| source(kernel));
@@ -118,8 +120,9 @@ static inline float gelenk_negated(float x)
 }
 ";
 
-/// Guard against processors without fused multiply-add, on which `fma` is a library call as slow as thirty
-/// operations.
+/// Text that stops the compilation for processors without fused multiply-add. On these, `fma` is a call of
+/// the library that takes as long as thirty operations. The text is empty if the module has no fused
+/// multiply-adds.
 pub(super) fn guard(context: &Context<'_>) -> &'static str {
     match (kernels::are_fused(&context.module.functions), context.options.scalar) {
         (false, _) => "",

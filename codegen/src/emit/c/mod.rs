@@ -1,14 +1,17 @@
-//! Modules as a C99 header and source that also compile as C++.
+//! Prints modules as a header and a source in C99, which also compile as C++.
 //!
-//! The texts compile without warnings. They compute the same bits as the Rust module of the same robot: one
-//! statement per instruction, the same elementary functions, and no contraction by compilers.
+//! The texts compile without warnings. The results have the same bits as those of the Rust module of the same
+//! robot, because there is one statement per instruction, elementary functions are the same, and compilers
+//! must not contract operations.
 //!
-//! Lowest layer: `names.rs`, `literal.rs` and `comment.rs` check everything that is printed. `body.rs` names
-//! the values of a function; their type is a number or, in `group/`, several states. `statements.rs` prints
-//! one declaration per instruction, `results.rs` the stores, `signature.rs` and `public.rs` the function
-//! around them, `parts.rs` the parts of a long function. The forms use these: `straight.rs`, `arrays.rs`,
-//! `affine.rs`, `lanes.rs`. `function.rs` chooses the form given by the module. `header.rs` and `source.rs`
-//! assemble the files.
+//! All names, literals and comments are printed by `names.rs`, `literal.rs` and `comment.rs`, which make
+//! texts of a description harmless. `body.rs` names the values of a function. The type of a value is a
+//! number, or a vector for several states (`group/`). `statements.rs` prints one declaration per instruction,
+//! `results.rs` prints the stores to results, `signature.rs` and `public.rs` print the function around them,
+//! and `parts.rs` prints the parts of a long function. Functions have one of several forms: straight-line
+//! code (`straight.rs`), loops over joints (`arrays.rs`, `affine.rs`), and versions for several states
+//! (`lanes.rs`). `function.rs` prints the form that the module has. `header.rs` and `source.rs` assemble the
+//! files.
 
 mod about_reference;
 mod acados;

@@ -1,8 +1,8 @@
-//! Conversion of names of descriptions and programs to identifiers of C99 and C++.
+//! Converts names of descriptions and programs to identifiers of C99 and C++.
 
 use crate::emit::names::Spelling;
 
-/// Words that are keywords of C99, C11, C23 or C++, and names that common headers and compilers define as macros.
+/// Keywords of C99, C11, C23 and C++, and names that common headers and compilers define as macros.
 const KEYWORDS: [&str; 159] = [
     "BUFSIZ",
     "CHAR_BIT",
@@ -165,12 +165,13 @@ const KEYWORDS: [&str; 159] = [
     "xor_eq",
 ];
 
-/// Rules for names inside functions, of fields and of functions. None begins like the module's own names.
+/// Rules for names of values, fields and functions. Such a name must not begin with one of the prefixes,
+/// because the module's own names begin with them.
 pub(super) fn spelling(prefixes: Vec<String>) -> Spelling {
     Spelling { keywords: &KEYWORDS, has_free_underscores: false, prefixes }
 }
 
-/// Prefix of a module's names without the underscore, from the name of its files.
+/// Prefix of a module's names, without the underscore, from the name of the module's files.
 pub(super) fn prefix(name: &str) -> String {
     spelling(vec![]).identifier(name).trim_end_matches('_').to_owned()
 }

@@ -1,10 +1,10 @@
-//! The struct of a model's free parameters.
+//! Prints the struct of a model's free parameters.
 
 use super::comment;
 use super::context::Context;
 use crate::emit::documentation::of_parameter;
 
-/// The struct, and the declaration of the described values; empty without free parameters.
+/// The struct, and the declaration of the description's values; empty if there are no free parameters.
 pub(super) fn declarations(context: &Context<'_>) -> Vec<String> {
     if !context.has_parameters() {
         return vec![];
@@ -31,7 +31,7 @@ pub(super) fn declarations(context: &Context<'_>) -> Vec<String> {
     ]
 }
 
-/// Definition of the described values; `None` without free parameters.
+/// Definition of the description's values; `None` if there are no free parameters.
 pub(super) fn definition(context: &Context<'_>) -> Option<String> {
     let parameters = context.module.parameters.iter().zip(&context.parameters);
     let values = parameters

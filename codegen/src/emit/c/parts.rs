@@ -1,10 +1,10 @@
-//! Private functions into which a long function is split, and the values that they exchange.
+//! Prints a long function as several private functions (parts), which exchange values through arrays.
 
 use super::body::Body;
 use super::{layout, signature};
 use crate::program::split::Part;
 
-/// Body of a split function: one call per part, and the results.
+/// Statements of a split function: one call for each part, then the stores to results.
 pub(super) fn calls(body: &Body<'_>, name: &str, parts: &[Part]) -> Vec<String> {
     let ty = body.ty();
     let helpers = body.fresh(parts.iter().flat_map(|_| ["taken", "made"]));
@@ -34,15 +34,15 @@ pub(super) fn calls(body: &Body<'_>, name: &str, parts: &[Part]) -> Vec<String> 
     statements
 }
 
-/// The private functions of the parts.
+/// The texts of the private functions.
 ///
-/// - `body`: without stores
+/// - `body`: a body without stores to results
 pub(super) fn items(body: &Body<'_>, name: &str, parts: &[Part]) -> Vec<String> {
     let parts = parts.iter().enumerate();
     parts.map(|(index, part)| private(body, &part_name(name, index), part)).collect()
 }
 
-/// The private function of a part. Never inlined: that would undo the splitting.
+/// The private function of a part. It is never inlined, because that would undo the splitting.
 fn private(body: &Body<'_>, name: &str, part: &Part) -> String {
     let context = body.context;
     let ty = body.ty();

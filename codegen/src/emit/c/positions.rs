@@ -1,4 +1,4 @@
-//! Functions of positions with quaternions, as fixed texts.
+//! Prints the functions of positions with quaternions, which are fixed texts.
 
 use gelenk_kernels::manifold::{Text, c_bodies};
 
@@ -7,7 +7,7 @@ use super::{comment, layout, math, signature};
 use crate::emit::documentation::{self, Labels, shape_text};
 use crate::functions::position_functions::{PositionFunction, PositionValue, extents};
 
-/// Header that these functions need.
+/// Include of the C library that these functions need; empty without quaternions.
 pub(super) fn include(context: &Context<'_>) -> &'static str {
     match context.module.has_quaternions() {
         true => "#include <stdbool.h>\n\n",
@@ -15,12 +15,12 @@ pub(super) fn include(context: &Context<'_>) -> &'static str {
     }
 }
 
-/// Declarations of the functions with their documentation; empty without quaternions.
+/// Declarations of the functions with their documentation, for the header; empty without quaternions.
 pub(super) fn declarations(context: &Context<'_>) -> Vec<String> {
     functions(context).iter().map(|&function| declaration(context, function)).collect()
 }
 
-/// The functions, after their common texts.
+/// The definitions of the functions, after the texts that they share; empty without quaternions.
 pub(super) fn text(context: &Context<'_>) -> String {
     if !context.module.has_quaternions() {
         return String::new();
@@ -77,7 +77,7 @@ fn head(context: &Context<'_>, function: PositionFunction, tail: &str) -> String
     layout::call(0, &format!("{ty} {}", context.function(function.name())), &arguments, tail)
 }
 
-/// Names of the results in the bodies.
+/// Names of the results of a function, as the fixed texts have them.
 pub(super) fn results_of(function: PositionFunction) -> &'static [&'static str] {
     match function {
         PositionFunction::Integrate => &["y_next"],

@@ -1,4 +1,4 @@
-//! Public part of a function.
+//! Prints declaration and head of a public function.
 
 use super::body::Body;
 use super::context::Context;
@@ -6,9 +6,9 @@ use super::{comment, signature};
 use crate::emit::documentation::{self, Labels, argument_shape};
 use crate::functions::function::Function;
 
-/// The declaration of a function with its documentation.
+/// Declaration of a function with its documentation, for the header.
 ///
-/// - `stack`: sentence about the stack
+/// - `stack`: sentence about the stack size
 pub(super) fn declaration(context: &Context<'_>, function: &Function, name: &str, stack: String) -> String {
     let face = function.program.face();
     let body = Body::new(context, &face);
@@ -25,7 +25,7 @@ pub(super) fn declaration(context: &Context<'_>, function: &Function, name: &str
     format!("{documentation}{}\n", signature::head(&body, name, ";"))
 }
 
-/// Head of the function, before its body.
+/// Head of a function: type, name and arguments.
 pub(super) fn head(body: &Body<'_>, name: &str) -> String {
     signature::head(body, name, "")
 }

@@ -1,4 +1,4 @@
-//! Loops over many states for Python: the functions as generalized universal functions of NumPy.
+//! Prints loops over many states for Python, which are generalized universal functions of NumPy.
 //!
 //! NumPy passes plain pointers, lengths and strides, so the text needs no header of Python or NumPy.
 
@@ -7,7 +7,7 @@ use super::{comment, group, header, interface, layout};
 use crate::emit::interface::{Callable, Interface, entries};
 use crate::layout::Extent;
 
-/// Text of `<name>_python.c`.
+/// Prints the file `<name>_python.c`.
 pub(super) fn text(context: &Context<'_>) -> String {
     let interface = interface::of(context);
     let has_lanes = interface.functions.iter().any(|each| lanes(context, each).is_some());
@@ -24,22 +24,24 @@ pub(super) fn text(context: &Context<'_>) -> String {
     .concat()
 }
 
-/// Loops over states, begin. Entries may have a stride, as in a column of a matrix.
+/// Beginning of the file: types and access to operands. Entries may have a stride, for example in a column of
+/// a matrix.
 const BEGIN: &str = include_str!("python/begin.c");
 
-/// Eight states at once.
+/// Text of the loop over blocks of eight states.
 const LANES: &str = include_str!("python/lanes.c");
 
-/// In their place where no function has such a form.
+/// Text that replaces [`LANES`] if no function has a version for eight states.
 const NO_LANES: &str = include_str!("python/no_lanes.c");
 
 const LOOP: &str = include_str!("python/loop.c");
 
-/// Numbers of eight states that a loop keeps on the stack, where there may be 100 kB: 64 kB.
+/// Largest number of operand entries of eight states that a loop has on the stack, 64 kB in double precision.
+/// The stack may have only 100 kB.
 const LARGEST_BLOCK: usize = 8_192;
 
-/// The loop of a function; none if no result has entries. Operands without entries are left out: NumPy has no
-/// lengths of zero.
+/// The loop of a function; `None` if no result has entries. Operands without entries are left out, because
+/// NumPy has no lengths of zero.
 fn function(context: &Context<'_>, interface: &Interface, function: &Callable) -> Option<String> {
     let arguments = function.arguments.iter().map(|argument| argument.extents.clone());
     let parameters = function.takes_parameters.then(|| vec![Extent::fixed(interface.parameters.len())]);
@@ -101,7 +103,8 @@ fn operand(extents: &[Extent]) -> String {
     format!("{{{}, {}, {{{}}}}}", extents.len(), entries(extents), lengths.join(", "))
 }
 
-/// The form of a function over several states, if it has one and the stack has place for its operands.
+/// Name of the version of a function for several states; `None` if there is none or its operands are too
+/// large for the stack.
 fn lanes(context: &Context<'_>, function: &Callable) -> Option<String> {
     let arguments = function.arguments.iter().map(|argument| entries(&argument.extents));
     let total: usize = arguments.chain(function.results.iter().map(|result| entries(&result.extents))).sum();
@@ -109,7 +112,7 @@ fn lanes(context: &Context<'_>, function: &Callable) -> Option<String> {
     Some(context.function(name))
 }
 
-/// The statements that call a function, or its form over several states, with the operands `x`.
+/// Statements that call a function, or its version for several states, with the operands `x`.
 fn call(context: &Context<'_>, function: &Callable, lanes: Option<&str>) -> String {
     let mut taken = 0;
     let mut next = |is_there: bool| match is_there {

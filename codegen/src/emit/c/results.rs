@@ -1,6 +1,6 @@
-//! Stores of results.
+//! Prints stores to results.
 //!
-//! In code over several states two adjacent entries are stored at once, because processors have few stores
+//! In code over several states, two adjacent entries are stored at once, because processors make few stores
 //! per cycle.
 
 use super::body::{Body, in_row};
@@ -8,7 +8,7 @@ use super::group;
 use crate::program::{Operand, Shape};
 
 impl Body<'_> {
-    /// Stores of the selected entries.
+    /// Stores of all result entries for which `is_wanted` is true.
     pub(super) fn stores(&self, is_wanted: impl Fn(Operand) -> bool) -> Vec<String> {
         let outputs = self.program.outputs.iter().enumerate();
         let at_once = if self.over_lanes { 2 } else { 1 };
@@ -20,7 +20,7 @@ impl Body<'_> {
         stores.map(|(result, first)| self.store(result, first)).collect()
     }
 
-    /// Assignments of a new value to the results.
+    /// Stores of the value with this index, after its statement.
     pub(super) fn stores_of(&self, index: usize) -> Vec<String> {
         let places = self.stored.get(index).into_iter().flatten();
         let stores = places.filter_map(|&(result, entry)| match self.over_lanes {
@@ -30,9 +30,9 @@ impl Body<'_> {
         stores.collect()
     }
 
-    /// The statement that writes an entry which has just been made and its neighbour; none if that is made later.
+    /// Statement that stores a new entry and its neighbour; `None` if the neighbour is computed later.
     ///
-    /// - `index`: of the value
+    /// - `index`: index of the new value
     fn store_pair_of(&self, result: usize, entry: usize, index: usize) -> Option<String> {
         let first = entry - entry % 2;
         let beside = self.program.outputs[result].entries.get(first + 1 - entry % 2);
@@ -44,7 +44,7 @@ impl Body<'_> {
         is_known.then(|| self.store(result, first))
     }
 
-    /// Writes an entry, over several states also the one behind it, if there is one.
+    /// Statement that stores an entry. In code over several states the next entry is stored, too.
     fn store(&self, result: usize, first: usize) -> String {
         let (name, entries) = (&self.names.results[result], &self.program.outputs[result].entries);
         if self.over_lanes {

@@ -1,4 +1,4 @@
-//! Arguments and results of a function.
+//! Prints arguments and results of a function.
 
 use super::body::{Body, returns_number};
 use super::context::Context;
@@ -6,41 +6,41 @@ use super::layout;
 use crate::emit::documentation::shape_text;
 use crate::emit::text::code;
 
-/// A pointer to inputs.
+/// Declaration of an argument that is read.
 pub(super) fn read(context: &Context<'_>, name: &str) -> String {
     pointer(context, &format!("const {}", context.ty()), name)
 }
 
-/// A pointer to results.
+/// Declaration of an argument to which a result is written.
 pub(super) fn written(context: &Context<'_>, name: &str) -> String {
     pointer(context, context.ty(), name)
 }
 
-/// A pointer that no other pointer of the function aliases.
+/// Declaration of a pointer with the type `ty` that no other pointer of the function aliases.
 pub(super) fn pointer(context: &Context<'_>, ty: &str, name: &str) -> String {
     format!("{ty} *{} {name}", context.constant("RESTRICT"))
 }
 
-/// All arguments of a function: inputs, free parameters, results.
+/// Declarations of all arguments of a function: inputs, free parameters, results.
 pub(super) fn arguments(body: &Body<'_>) -> Vec<String> {
     let inputs = inputs(body);
     let results = body.names.results.iter().map(|name| written(body.context, name));
     inputs.into_iter().chain(results).collect()
 }
 
-/// The input arguments.
+/// Declarations of the inputs and free parameters.
 pub(super) fn inputs(body: &Body<'_>) -> Vec<String> {
     let inputs = body.names.arguments.iter().map(|name| read(body.context, name));
     inputs.chain(body.context.declared_parameters()).collect()
 }
 
-/// Head of a public function, before its body or semicolon.
+/// Head of a public function, followed by `tail`.
 pub(super) fn head(body: &Body<'_>, name: &str, tail: &str) -> String {
     let ty = if returns_number(body.program) { body.context.ty() } else { "void" };
     layout::call(0, &format!("{ty} {name}"), &arguments(body), tail)
 }
 
-/// Labels of the results in the documentation.
+/// Labels of the results in the documentation, with names and shapes.
 pub(super) fn result_labels(body: &Body<'_>) -> Vec<String> {
     let outputs = body.program.outputs.iter();
     if body.names.results.is_empty() {
@@ -52,7 +52,7 @@ pub(super) fn result_labels(body: &Body<'_>) -> Vec<String> {
         .collect()
 }
 
-/// Label of a result that is an argument.
+/// Label of a result that is written through an argument.
 pub(super) fn result_label(name: &str, symbol: &str, shape: &str) -> String {
     let shape = if shape.is_empty() { "1" } else { shape };
     let symbol = if symbol == name { String::new() } else { format!(", {}", code(symbol)) };

@@ -1,14 +1,14 @@
-//! The source of a module: constants, private functions, public functions.
+//! Prints the source of a module: constants, private functions, public functions.
 
 use super::context::Context;
 use super::{array_kernels, constants, discrete_time, function, group, header, math, parameters, positions};
 
-/// Text of `<name>.c`.
+/// Prints the file `<name>.c`.
 pub(super) fn text(context: &Context<'_>) -> String {
     let module = context.module;
     let mut functions = String::new();
     for (each, name) in module.functions.iter().zip(&context.functions) {
-        // One function at a time: large ones take much memory.
+        // One function is printed at a time, because large functions take much memory.
         let items = function::items(context, each, name);
         functions.extend(items.iter().map(|item| format!("\n{item}")));
     }
@@ -41,7 +41,8 @@ pub(super) fn text(context: &Context<'_>) -> String {
     .concat()
 }
 
-/// The headers of the standard library that the text needs: types, macros, and names of instructions.
+/// Includes of the C library that the text needs for types, macros and functions that are single
+/// instructions.
 fn includes(context: &Context<'_>, body: &str) -> String {
     let needed = |header: &str, words: &[&str]| {
         let is_needed = words.iter().any(|word| body.contains(word));
@@ -57,7 +58,7 @@ fn includes(context: &Context<'_>, body: &str) -> String {
     format!("\n#include \"{}.h\"\n\n{headers}", context.name)
 }
 
-/// Compiler settings that silently change results; each becomes an `#error`.
+/// Text that stops the compilation if a setting of the compiler would silently change results.
 const CHECKS: &str = "
 // Every operation is rounded once, to the type of its operands: no other precision, no contraction to fused
 // multiply-adds, no algebra. Elementary functions rely on it.
@@ -79,7 +80,7 @@ const CHECKS: &str = "
 #endif
 ";
 
-/// Macros for extensions that C99 lacks, as far as the text uses them.
+/// Macros for extensions of C99 that the text uses.
 fn macros(context: &Context<'_>, body: &str) -> String {
     let with = [
         ("INLINE", "static inline __attribute__((always_inline))", "static inline"),

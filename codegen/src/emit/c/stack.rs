@@ -1,5 +1,5 @@
-//! Stack size of calls, estimated from the values that are alive at once: gcc stores those beyond the
-//! registers on the stack.
+//! Estimates the stack size of calls from the number of values that are alive at once. gcc stores values on
+//! the stack if there are more than registers.
 
 use super::context::Context;
 use super::{arrays, straight};
@@ -10,19 +10,20 @@ use crate::program::arrays::ArrayForm;
 use crate::program::flow::Flow;
 use crate::program::{Operation, Program, split};
 
-/// Saved registers and the address of return.
+/// Bytes of saved registers and the return address.
 const FRAME: usize = 64;
-/// A call that computes sine and cosine, or another elementary function.
+/// Bytes of a call of an elementary function.
 const CALL: usize = 240;
-/// Bytes below which saved registers and padding are as large as the values.
+/// Number of bytes below which no exact size is given, because saved registers and padding are as large as
+/// the values.
 const LEAST: usize = 1000;
 
-/// Sentence about the stack of a function of the module.
+/// Sentence about the stack size of a function of the module.
 pub(super) fn of_function(context: &Context<'_>, function: &Function) -> String {
     sentence(bytes(context, function))
 }
 
-/// Sentence about the stack of a function over a sample time.
+/// Sentence about the stack size of a function over a sample time.
 pub(super) fn of_composition(context: &Context<'_>, composition: Composition) -> String {
     let (n, m) = (context.module.coordinates, context.module.inputs);
     let numbers = match composition {
@@ -61,7 +62,7 @@ fn bytes(context: &Context<'_>, function: &Function) -> usize {
     FRAME + number(context) * numbers + if calls { CALL } else { 0 }
 }
 
-/// Values that are alive at once, and those that the parts of a long program exchange.
+/// Number of values that are alive at once, plus the values that the parts of a long program exchange.
 fn values(program: &Program, longest: usize) -> usize {
     let flow = Flow::new(program);
     let parts = split::parts(program, &flow, longest);
@@ -70,13 +71,13 @@ fn values(program: &Program, longest: usize) -> usize {
     split::most_alive(program, &flow) + exchanged
 }
 
-/// The stack of a function of the module by its name.
+/// Stack size of the module's function with this name, in bytes.
 fn called(context: &Context<'_>, name: &str) -> usize {
     let function = context.module.functions.iter().find(|function| function.name == name);
     function.map_or(0, |function| bytes(context, function))
 }
 
-/// Bytes of a number.
+/// Number of bytes of a number.
 fn number(context: &Context<'_>) -> usize {
     match context.options.scalar {
         Scalar::F64 => 8,

@@ -1,4 +1,4 @@
-//! Statements of a function: one declaration per instruction.
+//! Prints the statements of a function: one declaration per instruction.
 
 use std::ops::Range;
 
@@ -9,7 +9,8 @@ use crate::program::{Operand, Operation};
 use gelenk_formula::Function as Call;
 
 impl Body<'_> {
-    /// All statements. Each result entry is stored as soon as it is known, or the result is returned.
+    /// All statements of the function. Each result entry is stored as soon as it is known, or the only result
+    /// is returned.
     pub(super) fn all_statements(&self) -> Vec<String> {
         let constants = match self.return_statement() {
             None => self.stores(|entry| self.made(entry).is_none()),
@@ -19,10 +20,11 @@ impl Body<'_> {
         constants.into_iter().chain(statements).chain(self.return_statement()).collect()
     }
 
-    /// Statements of a run of instructions.
+    /// Statements of the instructions in this range.
     pub(super) fn statements(&self, range: Range<usize>) -> Vec<String> {
         let made: Vec<usize> = range.filter(|&index| self.flow.is_made(index)).collect();
-        // Lanes are states already.
+        // In code over several states the angles of the states are computed together, so different angles are
+        // not.
         let groups = sequence::groups(self.program, &self.flow, &made, !self.over_lanes);
         let runs = || groups.iter().flat_map(|group| &group.runs);
         let mut helpers = self.fresh(runs().map(helper)).into_iter();
@@ -39,9 +41,9 @@ impl Body<'_> {
         statements
     }
 
-    /// The statements of an instruction.
+    /// Statements of one instruction.
     ///
-    /// - `helper`: a name for an unused value
+    /// - `helper`: name for an unused value
     fn statement(&self, index: usize, helper: &str) -> Vec<String> {
         let (ty, name) = (self.ty(), &self.names.values[index]);
         let pair = |angle: Operand, sine: &str, cosine: &str| {
@@ -89,7 +91,7 @@ impl Body<'_> {
         statements
     }
 
-    /// A call of a function of numbers, over several states that of its form for these.
+    /// Call of a function, or of its version for several states.
     fn call(&self, callee: &str, operands: &[Operand]) -> String {
         let callee = match self.over_lanes {
             true => group::of_each(self.context, callee, operands.len()),
@@ -103,14 +105,15 @@ impl Body<'_> {
         matches!(self.operation(value), Operation::MultiplyAdd(..))
     }
 
-    /// Two operands with an operator between them. Over several states one of them is a value of these.
+    /// Expression of two operands with an operator. In code over several states at least one operand is a
+    /// vector.
     fn binary(&self, a: Operand, operator: &str, b: Operand) -> String {
         let is_number = |operand| matches!(operand, Operand::Constant(_) | Operand::Parameter(_));
         let first = if is_number(b) { self.value(a) } else { self.operand(a) };
         format!("{first} {operator} {}", self.operand(b))
     }
 
-    /// The right-hand side of an instruction with one value.
+    /// The right-hand side of an instruction, except sine and cosine.
     fn expression(&self, operation: Operation) -> String {
         let binary = |a, operator, b| self.binary(a, operator, b);
         match operation {
@@ -132,7 +135,7 @@ impl Body<'_> {
     }
 }
 
-/// Prefix of a helper's name.
+/// Beginning of a helper's name.
 fn helper(run: &Run) -> &'static str {
     match run {
         Run::One(_) => "unused",

@@ -1,4 +1,5 @@
-//! `linearize` in array form: a call, and the values computed from its results.
+//! Prints `linearize` in array form (as loops over joints): a call of another function, and the results that
+//! are computed from its results.
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
@@ -65,7 +66,7 @@ fn statements(body: &Body<'_>, form: &Affine) -> TokenStream {
     }
 }
 
-/// D.
+/// Statements that write D, the derivative of the rate of small motions.
 fn drift_statements(body: &Body<'_>, form: &Affine, drift: &Ident, v: &Ident) -> TokenStream {
     let (zero, n) = (body.context.zero(), Literal::usize_unsuffixed(form.called.coordinates().len()));
     let entries = form.drift.iter().flatten().map(|entry| {

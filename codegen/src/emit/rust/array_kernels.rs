@@ -1,4 +1,4 @@
-//! Loops of array forms, included in modules that use them.
+//! Loops of array forms (functions as loops over joints). Their texts are included in modules that use them.
 
 use super::pasted;
 use crate::emit::arrays::Row;
@@ -6,7 +6,7 @@ use crate::emit::options::Scalar;
 use crate::functions::function::Function;
 use crate::program::arrays::{ArrayForm, Step};
 
-/// Module with the loops that the functions call.
+/// Text of a private module with the loops that the functions call; empty if no function has array form.
 pub(super) fn text(scalar: Scalar, functions: &[Function]) -> String {
     let forms: Vec<&ArrayForm> = functions.iter().filter_map(|function| function.arrays.as_ref()).collect();
     let Some(first) = forms.first().map(|form| form.arrays()) else {
@@ -46,11 +46,11 @@ pub(super) fn text(scalar: Scalar, functions: &[Function]) -> String {
     pasted::loops(scalar, "Loops over arrays of joints: R rows of N entries, padded to L.", "arrays", &texts)
 }
 
-/// Choices by bits, for rows of several blocks.
+/// Texts of choices by bit masks, for rows of several blocks.
 const CHOICES: [&str; 2] =
     [include_str!("array_kernels/blocks/mask.rs"), include_str!("array_kernels/choose.rs")];
 
-/// Matrices over pairs of joints.
+/// Texts of the loops that compute matrices over pairs of joints.
 fn pairs(row: Row, block: &str) -> Vec<&str> {
     if row.is_one_block() {
         return vec![
@@ -69,7 +69,7 @@ fn pairs(row: Row, block: &str) -> Vec<&str> {
     ]
 }
 
-/// The inverse.
+/// Text of the loops that invert M.
 fn inverse(row: Row) -> &'static str {
     match row.is_one_block() {
         true => include_str!("array_kernels/one_block/inverse.rs"),
@@ -77,7 +77,7 @@ fn inverse(row: Row) -> &'static str {
     }
 }
 
-/// Products with the inverse factor.
+/// Text of the loops that multiply two matrices.
 fn matrix_products(row: Row) -> &'static str {
     match (row.is_one_block(), row.is_chain) {
         (true, _) => include_str!("array_kernels/one_block/matrix_products.rs"),

@@ -1,4 +1,5 @@
-//! Functions in array form: straight-line code for the setup, then calls of loops.
+//! Prints functions in array form: straight-line code for the first arrays (the setup), then calls of loops
+//! over joints.
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
@@ -15,7 +16,7 @@ use crate::program::arrays::{Arrays, Map, Pairs, Step};
 use crate::program::split::{self, Part};
 use crate::program::{Operand, Program, Shape};
 
-/// Names reserved for array forms.
+/// Names of items and variables of array forms, which other items must not have.
 pub(super) const RESERVED: [&str; 15] = [
     "arrays",
     "sum_ancestors",
@@ -34,7 +35,7 @@ pub(super) const RESERVED: [&str; 15] = [
     "is_before",
 ];
 
-/// The public functions and the setup.
+/// The public functions and the setup of a function in array form.
 pub(super) fn items(
     context: &Context<'_>,
     function: &Function,
@@ -51,14 +52,14 @@ pub(super) fn items(
     items
 }
 
-/// Where an array stands.
+/// Storage of an array.
 #[derive(Clone)]
 enum Place {
-    /// A constant.
+    /// The array is a constant.
     Table(Ident),
-    /// A local variable.
+    /// The array is a local variable.
     Local(Ident),
-    /// A result of the function.
+    /// The array is a result of the function.
     Result(Ident),
 }
 
@@ -69,9 +70,9 @@ pub(super) struct Emission<'a> {
     name: &'a Ident,
     pub(super) row: Row,
     places: Vec<Place>,
-    /// The variables that arrays share, each with its rows and their length.
+    /// Variables that several arrays use one after the other, with number and length of rows.
     variables: Vec<(Ident, [usize; 2])>,
-    /// The variable of each array that shares one.
+    /// For each array the index of its shared variable; `None` if the array has its own variable.
     shares: Vec<Option<usize>>,
 }
 
@@ -96,14 +97,14 @@ impl<'a> Emission<'a> {
         let (row, places) = (Row::new(form), locals.into_iter().enumerate().map(place).collect());
         let emission =
             Self { context, form, body, name, row, places, variables: Vec::new(), shares: Vec::new() };
-        // The compiler clears and keeps no variable that it need not where a row is one block.
+        // If a row is one block, the compiler itself removes unnecessary variables.
         match row.is_one_block() {
             true => Self { shares: vec![None; form.arrays.len()], ..emission },
             false => emission.with_shared_rows(&taken),
         }
     }
 
-    /// Lets arrays share variables.
+    /// Assigns shared variables to the arrays.
     fn with_shared_rows(self, taken: &[String]) -> Self {
         let is_local = |array: usize| matches!(self.places[array], Place::Local(_));
         let shared = SharedRows::new(self.form, self.row, is_local);
@@ -112,7 +113,7 @@ impl<'a> Emission<'a> {
         Self { variables, shares: shared.of_arrays, ..self }
     }
 
-    /// All statements of the function with its results in place.
+    /// All statements of the function that writes its results in place.
     fn statements(&self) -> TokenStream {
         let tables = (0..self.form.setup.outputs.len()).filter_map(|index| self.table(index));
         let locals = (0..self.form.setup.outputs.len()).filter_map(|index| self.declaration(index));
@@ -150,19 +151,20 @@ impl<'a> Emission<'a> {
         Some(quote!(#allowed static #name: #ty = arrays::Rows([#(#rows),*]);))
     }
 
-    /// Rows with one entry per joint.
+    /// Type of an array over joints.
     fn ty(&self, rows: usize) -> TokenStream {
         let ty = self.context.ty();
         let (rows, lanes) = (Literal::usize_unsuffixed(rows), Literal::usize_unsuffixed(self.row.len));
         quote!([[#ty; #lanes]; #rows])
     }
 
-    /// Entries of a row of an array, padding included.
+    /// Length of a row of an array, including padding.
     fn length(&self, array: usize) -> Literal {
         Literal::usize_unsuffixed(self.row.of(self.form, array))
     }
 
-    /// A new variable full of zeros, or one that others are done with, for arrays that are one.
+    /// Declaration of a local variable: a new one with zeros, or a reference to a shared one. `None` if the
+    /// array is not a local variable.
     fn declaration(&self, array: usize) -> Option<TokenStream> {
         let Place::Local(name) = &self.places[array] else {
             return None;
@@ -196,7 +198,7 @@ impl<'a> Emission<'a> {
         }
     }
 
-    /// A result from the array that it is left in.
+    /// Statement that copies a local array to a result; `None` if the array is not a local variable.
     fn copy(&self, array: usize, shape: Shape, result: &Ident) -> Option<TokenStream> {
         let Place::Local(name) = &self.places[array] else {
             return None;
@@ -250,7 +252,7 @@ impl<'a> Emission<'a> {
         }
     }
 
-    /// Inverts a copy of the matrix, which may be read again.
+    /// Inverts a copy of the matrix, because a later step may read the matrix.
     fn invert(&self, from: usize, to: usize) -> TokenStream {
         let (Place::Local(matrix), Place::Local(inverse)) = (&self.places[from], &self.places[to]) else {
             unreachable!("matrices that are inverted, and their inverses, are local variables");
@@ -269,7 +271,7 @@ impl<'a> Emission<'a> {
         }
     }
 
-    /// The order of the pivots from the base, and which rows meet.
+    /// Arguments for the order of the pivots from the base, and for the rows with common entries.
     fn pivots(&self) -> TokenStream {
         let tree = self.form.coordinates();
         let joints = Literal::usize_unsuffixed(tree.len());
@@ -328,7 +330,7 @@ impl<'a> Emission<'a> {
         }
     }
 
-    /// The loop of a map, as a function of its own.
+    /// Declarations of the arrays that a step writes, and call of the step's loop.
     fn map(&self, map: &Map) -> TokenStream {
         let callee = self.map_function(map);
         let written = map.writes.iter();
@@ -375,7 +377,7 @@ impl<'a> Emission<'a> {
         format_ident!("{}_setup", self.name)
     }
 
-    /// The arrays that the setup fills.
+    /// Indices of the arrays that the setup fills.
     fn filled(&self) -> impl Iterator<Item = usize> {
         (0..self.form.setup.outputs.len()).filter(|&array| matches!(self.places[array], Place::Local(_)))
     }
@@ -388,7 +390,7 @@ impl<'a> Emission<'a> {
         quote!(#name(#(#arguments,)* #(#filled),*);)
     }
 
-    /// The setup as a function, split where it is long.
+    /// The setup as a function, which is split into parts if it is long.
     fn setup_items(&self, signature: &Signature) -> Vec<TokenStream> {
         let filled = self.filled();
         let program = Program {

@@ -1,4 +1,4 @@
-//! Values of a function: their names, and the printing of operands and results.
+//! Names of the values of a function, and tokens of operands and results.
 
 use std::ops::Range;
 
@@ -18,18 +18,19 @@ pub(super) struct Body<'a> {
     pub(super) flow: Flow,
     /// Names of the input arrays.
     pub(super) arguments: Vec<Ident>,
-    /// Names of the results, if they are written in place.
+    /// Names of the results; empty if results are not written in place.
     pub(super) results: Vec<Ident>,
     /// Name of each value.
     pub(super) names: Vec<Ident>,
-    /// Index after an entry of an input or result: column of an array, or lane.
+    /// Tokens of an additional index after each entry of an input or result: the column of an array, or the
+    /// lane (state).
     pub(super) column: Option<TokenStream>,
     /// Whether each value is an entry of a result that is written in place.
     stored: Vec<bool>,
 }
 
 impl<'a> Body<'a> {
-    /// A body that writes large results in place.
+    /// A body that writes large results in place and returns small results.
     pub(super) fn new(context: &'a Context<'a>, program: &'a Program) -> Self {
         Self::with_results(context, program, program.has_large_results())
     }
@@ -59,37 +60,37 @@ impl<'a> Body<'a> {
         body
     }
 
-    /// The same body without stores to the results.
+    /// This body without stores to the results.
     pub(super) fn without_stores(&self) -> Self {
         Self { stored: vec![], ..self.clone() }
     }
 
-    /// The same body without stores, with an index for inputs: column of an array, or lane.
+    /// This body without stores to the results, and with `column` after each entry.
     pub(super) fn with_column(&self, column: TokenStream) -> Self {
         Self { column: Some(column), ..self.without_stores() }
     }
 
-    /// Name of a value.
+    /// Name of the value with this index.
     pub(super) fn name(&self, index: usize) -> &Ident {
         &self.names[self.flow.canonical(index)]
     }
 
-    /// Names of all values in the text.
+    /// Names of all values that occur in the text.
     pub(super) fn value_names(&self) -> impl Iterator<Item = &Ident> {
         self.value_names_in(0..self.names.len())
     }
 
-    /// Names of the values that these instructions define, if they occur in the text.
+    /// Names of the values of these instructions that occur in the text.
     pub(super) fn value_names_in(&self, range: Range<usize>) -> impl Iterator<Item = &Ident> {
         range.filter(|&index| self.flow.is_read[index]).map(|index| &self.names[index])
     }
 
-    /// All numbers in the text.
+    /// All numbers that occur in the text.
     pub(super) fn numbers(&self) -> impl Iterator<Item = f64> {
         self.numbers_in(0..self.program.instructions.len()).chain(self.program.entries().filter_map(constant))
     }
 
-    /// The numbers in these instructions.
+    /// All numbers that occur in these instructions.
     pub(super) fn numbers_in(&self, range: Range<usize>) -> impl Iterator<Item = f64> {
         self.program.instructions[range]
             .iter()
@@ -97,7 +98,7 @@ impl<'a> Body<'a> {
             .filter_map(constant)
     }
 
-    /// Operand of an operator, argument, or entry of a result.
+    /// Tokens of an operand, for an operator, an argument, or the entry of a result.
     pub(super) fn operand(&self, operand: Operand) -> TokenStream {
         match operand {
             Operand::Value(index) => {
@@ -126,7 +127,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// Value of an entry, if it is a value.
+    /// Index of the value that an operand is; `None` if the operand is not a value.
     pub(super) fn made(&self, entry: Operand) -> Option<usize> {
         match entry {
             Operand::Value(made) => Some(self.flow.canonical(made)),
@@ -134,7 +135,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// Stores of the selected entries.
+    /// Stores of all result entries for which `is_wanted` is true.
     pub(super) fn stores(&self, is_wanted: impl Fn(Operand) -> bool) -> Vec<TokenStream> {
         let mut stores = Vec::new();
         for (output, name) in self.program.outputs.iter().zip(&self.results) {
@@ -149,7 +150,7 @@ impl<'a> Body<'a> {
         stores
     }
 
-    /// Assignments of a new value to results written in place.
+    /// Stores of the value with this index to results that are written in place.
     pub(super) fn stores_of(&self, index: usize) -> Vec<TokenStream> {
         match self.stored.get(index) {
             Some(true) => self.stores(|entry| self.made(entry) == Some(index)),
@@ -157,7 +158,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// The results as an expression: a value, or a tuple of several.
+    /// The results as an expression: a value, or a tuple of several values.
     pub(super) fn returned(&self) -> TokenStream {
         let outputs = self.program.outputs.iter();
         tuple(outputs.map(|output| self.result(output)))
@@ -179,7 +180,8 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// The last value if it is the only result; it then needs no name (clippy's `let_and_return`).
+    /// Index of the last value if it is the only result. It then needs no name, which clippy's lint
+    /// `let_and_return` requires.
     pub(super) fn returned_value(&self) -> Option<usize> {
         let [output] = self.program.outputs.as_slice() else {
             return None;
@@ -194,7 +196,7 @@ impl<'a> Body<'a> {
     }
 }
 
-/// One value, or several as a tuple.
+/// Tokens of one value, or of a tuple of several values.
 pub(super) fn tuple(values: impl ExactSizeIterator<Item = TokenStream>) -> TokenStream {
     match values.len() {
         1 => quote!(#(#values)*),
@@ -202,12 +204,12 @@ pub(super) fn tuple(values: impl ExactSizeIterator<Item = TokenStream>) -> Token
     }
 }
 
-/// Argument names of the results, with symbols as words.
+/// Names of arguments for the results of a program.
 pub(super) fn result_names(program: &Program, taken: &[String]) -> Vec<Ident> {
     names::idents(&names::SPELLING.results(program, taken))
 }
 
-/// An entry of a result.
+/// Tokens of an entry of a result.
 pub(super) fn place(output: &Output, name: &Ident, index: usize) -> TokenStream {
     let literal = Literal::usize_unsuffixed;
     match output.shape {

@@ -1,4 +1,4 @@
-//! State shared by all parts of a module during printing.
+//! State that all parts of the printer share while a module is printed.
 
 use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, BTreeSet};
@@ -11,29 +11,31 @@ use super::names;
 use crate::emit::options::EmitOptions;
 use crate::module::Module;
 
-/// A module during printing.
+/// A module while it is printed.
 pub(super) struct Context<'a> {
     pub(super) module: &'a Module,
     pub(super) options: &'a EmitOptions,
-    /// Field names of `Parameters`.
+    /// Names of the free parameters as fields of `Parameters`.
     pub(super) parameters: Vec<Ident>,
-    /// Names of the functions.
+    /// Names of the functions, in the order of the module.
     pub(super) functions: Vec<Ident>,
-    /// Elementary functions called so far.
+    /// Elementary functions that the printed text calls.
     pub(super) calls: Calls,
-    /// Whether a function over lanes is printed.
+    /// Whether a function over lanes (eight states at once) was printed.
     pub(super) has_lanes: Cell<bool>,
-    /// Whether a function over lanes keeps values between its loops.
+    /// Whether a function over lanes stores values between its loops.
     pub(super) has_groups: Cell<bool>,
-    /// Names that no argument or value may have: in a pattern the name of a constant would match the
+    /// Names that no argument or value may have. In a pattern, the name of a constant would match the
     /// constant.
     pub(super) reserved: Vec<String>,
-    /// Private functions of array forms, shared by several functions.
+    /// Private functions of array forms (functions as loops over joints). Several functions may call them.
     pub(super) shared: Shared,
 }
 
 impl<'a> Context<'a> {
-    /// - `reserved`: names of the module's constants and functions
+    /// Begins to print a module.
+    ///
+    /// - `reserved`: names of the module's own items, which the robot's functions must not have
     pub(super) fn new(module: &'a Module, options: &'a EmitOptions, mut reserved: Vec<String>) -> Self {
         let parameters = module.parameters.iter().map(|each| each.name.as_str());
         let functions = module.functions.iter().map(|function| function.name.as_str());
@@ -56,47 +58,48 @@ impl<'a> Context<'a> {
         !self.parameters.is_empty()
     }
 
-    /// Free parameters as an argument of a call.
+    /// Argument of a call for the free parameters; `None` if there are no free parameters.
     pub(super) fn passed_parameters(&self) -> Option<TokenStream> {
         self.has_parameters().then(|| quote!(p))
     }
 
-    /// Free parameters as an argument of a signature.
+    /// Declaration of the argument for the free parameters; `None` if there are no free parameters.
     pub(super) fn declared_parameters(&self) -> Option<TokenStream> {
         self.has_parameters().then(|| quote!(p: &Parameters))
     }
 
-    /// Number type.
+    /// Type of numbers.
     pub(super) fn ty(&self) -> TokenStream {
         self.options.scalar.ty()
     }
 
-    /// Zero.
+    /// Literal of zero.
     pub(super) fn zero(&self) -> TokenStream {
         self.options.scalar.literal(0.0)
     }
 }
 
-/// Elementary functions called by the printed functions.
+/// Elementary functions that the printed functions call.
 #[derive(Debug, Default)]
 pub(super) struct Calls {
     pub(super) kernels: RefCell<BTreeSet<Kernel>>,
     pub(super) sign: Cell<bool>,
 }
 
-/// Private functions shared by several functions, by name.
+/// Private items that several functions use, by name.
 #[derive(Debug, Default)]
 pub(super) struct Shared {
     items: RefCell<BTreeMap<String, TokenStream>>,
 }
 
 impl Shared {
-    /// All functions, sorted by name.
+    /// Removes and returns all items, sorted by name.
     pub(super) fn take(&self) -> Vec<TokenStream> {
         self.items.take().into_values().collect()
     }
 
-    /// Adds a function if it is absent; returns its name, which is numbered if another function has the name.
+    /// Adds an item unless it was already added, and returns its name. The name gets a number if another item
+    /// has the name `stem`.
     pub(super) fn add(&self, stem: &str, item: impl Fn(&Ident) -> TokenStream) -> Ident {
         let mut items = self.items.borrow_mut();
         let mut number = 1;

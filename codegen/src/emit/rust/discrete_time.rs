@@ -1,4 +1,5 @@
-//! Functions over a sample time: calls of the module's `linearize` and `forward_dynamics`, and fixed texts.
+//! Prints functions over a sample time. They call `linearize` or `forward_dynamics` of the module, and fixed
+//! texts.
 
 use std::collections::BTreeSet;
 
@@ -17,7 +18,7 @@ use crate::module::{ComposedFunction, Module};
 use gelenk_kernels::discrete_time::Text;
 use gelenk_kernels::manifold;
 
-/// A function.
+/// Prints one function over a sample time.
 pub(super) fn function(context: &Context<'_>, composed: &ComposedFunction) -> TokenStream {
     let function = composed.composition;
     let ty = context.ty();
@@ -85,7 +86,7 @@ fn documentation(context: &Context<'_>, composed: &ComposedFunction) -> DocComme
     ))
 }
 
-/// The fixed texts in a separate module.
+/// Text of a private module with the fixed texts; empty if no function needs them.
 pub(super) fn text(scalar: Scalar, module: &Module) -> String {
     let compositions = &module.compositions;
     let texts: BTreeSet<Text> =
@@ -105,7 +106,7 @@ pub(super) fn text(scalar: Scalar, module: &Module) -> String {
     loops(scalar, "Discrete time: functions over N coordinates and M inputs.", "discrete_time", &sources)
 }
 
-/// The texts with those for positions with quaternions behind them, and what these take from the module `manifold`.
+/// Adds the texts for positions with quaternions, and the imports from the module `manifold` that they need.
 fn on_manifold(sources: Vec<String>, compositions: &[ComposedFunction]) -> Vec<String> {
     let texts: BTreeSet<manifold::Text> =
         compositions.iter().flat_map(|each| each.composition.manifold_texts()).copied().collect();

@@ -1,5 +1,5 @@
-//! Documentation of generated items: wrapped, and escaped so that no text of a description becomes markup or
-//! code.
+//! Documentation of generated items. The text is wrapped, and escaped so that no text of a description
+//! becomes markup or code.
 
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -7,21 +7,21 @@ use quote::quote;
 use crate::emit::documentation::Block;
 use crate::emit::text::{visible, wrap};
 
-/// Lines of documentation under construction.
+/// The lines of a documentation.
 #[derive(Debug, Default)]
 pub(super) struct DocComment {
     lines: Vec<String>,
 }
 
 impl DocComment {
-    /// Documentation of one paragraph of Markdown.
+    /// Documentation with one paragraph of Markdown.
     pub(super) fn new(text: &str) -> Self {
         let mut doc = Self::default();
         doc.paragraph(text);
         doc
     }
 
-    /// Documentation common to all languages.
+    /// Documentation from the blocks that all languages have in common.
     pub(super) fn of(blocks: &[Block]) -> Self {
         let mut doc = Self::default();
         for block in blocks {
@@ -34,12 +34,12 @@ impl DocComment {
         doc
     }
 
-    /// Documentation from one escaped paragraph.
+    /// Documentation with one paragraph that is already escaped.
     pub(super) fn escaped(text: &str) -> Self {
         Self { lines: wrap(text, "") }
     }
 
-    /// Adds a paragraph of Markdown, separated from the previous text.
+    /// Adds a paragraph of Markdown after an empty line.
     pub(super) fn paragraph(&mut self, text: &str) {
         if text.trim().is_empty() {
             return;
@@ -48,25 +48,25 @@ impl DocComment {
         self.lines.extend(wrap(&markdown(text), ""));
     }
 
-    /// Adds a section with a heading of rustdoc: `Safety`, `Errors`.
+    /// Adds the heading of a section, for example `Safety`.
     pub(super) fn heading(&mut self, title: &str) {
         self.gap();
         self.lines.push(format!("# {title}"));
     }
 
-    /// Adds a list item of Markdown. `gap` separates a list from the previous text.
+    /// Adds a list item of Markdown. The list needs a [`gap`](Self::gap) before its first item.
     pub(super) fn item(&mut self, text: &str) {
         self.lines.extend(wrap(&format!("- {}", markdown(text)), "  "));
     }
 
-    /// Adds an empty line, unless at the beginning.
+    /// Adds an empty line, except at the beginning and after an empty line.
     pub(super) fn gap(&mut self) {
         if self.lines.last().is_some_and(|line| !line.is_empty()) {
             self.lines.push(String::new());
         }
     }
 
-    /// The attributes of the item.
+    /// The documentation as attributes of the item.
     pub(super) fn tokens(&self) -> TokenStream {
         let lines =
             self.lines.iter().map(|line| if line.is_empty() { String::new() } else { format!(" {line}") });
@@ -74,8 +74,8 @@ impl DocComment {
     }
 }
 
-/// Markdown from our own stages: spans in backticks are kept; elsewhere tags and emphasis are escaped. Units
-/// in brackets get parentheses, because rustdoc reads brackets as links.
+/// Escapes Markdown that the generator made. Code in backticks is kept. In other text, tags and emphasis are
+/// escaped, and brackets around units become parentheses, because rustdoc reads brackets as links.
 pub(super) fn markdown(text: &str) -> String {
     let text = visible(&text.replace('\n', " "));
     let parts: Vec<&str> = text.split('`').collect();
@@ -87,12 +87,12 @@ pub(super) fn markdown(text: &str) -> String {
     guard_start(escaped.collect::<Vec<_>>().join("`"))
 }
 
-/// Text of a description, without markup.
+/// Escapes a text of a description so that it has no markup.
 pub(super) fn plain(text: &str) -> String {
     guard_start(escape(&visible(&text.replace('\n', " "))))
 }
 
-/// Keeps a text from beginning a list by `-`, `+`, `=` or a number.
+/// Escapes the beginning of a text that Markdown would read as a list or heading: `-`, `+`, `=` or a number.
 fn guard_start(text: String) -> String {
     let text = text.trim_start();
     let digits = text.chars().take_while(char::is_ascii_digit).count();

@@ -1,4 +1,5 @@
-//! A function in its form: straight-line code with lanes, or loops over joints.
+//! Prints a function as straight-line code, for one state or also for several states (lanes), or as loops
+//! over joints.
 
 use proc_macro2::{Ident, TokenStream};
 
@@ -7,7 +8,7 @@ use super::{affine, arrays, lanes, straight};
 use crate::functions::function::Function;
 use crate::program::arrays::ArrayForm;
 
-/// The public functions, then their private functions.
+/// The tokens of a function: public functions, then private functions.
 pub(super) fn items(context: &Context<'_>, function: &Function, name: &Ident) -> Vec<TokenStream> {
     match &function.arrays {
         Some(ArrayForm::Steps(form)) => arrays::items(context, function, form, name),

@@ -1,17 +1,17 @@
-//! The comment at the top of a generated module, and the documentation of the module.
+//! The comment at the top of a generated module, and the documentation that is made from it.
 
 use super::doc_comment::plain;
 use crate::emit::header::{self, ROBOT};
 use crate::module::Module;
 
-/// Plain `//` comments: inner documentation would not survive `include!`.
+/// The comment with `//`. Inner documentation (`//!`) is not possible, because `include!` does not allow it.
 pub(super) fn comment(module: &Module, command: &str) -> String {
     let lines = header::lines(module, command);
     lines.iter().map(|line| format!("{line}\n")).collect()
 }
 
-/// Documentation of a module from the comment at the top of its file; `include!` does not allow inner
-/// documentation.
+/// Makes the documentation of a module in Markdown from the comment at the top of the module's text.
+/// `include!` does not allow inner documentation, so the including file has to contain it.
 #[must_use]
 pub fn documentation(text: &str) -> String {
     let comment = text.lines().map_while(|line| line.strip_prefix("//"));

@@ -1,8 +1,8 @@
-//! Items of a module as formatted text.
+//! Prints items of a module as formatted text.
 
 use proc_macro2::TokenStream;
 
-/// Appends items, each after an empty line.
+/// Appends items to a text. Each item follows an empty line.
 pub(super) fn push_items(text: &mut String, items: impl IntoIterator<Item = TokenStream>) {
     for item in items {
         text.push('\n');
@@ -10,8 +10,8 @@ pub(super) fn push_items(text: &mut String, items: impl IntoIterator<Item = Toke
     }
 }
 
-/// Formats one item. The tokens were made by this folder: where they are not Rust, that is a defect here, and
-/// the unformatted tokens with rustc's message about them help more than a panic.
+/// Formats one item. If the tokens are not valid Rust, the printer has a defect. The tokens are then printed
+/// without format, because the message of rustc helps more than a panic.
 fn print(item: TokenStream) -> String {
     match syn::parse2::<syn::File>(item.clone()) {
         Ok(file) => prettyplease::unparse(&file),

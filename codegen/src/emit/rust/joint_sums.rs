@@ -1,4 +1,4 @@
-//! Sums over joints as functions of a module: along paths, over subtrees, and over the joints of a
+//! Prints functions for sums over joints: along paths to the base, over subtrees, and over the joints of a
 //! coordinate.
 
 use proc_macro2::{Ident, Literal, TokenStream};
@@ -9,7 +9,7 @@ use super::doc_comment::DocComment;
 use crate::emit::arrays::followers;
 
 impl Emission<'_> {
-    /// Sums by coordinate of a row by joint.
+    /// Statements that sum a row over joints to a row over coordinates.
     fn collected(&self) -> Vec<TokenStream> {
         let joints = followers(self.form).into_iter().enumerate();
         let sum = |(coordinate, joints): (usize, Vec<usize>)| {
@@ -88,7 +88,7 @@ impl Emission<'_> {
         self.gather(("gather_last", about), [self.row.len; 2], &sources)
     }
 
-    /// Copies of entries; entries without a source become zero, and so does padding.
+    /// Name of a function that copies entries of rows. Entries without a source, and padding, become zero.
     fn gather(
         &self,
         (stem, about): (&str, &str),
@@ -117,7 +117,7 @@ impl Emission<'_> {
         })
     }
 
-    /// Entries of rows by joint and by coordinate, padding included.
+    /// Lengths of rows over joints and over coordinates, including padding.
     fn lengths(&self) -> [Literal; 2] {
         [self.row.len, self.row.coordinates].map(Literal::usize_unsuffixed)
     }
@@ -133,7 +133,7 @@ impl Emission<'_> {
                 None => quote!(to[#index] = from[#index];),
             }
         });
-        // Rows of one block stand in variables of their own, whose padding is zero.
+        // Rows of one block have their own variables, whose padding is zero.
         let padding = (self.form.joints.len()..self.row.len).filter(|_| !self.row.is_one_block());
         let padding = padding.map(|index| {
             let index = Literal::usize_unsuffixed(index);

@@ -1,4 +1,4 @@
-//! Lint exceptions, each on the item that needs it.
+//! Exceptions from lints, for the items that need them.
 
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -6,7 +6,8 @@ use quote::quote;
 use super::literal::resembles_constant;
 use super::names::is_snake_case;
 
-/// Allows numbers that resemble rounded constants such as π or e, if any occur.
+/// Attribute that allows numbers that resemble rounded constants such as π or e; `None` if there are no such
+/// numbers.
 pub(super) fn for_numbers(numbers: impl IntoIterator<Item = f64>) -> Option<TokenStream> {
     numbers
         .into_iter()
@@ -14,7 +15,7 @@ pub(super) fn for_numbers(numbers: impl IntoIterator<Item = f64>) -> Option<Toke
         .then(|| quote!(#[allow(clippy::approx_constant, reason = "numbers as the description gives them")]))
 }
 
-/// Allows names with capital letters, if any occur.
+/// Attribute that allows names with capital letters; `None` if there are no such names.
 pub(super) fn for_names<'a>(names: impl IntoIterator<Item = &'a proc_macro2::Ident>) -> Option<TokenStream> {
     names
         .into_iter()
@@ -22,15 +23,17 @@ pub(super) fn for_names<'a>(names: impl IntoIterator<Item = &'a proc_macro2::Ide
         .then(|| quote!(#[allow(non_snake_case, reason = "names as the description gives them")]))
 }
 
-/// Allows more arguments than clippy's limit of seven.
+/// Attribute that allows more than seven arguments, the limit of clippy; `None` if there are not more.
 pub(super) fn for_arguments(count: usize) -> Option<TokenStream> {
     (count > 7).then(
         || quote!(#[allow(clippy::too_many_arguments, reason = "blocks of fixed size need no type of their own")]),
     )
 }
 
-/// Allows a tuple of matrices as result. Clippy's score of a type counts each part 10 times its depth; the
-/// limit is 250.
+/// Attribute that allows a tuple of matrices as the result type; `None` if clippy allows the type. Clippy's
+/// score of a type is the sum over the parts of 10 times the depth of the part. The limit is 250.
+///
+/// - `dimensions`: number of dimensions of each result
 pub(super) fn for_result(dimensions: &[usize]) -> Option<TokenStream> {
     let depth = if dimensions.len() > 1 { 1 } else { 0 };
     let entry = |array: &usize| (1..=array + 1).map(|level| 10 * (level + depth)).sum::<usize>();

@@ -1,4 +1,4 @@
-//! Numbers as Rust literals with the same bits.
+//! Literals of Rust with the bits of the numbers.
 
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
@@ -6,7 +6,7 @@ use quote::quote;
 use crate::emit::options::Scalar;
 
 impl Scalar {
-    /// The type as tokens.
+    /// Tokens of the type.
     pub(super) fn ty(self) -> TokenStream {
         match self {
             Self::F64 => quote!(f64),
@@ -14,18 +14,18 @@ impl Scalar {
         }
     }
 
-    /// `number` as operand of `+ - * /`, as entry or as argument.
+    /// Literal for an operand of `+ - * /`, an entry or an argument.
     pub(super) fn literal(self, number: f64) -> TokenStream {
         self.signed(number, Suffix::None)
     }
 
-    /// `number` as receiver of a method: in parentheses if negative, with its type.
+    /// Literal for the receiver of a method. It has its type, and is in parentheses if it is negative.
     pub(super) fn receiver(self, number: f64) -> TokenStream {
         let literal = self.typed(number);
         if number.is_sign_negative() { quote!((#literal)) } else { literal }
     }
 
-    /// `number` with its type, if the type is not inferred.
+    /// Literal with its type, for places where the type is not inferred.
     pub(super) fn typed(self, number: f64) -> TokenStream {
         self.signed(number, Suffix::Type)
     }
@@ -63,21 +63,21 @@ enum Suffix {
     Type,
 }
 
-/// `{:?}` of a finite, non-negative float is a Rust literal: `0.1`, `1e-7`, `1e300`.
+/// Literal from the text `{:?}` of a finite, non-negative float, for example `0.1`, `1e-7` or `1e300`.
 fn shortest(text: &str) -> TokenStream {
     text.parse::<Literal>()
         .map_or_else(|_| quote!(compile_error!("not a number")), |literal| quote!(#literal))
 }
 
-/// `0x0123_4567_89ab_cdef`
+/// Hexadecimal literal of a number, for example `0x0123_4567_89ab_cdef`.
 pub(super) fn hexadecimal(number: u64) -> TokenStream {
     let groups = [48, 32, 16, 0].map(|shift| format!("{:04x}", number >> shift & 0xffff));
     shortest(&format!("0x{}", groups.join("_")))
 }
 
-/// Whether clippy reads a literal as a rounded constant of `core::f64::consts` (`approx_constant`).
+/// Whether clippy's lint `approx_constant` may read a literal as a rounded constant of `core::f64::consts`.
 ///
-/// The test covers more than clippy reports; an unnecessary `allow` does no harm.
+/// The function is true for more numbers than clippy reports. An unnecessary `allow` has no effect.
 pub(super) fn resembles_constant(number: f64) -> bool {
     use core::f64::consts as c;
     let constants = [

@@ -1,4 +1,4 @@
-//! Elementary functions in generated Rust: sine, cosine, tanh and exp.
+//! Elementary functions in generated Rust: calls, and the included texts.
 
 use std::collections::BTreeSet;
 
@@ -13,10 +13,11 @@ use crate::functions::function::Function;
 use gelenk_formula::Function as Call;
 use gelenk_kernels::math::Kernel;
 
-/// Names of the module's own functions, which other items must not have.
+/// Names of private functions for calls, which other items must not have.
 pub(super) const RESERVED: [&str; 1] = ["sign"];
 
-/// Call of a function of one argument: `receiver` precedes a method, `argument` is in parentheses.
+/// Call of an elementary function of one argument. `receiver` is the argument before a method, `argument` is
+/// the argument in parentheses.
 pub(super) fn call(
     context: &Context<'_>,
     function: Call,
@@ -47,7 +48,7 @@ pub(super) fn call(
     }
 }
 
-/// Sine and cosine of one angle.
+/// Expression for sine and cosine of one angle.
 pub(super) fn sin_cos(context: &Context<'_>, receiver: &TokenStream, argument: &TokenStream) -> TokenStream {
     match context.options.math {
         Math::Embedded => own(context, [Kernel::SinCos, Kernel::SinCosF32], argument),
@@ -55,7 +56,7 @@ pub(super) fn sin_cos(context: &Context<'_>, receiver: &TokenStream, argument: &
     }
 }
 
-/// Sines and cosines of several angles, padded to `lanes`: 2, 4 or 8.
+/// Call that computes sines and cosines of several angles, padded to `lanes` = 2, 4 or 8 angles.
 pub(super) fn sin_cos_of(context: &Context<'_>, lanes: usize, angles: &[TokenStream]) -> TokenStream {
     let kernels = kernels::sin_cos_of(lanes);
     let zero = context.options.scalar.literal(0.0);
@@ -64,21 +65,21 @@ pub(super) fn sin_cos_of(context: &Context<'_>, lanes: usize, angles: &[TokenStr
     own(context, kernels, &quote!(#(#arguments),*))
 }
 
-/// Sines and cosines of one angle in several states; the arguments are references to angles, sines and
-/// cosines.
+/// Call that computes sines and cosines of one angle in several states. The arguments are references to the
+/// angles, sines and cosines.
 pub(super) fn sin_cos_lanes(context: &Context<'_>, arguments: &TokenStream) -> TokenStream {
     let kernels = [Kernel::SinCosLanes, Kernel::SinCosLanesF32];
     own(context, kernels, arguments)
 }
 
-/// Marks the functions called by the texts for quaternions as used.
+/// Includes the functions that the texts for quaternions call.
 pub(super) fn need_for_rotations(context: &Context<'_>) {
     let kernels = [[Kernel::SinCos, Kernel::SinCosF32], [Kernel::Sqrt, Kernel::SqrtF32]];
     let kernels = kernels.map(|kernels| kernels::of_scalar(kernels, context.options.scalar));
     context.calls.kernels.borrow_mut().extend(kernels);
 }
 
-/// A call of a pasted function; of its text for f64 and for f32.
+/// Call of an included function. `kernels` has the functions for f64 and for f32.
 fn own(context: &Context<'_>, kernels: [Kernel; 2], arguments: &TokenStream) -> TokenStream {
     let kernel = kernels::of_scalar(kernels, context.options.scalar);
     context.calls.kernels.borrow_mut().insert(kernel);
@@ -99,7 +100,7 @@ fn method(function: Call) -> Ident {
     Ident::new(name, Span::call_site())
 }
 
-/// The called functions: `sign`, and the included ones.
+/// The text of `sign` and of the included functions, as far as they are called.
 pub(super) fn text(context: &Context<'_>) -> String {
     let mut text = String::new();
     if context.calls.sign.get() {
@@ -109,8 +110,9 @@ pub(super) fn text(context: &Context<'_>) -> String {
     text
 }
 
-/// Guard against processors without fused multiply-add, on which `mul_add` is a library call as slow as
-/// thirty operations.
+/// Text that stops the compilation for processors without fused multiply-add. On these, `mul_add` is a call
+/// of the library that takes as long as thirty operations. The text is empty if no function has fused
+/// multiply-adds.
 pub(super) fn guard(functions: &[Function]) -> &'static str {
     match kernels::are_fused(functions) {
         false => "",
@@ -139,7 +141,7 @@ fn module(kernels: &BTreeSet<Kernel>) -> String {
     )
 }
 
-/// `signum` of std is ±1 at ±0; the sign of a force law is 0 there.
+/// The function `sign`. At ±0 it is 0, unlike `signum` of std, which is ±1.
 fn sign(scalar: Scalar) -> TokenStream {
     let ty = scalar.ty();
     quote! {

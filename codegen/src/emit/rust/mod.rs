@@ -1,11 +1,13 @@
-//! Modules in Rust.
+//! Prints modules in Rust.
 //!
-//! The text compiles without warnings, as a file and through `include!`.
+//! The text compiles without warnings, as a file of its own and through `include!`.
 //!
-//! Lowest layer: `names.rs`, `literal.rs` and `doc_comment.rs` check everything that is printed. `body.rs`
-//! names the values of a function, `statements.rs` prints one `let` per instruction, `signature.rs` and
-//! `public.rs` the function around them, `parts.rs` the parts of a long function. The forms use these:
-//! `straight.rs`, `arrays.rs`, `affine.rs`, `lanes/`. `function.rs` chooses the form given by the module.
+//! All names, literals and documentation are printed by `names.rs`, `literal.rs` and `doc_comment.rs`, which
+//! make texts of a description harmless. `body.rs` names the values of a function, and `statements.rs` prints
+//! one `let` per instruction. `signature.rs` and `public.rs` print the function around them, and `parts.rs`
+//! prints the parts of a long function. Functions have one of several forms: straight-line code
+//! (`straight.rs`), loops over joints (`arrays.rs`, `affine.rs`), and versions for eight states at once
+//! (`lanes/`). `function.rs` prints the form that the module has.
 
 mod affine;
 mod array_kernels;
@@ -62,7 +64,8 @@ pub fn module(module: &Module, options: &EmitOptions) -> SourceFile {
     let mut functions = String::new();
     for (function, name) in module.functions.iter().zip(&context.functions) {
         push_items(&mut functions, function.constants.iter().map(constant));
-        // One function at a time: the syntax tree of a large one takes far more memory than its text.
+        // One function is printed at a time, because the syntax tree of a large function takes far more
+        // memory than its text.
         push_items(&mut functions, function::items(&context, function, name));
     }
     push_items(&mut text, lanes::types(&context));
@@ -82,7 +85,7 @@ pub fn module(module: &Module, options: &EmitOptions) -> SourceFile {
     SourceFile { name, text, header: None, companions: vec![], interface: None }
 }
 
-/// Names that the module takes for itself.
+/// Names of the module's own items, which functions of the robot must not have.
 fn reserved() -> Vec<String> {
     let compositions = Composition::ALL.map(Composition::name);
     let positions = PositionFunction::ALL.map(PositionFunction::name);

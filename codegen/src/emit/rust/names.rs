@@ -1,10 +1,10 @@
-//! Conversion of names of descriptions and programs to Rust identifiers.
+//! Converts names of descriptions and programs to identifiers of Rust.
 
 use proc_macro2::{Ident, Span};
 
 use crate::emit::names::Spelling;
 
-/// Words that are not identifiers in edition 2024, reserved ones included.
+/// Words that are not identifiers in edition 2024, including reserved words.
 const KEYWORDS: [&str; 53] = [
     "Self", "_", "abstract", "as", "async", "await", "become", "box", "break", "const", "continue", "crate",
     "do", "dyn", "else", "enum", "extern", "false", "final", "fn", "for", "gen", "if", "impl", "in", "let",
@@ -13,22 +13,22 @@ const KEYWORDS: [&str; 53] = [
     "virtual", "where", "while", "yield",
 ];
 
-/// Rust's identifiers.
+/// Rules for identifiers of Rust.
 pub(super) const SPELLING: Spelling =
     Spelling { keywords: &KEYWORDS, has_free_underscores: true, prefixes: vec![] };
 
-/// Nearest ASCII identifier to `name`; `name` itself if it is an identifier.
+/// Converts `name` to an ASCII identifier. If `name` is an identifier, it is returned unchanged.
 pub(super) fn identifier(name: &str) -> Ident {
     ident(&SPELLING.identifier(name))
 }
 
-/// Identifiers for `names`, distinct from each other and from `taken`. If a name is in use, `_` and a number
-/// are appended.
+/// Converts `names` to identifiers that differ from each other and from `taken`. If an identifier is in use,
+/// `_` and a number are appended.
 pub(super) fn distinct<'a>(names: impl IntoIterator<Item = &'a str>, taken: &[String]) -> Vec<Ident> {
     idents(&SPELLING.distinct(names, taken))
 }
 
-/// Checked names as identifiers.
+/// Tokens of names that are already identifiers.
 pub(super) fn idents(names: &[String]) -> Vec<Ident> {
     names.iter().map(|name| ident(name)).collect()
 }
@@ -37,7 +37,7 @@ fn ident(spelled: &str) -> Ident {
     Ident::new(spelled, Span::call_site())
 }
 
-/// Whether rustc accepts the spelling of a variable, field or function.
+/// Whether rustc accepts the name of a variable, field or function without a warning about its case.
 pub(super) fn is_snake_case(name: &str) -> bool {
     let name = name.trim_start_matches('_');
     !name.contains("__") && !name.contains(char::is_uppercase)

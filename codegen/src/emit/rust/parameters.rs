@@ -1,4 +1,4 @@
-//! The `Parameters` struct of a model with free parameters.
+//! Prints the struct `Parameters` of a model with free parameters.
 
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -9,7 +9,8 @@ use super::lints;
 use crate::emit::documentation::of_parameter;
 use crate::model::Parameter;
 
-/// The struct, its described values, and `Default`; empty without free parameters.
+/// The struct, the constant with the description's values, and the implementation of `Default`; empty if
+/// there are no free parameters.
 pub(super) fn items(context: &Context<'_>) -> Vec<TokenStream> {
     if !context.has_parameters() {
         return vec![];

@@ -1,4 +1,4 @@
-//! Private functions into which a long function is split, and the values that they exchange.
+//! Prints a long function as several private functions (parts), which exchange values.
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
@@ -10,18 +10,18 @@ use super::signature::{Signature, item};
 use crate::program::Operand;
 use crate::program::split::{Part, Reads};
 
-/// Arguments of a part, in its call or signature.
+/// Arguments of a part, in a call or a signature.
 pub(super) struct Taken {
-    /// Values of earlier parts, as one array.
+    /// Values of earlier parts as one array; `None` if the part takes no values.
     pub(super) values: Option<TokenStream>,
-    /// Inputs of the whole function.
+    /// Inputs of the whole function that the part reads.
     pub(super) inputs: Vec<TokenStream>,
-    /// The free parameters.
+    /// The free parameters; `None` if the part does not read them.
     pub(super) parameters: Option<TokenStream>,
 }
 
 impl Taken {
-    /// The arguments of a call.
+    /// Arguments of a part in a call.
     pub(super) fn called(body: &Body<'_>, part: &Part) -> Self {
         let inputs = part.inputs.iter().map(|&input| &body.arguments[input]);
         let parameters = body.context.passed_parameters();
@@ -32,7 +32,7 @@ impl Taken {
         }
     }
 
-    /// The arguments of a signature.
+    /// Arguments of a part in its signature.
     pub(super) fn declared(body: &Body<'_>, part: &Part, signature: &Signature) -> Self {
         let parameters = body.context.declared_parameters();
         let inputs = part.inputs.iter();
@@ -48,19 +48,19 @@ impl Taken {
     }
 }
 
-/// Names of values as an array or a pattern.
+/// Tokens of an array, or of a pattern, of the names of values.
 pub(super) fn values(body: &Body<'_>, values: &[usize]) -> TokenStream {
     let names = values.iter().map(|&value| body.name(value));
     quote!([#(#names),*])
 }
 
-/// The type of an array of values.
+/// Type of an array of these values.
 pub(super) fn array(body: &Body<'_>, values: &[usize]) -> TokenStream {
     let (ty, count) = (body.context.ty(), Literal::usize_unsuffixed(values.len()));
     quote!([#ty; #count])
 }
 
-/// Body of a split function: one call per part, and the results.
+/// Statements of a split function: one call for each part, then the results.
 pub(super) fn calls(body: &Body<'_>, name: &Ident, parts: &[Part]) -> TokenStream {
     let calls = parts.iter().enumerate().map(|(i, part)| {
         let callee = part_name(name, i);
@@ -78,7 +78,7 @@ pub(super) fn calls(body: &Body<'_>, name: &Ident, parts: &[Part]) -> TokenStrea
     quote!(#(#calls)* #(#stores)*)
 }
 
-/// Private functions of the parts; empty if the function is not split.
+/// The private functions of the parts; empty if the function is not split.
 pub(super) fn items(
     body: &Body<'_>,
     name: &Ident,
@@ -95,9 +95,10 @@ pub(super) fn items(
     }
 }
 
-/// Limit of statements: parts of a function up to this length become one function again in optimized code, where they would exchange
-/// values by memory: the forward dynamics of a humanoid takes 0.75 of the time, the Jacobians of a quadruped's inverse dynamics
-/// 0.85. Longer functions stay split there too, since the time of LLVM grows faster than their length.
+/// Largest number of instructions of a function whose parts are inlined in optimized code. Without inlining,
+/// parts exchange values through memory. Inlining reduces the time of a humanoid's forward dynamics to 75 %,
+/// and of the Jacobians of a quadruped's inverse dynamics to 85 %. The parts of longer functions are not
+/// inlined, because the time of LLVM grows faster than the length of a function.
 const MOST_INLINED: usize = 12_000;
 
 /// The private function of a part.
@@ -131,7 +132,7 @@ fn part_name(name: &Ident, index: usize) -> Ident {
     format_ident!("{}_part_{}", name, index + 1)
 }
 
-/// Arguments that neither the parts nor `others` use.
+/// Names of the arguments that neither the parts nor the operands `others` use.
 pub(super) fn unused(
     body: &Body<'_>,
     parts: &[Part],

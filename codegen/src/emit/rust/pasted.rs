@@ -1,28 +1,28 @@
-//! Modules of fixed texts. They are private, so that names of helpers do not collide with those of a robot.
-//! The pretty printer is not used, because it would drop their comments.
+//! Prints private modules of fixed texts. Names in a private module cannot collide with names of the robot.
+//! The pretty printer is not used, because it would remove comments.
 
 use crate::emit::options::Scalar;
 
-/// A module with a line of documentation and an attribute.
+/// Text of a module with one line of documentation and an attribute.
 pub(super) fn module(documentation: &str, attribute: &str, name: &str, texts: &[&str]) -> String {
     let texts: Vec<String> = texts.iter().map(|text| indented(text)).collect();
     format!("\n/// {documentation}\n{attribute}\nmod {name} {{\n{}}}\n", texts.join("\n"))
 }
 
-/// A module of loops written for `f64`.
+/// Text of a module of loops, from texts for `f64`. For `f32` the types are replaced.
 pub(super) fn loops(scalar: Scalar, documentation: &str, name: &str, texts: &[&str]) -> String {
     let attribute =
         "#[allow(clippy::needless_range_loop, reason = \"index notation reads like the formulas\")]";
     loops_with(scalar, documentation, attribute, name, texts)
 }
 
-/// A module of loops of which only some are called.
+/// Text of a module of loops as in [`loops`], if some functions are not called.
 pub(super) fn partly_called_loops(scalar: Scalar, documentation: &str, name: &str, texts: &[&str]) -> String {
     let attribute = "#[allow(\n    dead_code,\n    clippy::needless_range_loop,\n    reason = \"only some of it is called, and index notation reads like the formulas\"\n)]";
     loops_with(scalar, documentation, attribute, name, texts)
 }
 
-/// Module of loops with this attribute.
+/// Text of a module of loops with this attribute.
 fn loops_with(scalar: Scalar, documentation: &str, attribute: &str, name: &str, texts: &[&str]) -> String {
     let module = module(documentation, attribute, name, texts);
     match scalar {

@@ -1,4 +1,4 @@
-//! Functions of positions with quaternions, and their fixed texts.
+//! Prints the functions of positions with quaternions, and the fixed texts that they call.
 
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -13,7 +13,7 @@ use crate::emit::options::Scalar;
 use crate::functions::position_functions::{PositionFunction, PositionValue, extents};
 use gelenk_kernels::manifold::Text;
 
-/// All these functions; empty without quaternions.
+/// The functions; empty for robots without quaternions.
 pub(super) fn items(context: &Context<'_>) -> Vec<TokenStream> {
     if !context.module.has_quaternions() {
         return vec![];
@@ -46,7 +46,7 @@ fn function(context: &Context<'_>, function: PositionFunction) -> TokenStream {
             (quote!(#(#results)*), quote!(manifold::difference(&JOINT_POSITIONS, from, to)))
         }
         PositionFunction::IntegrateDerivatives => {
-            // The quaternions do not enter: the derivatives are those in the moved frames.
+            // The derivatives are in the moved frames, so they do not depend on the quaternions.
             (quote!((#(#results),*)), quote!(let _ = y; manifold::integrate_derivatives(&JOINT_POSITIONS, d)))
         }
         PositionFunction::Normalize => (quote!(bool), quote!(manifold::normalize(&JOINT_POSITIONS, y))),
@@ -78,7 +78,7 @@ fn documentation(
     ))
 }
 
-/// The fixed texts in a separate module; empty without quaternions.
+/// Text of a private module with the fixed texts; empty for robots without quaternions.
 pub(super) fn text(context: &Context<'_>) -> String {
     if !context.module.has_quaternions() {
         return String::new();

@@ -1,4 +1,5 @@
-//! Public forms of a function: one returns its results; another writes large results in place.
+//! Prints the public functions of a quantity. One function returns the results. If the results are large,
+//! another function writes them in place.
 
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
@@ -11,11 +12,12 @@ use crate::emit::documentation::{self, Labels, argument_shape, shape_text};
 use crate::emit::text::code;
 use crate::functions::function::Function;
 
-/// Number of instructions up to which a function is offered to inlining in other crates: a call costs as much as they
-/// do.
+/// Largest number of instructions of a function that may be inlined in other crates. A call costs about as
+/// much as these instructions.
 const INLINE_UP_TO: usize = 40;
 
-/// The public functions. `statements` return the results of a body, or store them if it has names for them.
+/// The public functions. `statements` store the results if the body has names for them, otherwise they return
+/// the results.
 pub(super) fn items(
     function: &Function,
     body: &Body<'_>,
@@ -63,7 +65,7 @@ fn returning(
     )
 }
 
-/// The function with its results as arguments: its documentation refers to the other.
+/// The function that writes its results in place. Its documentation refers to the function that returns them.
 fn storing(body: &Body<'_>, name: &Ident, signature: &Signature, statements: &TokenStream) -> TokenStream {
     let into = into_name(name);
     let documentation =
@@ -83,7 +85,7 @@ fn storing(body: &Body<'_>, name: &Ident, signature: &Signature, statements: &To
     )
 }
 
-/// A call of the function that writes its results in place.
+/// Statements that call the function that writes its results in place, and return the results.
 fn call(body: &Body<'_>, name: &Ident) -> TokenStream {
     let (into, results) = (into_name(name), &body.results);
     let outputs = body.program.outputs.iter();

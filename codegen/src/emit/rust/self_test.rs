@@ -1,4 +1,5 @@
-//! Tests at the end of a module: its functions compared with values of the interpreter.
+//! Prints tests at the end of a module. They compare the functions with values of the generator's
+//! interpreter.
 
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
@@ -11,8 +12,8 @@ use crate::functions::function::Function;
 use crate::program::Shape;
 use crate::self_test::SelfTest;
 
-/// Largest deviation, relative to the largest entry of a result: rounding where a compiler contracts products
-/// and sums, or where sine and cosine are the platform's.
+/// Largest allowed deviation, relative to the largest entry of a result. Rounding differs if a compiler
+/// contracts products and sums, or if sine and cosine are functions of std.
 fn tolerance(scalar: Scalar) -> f64 {
     match scalar {
         Scalar::F64 => 1e-12,
@@ -20,7 +21,7 @@ fn tolerance(scalar: Scalar) -> f64 {
     }
 }
 
-/// The test module; `None` without tests.
+/// The module with the tests; `None` if there are no tests.
 pub(super) fn item(context: &Context<'_>) -> Option<TokenStream> {
     let tests = &context.module.self_tests;
     if tests.is_empty() {

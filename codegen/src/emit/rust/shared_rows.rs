@@ -1,29 +1,29 @@
-//! Variables shared by several arrays one after the other.
+//! Variables that several arrays use one after the other.
 //!
-//! Each variable is first filled with zeros. With a variable per array, those of a quadruped take 62 kB
-//! instead of 31 kB, more than a first-level cache, and A and B_x take 7 % more time.
+//! Each variable is first filled with zeros. With one variable per array, the variables of a quadruped take
+//! 62 kB instead of 31 kB, more than a first-level cache, and the linearization takes 7 % more time.
 
 use crate::emit::arrays::Row;
 use crate::program::arrays::Arrays;
 
-/// Variables of the arrays.
+/// Assignment of arrays to variables.
 pub(super) struct SharedRows {
-    /// Rows and row length (with padding) of each variable.
+    /// Number of rows and length of a row, including padding, of each variable.
     pub(super) sizes: Vec<[usize; 2]>,
-    /// Variable of each array; `None` for arrays that are not local variables.
+    /// For each array the index of its variable; `None` if the array is not a local variable.
     pub(super) of_arrays: Vec<Option<usize>>,
 }
 
-/// Rows in use.
+/// A variable that an array uses.
 struct Taken {
     place: usize,
-    /// The last step that reads the array which stands there.
+    /// Index of the last step that reads the array.
     until: usize,
 }
 
 impl SharedRows {
-    /// Arrays use variables that no later step reads. Arrays of the setup initially have separate variables,
-    /// which are filled with zeros.
+    /// Assigns variables to the arrays. An array gets a variable whose array no later step reads. Each array
+    /// of the setup gets its own variable, because the setup relies on zeros.
     pub(super) fn new(form: &Arrays, row: Row, is_local: impl Fn(usize) -> bool) -> Self {
         let mut shared = Self { sizes: Vec::new(), of_arrays: vec![None; form.arrays.len()] };
         let mut taken = Vec::new();
@@ -41,7 +41,7 @@ impl SharedRows {
         shared
     }
 
-    /// Rows of a size that are free in a step, or new ones.
+    /// Index of a variable with this size that is free in a step, or of a new variable.
     fn take(&mut self, size: [usize; 2], step: Option<usize>, taken: &mut Vec<Taken>) -> usize {
         let is_free = |taken: &Taken| step.is_some_and(|step| taken.until < step);
         match taken.iter().position(|taken| self.sizes[taken.place] == size && is_free(taken)) {
@@ -54,7 +54,7 @@ impl SharedRows {
     }
 }
 
-/// The last step that reads an array; beyond all steps for results.
+/// Index of the last step that reads an array. For results it is the number of steps.
 fn last_step(form: &Arrays, array: usize) -> usize {
     if form.outputs.iter().any(|output| output.array == array) {
         return form.steps.len();

@@ -1,4 +1,4 @@
-//! Signature of a function: its types and attributes.
+//! Types of arguments and results, and the tokens of a function.
 
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
@@ -8,9 +8,9 @@ use super::doc_comment::DocComment;
 use crate::layout::Extent;
 use crate::program::{Output, Shape};
 
-/// Arguments and results of a function as text.
+/// Arguments and results of a function as tokens.
 pub(super) struct Signature {
-    /// Inputs and free parameters, with their types.
+    /// Inputs and free parameters, with types.
     pub(super) arguments: Vec<TokenStream>,
     pub(super) result: TokenStream,
     /// Type of each result.
@@ -33,7 +33,7 @@ impl Signature {
     }
 }
 
-/// The input arrays with entries of a type.
+/// Declarations of the input arrays. `entry` is the type of an entry.
 pub(super) fn inputs(body: &Body<'_>, entry: &TokenStream) -> impl Iterator<Item = TokenStream> {
     let inputs = body.program.inputs.iter().zip(&body.arguments);
     inputs.map(move |(input, name)| {
@@ -43,7 +43,7 @@ pub(super) fn inputs(body: &Body<'_>, entry: &TokenStream) -> impl Iterator<Item
     })
 }
 
-/// Entries of an array, nested if they form rows.
+/// Tokens of an array with these entries. It is nested if the entries form rows.
 pub(super) fn in_rows(extent: Extent, entries: Vec<TokenStream>) -> TokenStream {
     match extent.row() {
         Some(row) => {
@@ -54,18 +54,18 @@ pub(super) fn in_rows(extent: Extent, entries: Vec<TokenStream>) -> TokenStream 
     }
 }
 
-/// Type of a result with entries of a type.
+/// Type of a result. `entry` is the type of an entry.
 pub(super) fn result(output: &Output, entry: &TokenStream) -> TokenStream {
     nested(entry.clone(), output.shape.extents().into_iter().map(length))
 }
 
-/// Zeros of a shape.
+/// Tokens of an array of this shape with zeros.
 pub(super) fn zeros(shape: Shape, zero: TokenStream) -> TokenStream {
     let extents = shape.extents().into_iter();
     nested(zero, extents.map(|extent| number(extent.len)))
 }
 
-/// `[[entry; columns]; rows]` from `rows, columns`.
+/// Tokens `[[entry; columns]; rows]` from the lengths `rows`, `columns`.
 pub(super) fn nested(
     entry: TokenStream,
     lengths: impl DoubleEndedIterator<Item = TokenStream>,
@@ -74,7 +74,7 @@ pub(super) fn nested(
     lengths.fold(entry, |entry, len| quote!([#entry; #len]))
 }
 
-/// A length, by name if it depends on the robot, else as a number.
+/// Tokens of a length: a constant's name if it depends on the robot, otherwise a number.
 pub(super) fn length(extent: Extent) -> TokenStream {
     match extent.dimension.length() {
         Some(name) => {
@@ -90,7 +90,7 @@ fn number(len: usize) -> TokenStream {
     quote!(#len)
 }
 
-/// A function from its head, body, documentation and required attributes.
+/// Tokens of a function from documentation, attributes, head and statements.
 pub(super) fn item(
     documentation: &DocComment,
     attributes: impl IntoIterator<Item = Option<TokenStream>>,

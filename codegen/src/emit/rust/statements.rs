@@ -1,4 +1,4 @@
-//! Statements of a function: one `let` per instruction.
+//! Prints the statements of a function: one `let` per instruction.
 
 use std::ops::Range;
 
@@ -12,13 +12,13 @@ use crate::emit::sequence::{self, Run};
 use crate::program::split;
 use crate::program::{Operand, Operation};
 
-/// Largest number of statements of one block. Each `let` opens a scope within the last one, and with full debug
-/// information rustc 1.95 describes scopes recursively: 4 600 of them overflow its stack. Blocks cost nothing
-/// once optimized.
+/// Largest number of statements of one block. Each `let` opens a scope within the previous one. With full
+/// debug information rustc 1.95 visits scopes recursively, and 4 600 scopes overflow its stack. Blocks have
+/// no cost in optimized code.
 const LONGEST_BLOCK: usize = 1000;
 
 impl Body<'_> {
-    /// All statements, with the results as last expression.
+    /// All statements of the function, with the results as last expression.
     pub(super) fn returning_statements(&self) -> TokenStream {
         let len = self.program.instructions.len();
         if len > LONGEST_BLOCK {
@@ -28,7 +28,8 @@ impl Body<'_> {
         self.returning(self.statements(0..len))
     }
 
-    /// Statements with results; the last value needs no name if it is the only result.
+    /// Appends the results to statements. If the last value is the only result, its expression replaces its
+    /// `let`.
     pub(super) fn returning(&self, mut statements: Vec<TokenStream>) -> TokenStream {
         let last = self.returned_value();
         let last = last.and_then(|last| self.expression(self.program.instructions[last].operation));
@@ -39,19 +40,20 @@ impl Body<'_> {
         quote!(#(#statements)* #value)
     }
 
-    /// All statements. Each result entry is stored as soon as it is known, so fewer values are alive.
+    /// All statements of a function that writes its results in place. Each result entry is stored as soon as
+    /// it is known, so fewer values are alive.
     pub(super) fn storing_statements(&self) -> TokenStream {
         let constants = self.stores(|entry| self.made(entry).is_none());
         let statements = self.blocks();
         quote!(#(#constants)* #statements)
     }
 
-    /// All statements; a long run is divided into blocks that return the values needed later.
+    /// All statements. A long function is divided into blocks that return the values that later blocks read.
     pub(super) fn blocks(&self) -> TokenStream {
         let parts = split::parts(self.program, &self.flow, LONGEST_BLOCK);
         let blocks = parts.iter().enumerate().map(|(index, part)| {
             let statements = self.statements(part.range.clone());
-            // What is stored in place already needs no name afterwards.
+            // A value that is only stored in place needs no name after its block.
             let is_read = |value: &&usize| {
                 let mut later = parts[index + 1..].iter();
                 self.results.is_empty() || later.any(|part| part.takes.contains(value))
@@ -69,12 +71,12 @@ impl Body<'_> {
         quote!(#(#blocks)*)
     }
 
-    /// Statements of a run of instructions.
+    /// Statements of the instructions in this range.
     pub(super) fn statements(&self, range: Range<usize>) -> Vec<TokenStream> {
         self.statements_among(range, |_| true)
     }
 
-    /// Statements of those instructions of a run for which `is_wanted` is true.
+    /// Statements of the instructions in this range for which `is_wanted` is true.
     pub(super) fn statements_among(
         &self,
         range: Range<usize>,
@@ -106,7 +108,7 @@ impl Body<'_> {
         quote!(let (#sines, #cosines) = #call;)
     }
 
-    /// The statement of an instruction; `None` if nothing reads its value, or another statement makes it.
+    /// The statement of an instruction; `None` if its value is not read or is computed by another statement.
     fn statement(&self, index: usize) -> Option<TokenStream> {
         if !self.flow.is_made(index) {
             return None;
@@ -122,7 +124,7 @@ impl Body<'_> {
         Some(quote!(let (#sine, #cosine) = #value;))
     }
 
-    /// Names of the results of a `SinCos`, if they are read.
+    /// Names of the sine and the cosine of a `SinCos`; `None` for a value that is not read.
     fn sine_and_cosine(&self, index: usize) -> (Option<&Ident>, Option<&Ident>) {
         (
             self.flow.is_read[index].then(|| &self.names[index]),
@@ -130,10 +132,11 @@ impl Body<'_> {
         )
     }
 
-    /// The right-hand side of an instruction; `None` for the cosine of a pair.
+    /// The right-hand side of an instruction; `None` for the cosine of a `SinCos`.
     fn expression(&self, operation: Operation) -> Option<TokenStream> {
         let binary = |a, operator, b| {
-            // Two bare literals would leave the number type open for a method called on the value.
+            // Without a type, two literals would leave the number type open for a method that is called on
+            // the value.
             let left = match b {
                 Operand::Constant(_) => self.receiver(a),
                 _ => self.operand(a),
@@ -163,7 +166,7 @@ impl Body<'_> {
         })
     }
 
-    /// An operand that a method is called on.
+    /// Tokens of an operand on which a method is called.
     fn receiver(&self, operand: Operand) -> TokenStream {
         match operand {
             Operand::Constant(number) => self.context.options.scalar.receiver(number),
@@ -176,7 +179,7 @@ fn or_nothing(name: Option<&Ident>) -> TokenStream {
     name.map_or_else(|| quote!(_), |name| quote!(#name))
 }
 
-/// An array pattern of `len` entries; unread entries at its end are not named.
+/// Pattern of an array of `len` entries. Entries at its end that are not read have no names.
 fn pattern(mut names: Vec<Option<&Ident>>, len: usize) -> TokenStream {
     while names.last().is_some_and(Option::is_none) {
         names.pop();

@@ -1,4 +1,4 @@
-//! Constants of a module with loops over a tree's joints: relations of joints and of coordinates.
+//! Prints constants for loops over the joints of a tree: relations of joints and of coordinates.
 
 use proc_macro2::{Ident, Literal};
 use quote::quote;
@@ -9,13 +9,14 @@ use crate::emit::arrays;
 use crate::program::arrays::{Arrays, Relation};
 
 impl Emission<'_> {
-    /// Adds the table of joints before and beyond each other.
+    /// Adds the table of [`arrays::relation`] and returns its name.
     pub(super) fn add_relations(&self) -> Ident {
         let about = "Where joint j stands seen from joint i: −1 before it on its path to the base, 1 beyond it or the same, else 0.";
         self.add_table(("RELATIONS", about), self.form.joints.len(), self.row.len, arrays::relation)
     }
 
-    /// Adds the blocks of columns with joints before and beyond each joint.
+    /// Adds, for each joint, the lists of the blocks of columns with joints before it and with joints beyond
+    /// it. Returns the names of both tables.
     pub(super) fn add_blocks(&self) -> [Ident; 2] {
         let table = |name: &str, about: &str, is_in: fn(Relation) -> bool| {
             let (joints, block) = (self.form.joints.len(), self.row.block);
@@ -35,7 +36,8 @@ impl Emission<'_> {
         ]
     }
 
-    /// Adds the rows that may be non-zero in each block of columns of a matrix.
+    /// Adds, for each block of columns of a matrix, the list of the rows that can be non-zero. Returns the
+    /// name of the table.
     pub(super) fn add_rows_of_blocks(&self, matrix: usize) -> Ident {
         let (tree, block) = (self.form.coordinates(), self.row.block);
         let is_over_paths = self.form.is_over_paths(matrix);
@@ -64,7 +66,7 @@ impl Emission<'_> {
             .add(name, |name| quote!(#documentation const #name: [&[usize]; #count] = [#(#lists),*];))
     }
 
-    /// Adds the table of coordinates with non-zero entries in the inverse of M.
+    /// Adds the table of [`arrays::meeting`] and returns its name.
     pub(super) fn add_meetings(&self) -> Ident {
         let about = "Whether the rows of coordinates i and j meet in the inverse of the mass matrix: 0 where they do not.";
         let (count, lanes) = (self.form.coordinates().len(), self.row.coordinates);

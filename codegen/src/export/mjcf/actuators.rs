@@ -1,4 +1,4 @@
-//! Inputs of a model as motors of MJCF, on joints, tendons and sites.
+//! Writes the inputs of a model as motors of MJCF, on joints, tendons and sites.
 
 use super::joints::SPEED;
 use super::writer::{Tendon, Writer};
@@ -13,7 +13,7 @@ const POINT_FORCE: &str = "has only linear springs and dampers between sites; ot
 const SHAFT: &str = "has only viscous and dry friction of tendons; other laws are omitted at the drive";
 
 impl Writer<'_> {
-    /// Writes motors in the order of the inputs.
+    /// Writes the motors in the order of the inputs.
     pub(super) fn actuators(&mut self) {
         let model = self.model;
         for drive in &model.drives {
@@ -46,7 +46,7 @@ impl Writer<'_> {
         }
     }
 
-    /// Target of a motor, with the key of its kind and its gear.
+    /// Attribute, name and `gear` of the joint, tendon or site on which a motor acts.
     fn transmission(&mut self, drive: &Drive) -> (&'static str, String, String) {
         let factor = match &drive.input {
             Input::Torque | Input::None => 1.0,
@@ -58,7 +58,8 @@ impl Writer<'_> {
             Some((joint, coordinate - joint.first))
         });
         if let Some((joint, index)) = quaternion {
-            // Velocities count in the body's frame, as forces at a site do; a motor on a free joint pushes in the world's.
+            // Velocities are in the body's frame, as forces at a site are. Forces of a motor on a free joint
+            // are in the world's frame.
             let link = self.model.coordinates[joint.coordinates().end - 1];
             let site = self.site_at(link, &joint.name, Placed::IDENTITY);
             let mut wrench = [0.0; 6];
@@ -71,7 +72,8 @@ impl Writer<'_> {
         }
     }
 
-    /// The tendon of a drive on several coordinates, with its rotor and friction.
+    /// Adds the tendon of a drive on several coordinates, with rotor and friction of the drive. Returns its
+    /// name.
     fn weighted_sum(&mut self, drive: &Drive) -> String {
         let ratio = self.values.number(&drive.gear_ratio);
         if drive.speed.is_some() {
@@ -107,7 +109,7 @@ impl Writer<'_> {
         Some(("ctrlrange", numbers(&[-most, most])))
     }
 
-    /// Writes forces between frames.
+    /// Writes the forces between frames as tendons.
     pub(super) fn point_forces(&mut self) {
         let model = self.model;
         for force in &model.point_forces {
@@ -121,7 +123,7 @@ impl Writer<'_> {
         }
     }
 
-    /// The tendon between two frames.
+    /// Adds the tendon between two frames and returns its name.
     fn distance(&mut self, name: &str, between: &[Attachment; 2], further: Attributes) -> String {
         let sites = between.each_ref().map(|at| self.site(at));
         let name = self.tendon_name(name);
@@ -135,7 +137,8 @@ impl Writer<'_> {
     }
 }
 
-/// A linear law over distance and rate; `None` for others. The force pulls: `k (l − l₀) + c dl`.
+/// Attributes of a linear force law `k (l − l₀) + c l̇` over the distance l, whose positive force pulls;
+/// `None` for other laws.
 fn spring(values: &Values, law: &gelenk_formula::Formula) -> Option<Attributes> {
     let law = values.affine(law)?;
     let rest = if law.position == 0.0 { 0.0 } else { -law.constant / law.position };

@@ -1,4 +1,4 @@
-//! Joints of MJCF, and the equalities between them.
+//! Writes the joints of MJCF and the equalities between joints.
 
 use super::writer::{Tendon, Writer};
 use crate::export::names::slide_name;
@@ -6,7 +6,8 @@ use crate::export::numbers::{Affine, Friction};
 use crate::export::xml::{Attributes, numbers};
 use crate::model::{FollowedCoordinate, Joint, JointKind, Motion, QuaternionJoint};
 
-/// Damping and springs are linear, dry friction is a bound.
+/// Text about lost friction laws and springs. MJCF only has linear damping, linear springs, and a bound on dry
+/// friction.
 const OTHER_FRICTION: &str =
     "has only viscous and dry friction; other laws (Stribeck, tanh, position) are omitted at";
 const OTHER_SPRINGS: &str = "has only linear springs and dampers; other laws are omitted at";
@@ -19,7 +20,7 @@ const QUATERNION_FRICTION: &str =
     "has one damping value per joint with a quaternion; different friction of its velocities is omitted at";
 
 impl Writer<'_> {
-    /// Writes the joint that carries a link; returns whether it moves.
+    /// Writes the joint that carries a link. Returns whether the joint moves.
     pub(super) fn joint(&mut self, link: usize) -> bool {
         let Some(joint) = &self.model.links[link].joint else { return false };
         let coordinate = match joint.motion {
@@ -67,7 +68,7 @@ impl Writer<'_> {
         Some(("actuatorfrcrange", numbers(&[-most, most])))
     }
 
-    /// Friction and springs.
+    /// Attributes for friction and springs of a joint.
     fn forces(&mut self, joint: &Joint) -> Attributes {
         let friction = self.values.friction(&joint.friction);
         if friction.has_others {
@@ -89,7 +90,7 @@ impl Writer<'_> {
         attributes
     }
 
-    /// The sum of the springs that are linear and hold back.
+    /// Sum of the springs that are linear and pull back.
     fn spring(&mut self, joint: &Joint) -> Affine {
         let mut sum = Affine::default();
         for law in &joint.springs {
@@ -109,7 +110,7 @@ impl Writer<'_> {
         sum
     }
 
-    /// Writes a ball or free joint.
+    /// Writes a spherical or floating joint as a ball or free joint. Returns true, because it moves.
     pub(super) fn quaternion_joint(&mut self, joint: &QuaternionJoint) -> bool {
         let parts: Vec<&Joint> = self.model.joints().collect();
         let parts = &parts[joint.coordinates()];
@@ -137,7 +138,7 @@ impl Writer<'_> {
         true
     }
 
-    /// Friction and dampers of a velocity.
+    /// Friction and dampers of one velocity of a joint with a quaternion.
     fn damping(&self, part: &Joint) -> Friction {
         let mut friction = self.values.friction(&part.friction);
         for law in &part.springs {
@@ -158,7 +159,7 @@ impl Writer<'_> {
         }
     }
 
-    /// Names and ratios of the followed joints.
+    /// Names of the followed joints, with ratios times `factor`.
     pub(super) fn leaders(&self, follows: &[FollowedCoordinate], factor: f64) -> Vec<(String, f64)> {
         let terms = follows.iter();
         terms.map(|term| (self.joint_name(term), factor * self.values.number(&term.ratio))).collect()
@@ -167,9 +168,9 @@ impl Writer<'_> {
     /// Writes `joint = offset + Σ ratio · leader` as an equality of joints, or as a tendon `joint − Σ ratio ·
     /// leader` with the length `offset`.
     ///
-    /// MuJoCo computes the softness of a joint equality without the ratio, that of a tendon with it. With a
-    /// ratio below 1 the joint equality is softer: accelerations of a rack with 0.01 m/rad were 115 % off,
-    /// with a tendon 0.03 %.
+    /// MuJoCo computes the softness of a joint equality without the ratio, and the softness of a tendon
+    /// equality with the ratio. With a ratio below 1 the joint equality is softer. For a rack with 0.01
+    /// m/rad, accelerations deviated by 115 % with a joint equality and by 0.03 % with a tendon.
     pub(super) fn equal(&mut self, joint: &str, leaders: Vec<(String, f64)>, offset: f64) {
         if let [(leader, ratio)] = &leaders[..]
             && ratio.abs() >= 1.0
@@ -184,8 +185,9 @@ impl Writer<'_> {
         self.equality("tendon", vec![("tendon1", name)], [offset, 0.0, 0.0, 0.0, 0.0]);
     }
 
-    /// An equality of the highest stiffness that MuJoCo takes. With its default accelerations of models/palletizer.toml are
-    /// 36 % off, with this one 0.06 % (`tests/mujoco/compare.py`).
+    /// Adds an equality with the highest stiffness that MuJoCo accepts. Accelerations of
+    /// models/palletizer.toml deviate by 36 % with MuJoCo's default and by 0.06 % with this stiffness
+    /// (`tests/mujoco/compare.py`).
     fn equality(&mut self, tag: &'static str, mut attributes: Attributes, polynomial: [f64; 5]) {
         attributes.push(("polycoef", numbers(&polynomial)));
         attributes.push(("solimp", numbers(&[0.9999, 0.9999, 0.001])));

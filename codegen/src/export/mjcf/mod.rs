@@ -1,7 +1,8 @@
-//! A model as MuJoCo's MJCF.
+//! Writes a model as MJCF, the format of MuJoCo.
 //!
-//! Links become bodies and frames sites. Joints that follow others are separate joints with an equality
-//! constraint, so MuJoCo's mass matrix is that of all joints: `M = Gᵀ M_mujoco G`.
+//! Links become bodies, and frames become sites. Joints that follow other joints are separate joints with an
+//! equality constraint, so MuJoCo's mass matrix M_mujoco has rows for all joints. With the ratios G of the
+//! joints to the coordinates, `M = Gᵀ M_mujoco G`.
 
 mod actuators;
 mod joints;
@@ -16,12 +17,13 @@ use super::xml::{Attributes, Xml, numbers};
 use crate::model::{Attachment, Link, Model, QuaternionJoint, principal_axes};
 use writer::{Site, Writer};
 
-/// MuJoCo refuses moving bodies whose mass, or one of whose principal moments, is 1e-15 or less.
+/// Smallest mass [kg] and principal moment [kg m²] that are written for a moving body. MuJoCo rejects 1e-15
+/// and less.
 const LEAST: f64 = 2e-15;
 
 const LEAST_INERTIA: &str = "has no moving bodies without mass or inertia; 2e-15 kg or kg m², the least that MuJoCo accepts, is written for";
 
-/// Moments are published with some six digits.
+/// Relative rounding of published moments, which have about six digits.
 const ROUNDED: f64 = 1e-5;
 
 const RAISED: &str =
@@ -62,7 +64,7 @@ impl Writer<'_> {
         self.sites = frames.collect();
     }
 
-    /// The name of a site at a frame of a force: that of the frame, or of a new one.
+    /// Name of the site at the frame of a force. A new site is added if there is none at this place.
     fn site(&mut self, at: &Attachment) -> String {
         let placed = self.values.placed(&at.pose);
         self.site_at(at.link, &at.name, placed)
@@ -91,7 +93,7 @@ impl Writer<'_> {
         self.sections();
     }
 
-    /// The base link. The world has no mass in MuJoCo.
+    /// Writes the base link. If it has masses they become a body, because the world has no mass in MuJoCo.
     fn base(&mut self, base: &Link) {
         self.link_sites(0);
         self.rotors_on(0);
@@ -106,7 +108,7 @@ impl Writer<'_> {
         }
     }
 
-    /// All links but the base, each inside its parent.
+    /// Writes all links except the base. Each body is inside the body of its parent.
     fn bodies(&mut self) {
         let mut children = vec![Vec::new(); self.model.links.len()];
         for (link, joint) in self.model.links.iter().enumerate() {
@@ -127,7 +129,8 @@ impl Writer<'_> {
         }
     }
 
-    /// Opens the body of a link, or of the last link of a chain that stands for one joint; that link.
+    /// Opens the body of a link and returns the link. For the first link of a joint with a quaternion, it is
+    /// the body of the joint's last link.
     fn body(&mut self, first: usize) -> usize {
         let model = self.model;
         let chain = model.quaternion_joints.iter().find(|joint| model.coordinates[joint.first] == first);
@@ -157,8 +160,9 @@ impl Writer<'_> {
         }
     }
 
-    /// The inertia of a body, raised to what MuJoCo takes where the body moves. Of rounded moments the smaller ones are raised
-    /// by what the triangle inequality lacks.
+    /// Writes the inertia of a body. If the body moves, mass and moments are raised to the smallest values
+    /// that MuJoCo accepts. If rounded moments violate the triangle inequality, the smaller moments are
+    /// raised.
     fn inertial(&mut self, mut lump: Lump, name: &str, moves: bool) {
         if moves && lump.mass < LEAST {
             lump.mass = LEAST;
@@ -211,7 +215,8 @@ impl Writer<'_> {
         }
     }
 
-    /// Free joints stand in the world alone, and their positions count there.
+    /// Records a loss if a floating joint is not on the base, because MuJoCo rejects it there. Also records a
+    /// loss if the frame of the joint is not the base frame, because MuJoCo's positions are in the base frame.
     fn check_floating(&mut self, joint: &QuaternionJoint) {
         let first = &self.model.links[self.model.coordinates[joint.first]];
         let is_free = joint.coordinates().len() == 6;
@@ -226,14 +231,14 @@ impl Writer<'_> {
     }
 }
 
-/// Position and attitude, if they are not those of the parent.
+/// Attributes for position and attitude, if they differ from those of the parent.
 fn place(placed: &Placed) -> Attributes {
     let position = (placed.origin != [0.0; 3]).then(|| ("pos", numbers(&placed.origin)));
     let attitude = placed.is_turned().then(|| ("quat", numbers(&placed.quaternion())));
     position.into_iter().chain(attitude).collect()
 }
 
-/// Principal moments, since MuJoCo finds them itself with fewer digits.
+/// Attributes for the inertia with principal moments, because MuJoCo would compute these with fewer digits.
 fn inertial(lump: &Lump, moments: [f64; 3], axes: &[[f64; 3]; 3]) -> Attributes {
     let mut attributes = vec![("pos", numbers(&lump.center))];
     if *axes != Placed::IDENTITY.rotation {

@@ -1,10 +1,10 @@
-//! Rotors as armatures, or as separate bodies if an armature would change the robot.
+//! Writes rotors as armatures, or as separate bodies if an armature would change the robot.
 //!
 //! A rotor with axial inertia J that turns by Ω relative to its carrier has the energy `J/2 (a · ω + Ω)²`,
-//! with the carrier's angular velocity ω and the rotor's axis a. An armature has `J/2 Ω²`, which is equal if
-//! the carrier does not turn. Otherwise the rotor becomes a body on its carrier with a joint that follows
-//! those of its drive. MuJoCo requires inertia across the axis, so the rotor gets some and its carrier has
-//! that much less.
+//! with the carrier's angular velocity ω and the rotor's axis a. An armature has the energy `J/2 Ω²`, which
+//! is equal if the carrier does not turn. Otherwise the rotor becomes a body on its carrier, with a joint
+//! that follows the joints of its drive. MuJoCo requires inertia across the axis, so the rotor gets such an
+//! inertia and its carrier gets less.
 
 use super::writer::{Rotor, Writer};
 use super::{LEAST, inertial};
@@ -16,7 +16,7 @@ use crate::model::{Drive, Model, Motion, RotorCoupling, principal_axes};
 const ROTOR: &str = "supports a rotor only if its carrier has more inertia and the rotor follows no joint \
                      with a quaternion; its effect on a moving carrier is omitted at";
 
-/// Inertia across the axis, in units of the axial one: a disc has half, the least of a rigid body.
+/// Inertia across the axis, divided by the axial inertia. A disc has 0.5, the smallest value of a rigid body.
 const ACROSS: f64 = 0.5 + 1e-6;
 
 impl<'m> Writer<'m> {
@@ -43,7 +43,7 @@ impl<'m> Writer<'m> {
         }
     }
 
-    /// The body of a rotor on a link; `None` if an armature is the same, or if it cannot have one.
+    /// The body of a rotor on the link `carrier`; `None` if an armature is equal or a body is not possible.
     fn rotor(&self, drive: &'m Drive, carrier: usize) -> Option<Rotor<'m>> {
         let inertia = self.values.number(&drive.rotor_inertia);
         let is_armature = carrier == 0 && is_chain(self.model, drive);
@@ -51,7 +51,7 @@ impl<'m> Writer<'m> {
         is_body.then_some(Rotor { drive, inertia, carrier })
     }
 
-    /// The rotor, on the base if it is on this link.
+    /// The rotor, moved to the base if it is on this link.
     fn not_on(&self, link: usize, rotor: Rotor<'m>) -> Option<Rotor<'m>> {
         if rotor.carrier == link { self.rotor(rotor.drive, 0) } else { Some(rotor) }
     }
@@ -68,14 +68,15 @@ impl<'m> Writer<'m> {
         drive.acts_on.iter().any(|term| self.model.quaternion_joint_of(term.coordinate).is_some())
     }
 
-    /// Whether MuJoCo takes the inertia of a link without that of its rotors across their axes.
+    /// Whether MuJoCo accepts the inertia of a link after the inertia of its rotors across their axes is
+    /// subtracted.
     fn is_body(&self, link: usize) -> bool {
         let (moments, _) = principal_axes(self.lump(link).inertia);
         let largest = moments.iter().fold(0.0, |most: f64, moment| most.max(*moment));
         moments.iter().all(|moment| *moment > LEAST) && 2.0 * largest <= moments.iter().sum::<f64>()
     }
 
-    /// Bodies of a link combined, without the inertia of its rotors across their axes.
+    /// Combined bodies of a link, without the inertia of the link's rotors across their axes.
     pub(super) fn lump(&self, link: usize) -> Lump {
         let mut lump = self.values.lump(self.model, link);
         for rotor in self.rotors.iter().filter(|rotor| rotor.carrier == link) {
@@ -84,7 +85,7 @@ impl<'m> Writer<'m> {
         lump
     }
 
-    /// `i² J_R` of a drive without a rotor body.
+    /// Armature `i² J_R` of a drive; 0 if the rotor is a body.
     pub(super) fn armature(&self, drive: &Drive) -> f64 {
         if self.rotor_of(drive).is_some() {
             return 0.0;
@@ -93,13 +94,14 @@ impl<'m> Writer<'m> {
         ratio * ratio * self.values.number(&drive.rotor_inertia)
     }
 
-    /// `Σ i² J_R` of the drives on one coordinate.
+    /// Armature `Σ i² J_R` of the drives on one coordinate.
     pub(super) fn joint_armature(&self, coordinate: usize) -> f64 {
         let drives = self.model.drives.iter().filter(|drive| drive.coordinate() == Some(coordinate));
         drives.map(|drive| self.armature(drive)).sum()
     }
 
-    /// Writes the bodies of the rotors on a link. Each joint follows those of its drive.
+    /// Writes the bodies of the rotors on a link. The joint of such a body follows the joints of the rotor's
+    /// drive.
     pub(super) fn rotors_on(&mut self, link: usize) {
         let rotors = std::mem::take(&mut self.rotors);
         rotors.iter().filter(|rotor| rotor.carrier == link).for_each(|rotor| self.rotor_body(rotor));
@@ -120,8 +122,8 @@ impl<'m> Writer<'m> {
     }
 }
 
-/// Whether of any two joints that a drive acts on one carries the other: MuJoCo's M has no entries for others, and the
-/// armature of a tendon would lose them.
+/// Whether all joints of a drive are on one path to the base. MuJoCo's M has no entries for joints of
+/// different branches, so the armature of a tendon would lose them.
 fn is_chain(model: &Model, drive: &Drive) -> bool {
     let links: Vec<usize> = drive.acts_on.iter().map(|term| model.coordinates[term.coordinate]).collect();
     let carries = |a: usize, b: usize| to_base(model, b).any(|link| link == a);
@@ -133,7 +135,7 @@ fn is_moving(model: &Model, link: usize) -> bool {
     joints.any(|joint| matches!(joint.motion, Motion::Coordinate(_) | Motion::Follower(_)))
 }
 
-/// The link and those that carry it.
+/// The links on the path from a link to the base, including this link.
 fn to_base(model: &Model, link: usize) -> impl Iterator<Item = usize> {
     std::iter::successors(Some(link), |&link| Some(model.links[link].joint.as_ref()?.parent))
 }

@@ -1,18 +1,18 @@
-//! An MJCF file under construction.
+//! Data of an MJCF file while it is written.
 
 use crate::export::losses::Losses;
 use crate::export::numbers::{Placed, Values};
 use crate::export::xml::{Attributes, Xml, numbers};
 use crate::model::{Drive, Model};
 
-/// A site and the link that carries it.
+/// A site, with the link that carries the site.
 pub(super) struct Site {
     pub(super) link: usize,
     pub(super) name: String,
     pub(super) placed: Placed,
 }
 
-/// A rotor with its own body.
+/// A rotor that becomes a body.
 pub(super) struct Rotor<'m> {
     pub(super) drive: &'m Drive,
     pub(super) inertia: f64,
@@ -20,7 +20,7 @@ pub(super) struct Rotor<'m> {
     pub(super) carrier: usize,
 }
 
-/// A model, and the finished parts of its file.
+/// A model, and the parts of the file that are finished.
 pub(super) struct Writer<'m> {
     pub(super) model: &'m Model,
     pub(super) values: Values,
@@ -33,7 +33,7 @@ pub(super) struct Writer<'m> {
     pub(super) rotors: Vec<Rotor<'m>>,
 }
 
-/// A length: a weighted sum of positions, or the distance of two sites.
+/// A tendon. Its length is a weighted sum of joint positions, or the distance of two sites.
 pub(super) struct Tendon {
     tag: &'static str,
     pub(super) attributes: Attributes,

@@ -9,7 +9,7 @@ use crate::model::{Model, PointForce};
 use crate::wording;
 use gelenk_formula::Formula;
 
-/// Functions that only robots with inputs at frames have.
+/// Rows of the functions that only robots with inputs at frames have.
 pub const QUANTITIES: &[Quantity] = &[Quantity {
     name: function_names::INPUT_FORCES_DERIVATIVES,
     summary: "Generalized forces of the inputs with their Jacobian.",

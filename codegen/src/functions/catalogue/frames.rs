@@ -1,4 +1,4 @@
-//! Rows of the named frames.
+//! Rows of the functions of named frames.
 
 use super::quantity::Argument::{Coordinates, Velocities};
 use super::quantity::{FRAME_JACOBIAN, FrameQuantity, IN_SPACE, ROTATION, matrix, vector};

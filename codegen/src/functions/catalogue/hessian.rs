@@ -14,7 +14,7 @@ use crate::dynamics::recursion::motion::MotionInput;
 use crate::function_names;
 use crate::graph::{Cost, Edge, Scalar, differentiate};
 
-/// Row of the catalogue.
+/// Row of the Hessian in the catalogue.
 pub const QUANTITY: Quantity = Quantity {
     name: function_names::INVERSE_DYNAMICS_HESSIAN,
     differentiates_friction: true,
@@ -41,16 +41,16 @@ pub const QUANTITY: Quantity = Quantity {
     ..Quantity::PLAIN
 };
 
-/// Blocks of the Hessian of `λᵀ (M ÿ + k − q)`. The blocks by ẏ ÿ and ÿ ÿ are zero.
+/// Blocks of the Hessian of `λᵀ (M ÿ + k − q)`. The blocks ∂²/∂ẏ ∂ÿ and ∂²/∂ÿ² are zero.
 #[derive(Debug, Clone)]
 pub struct Hessian<'g> {
     /// ∂²/∂y²
     pub by_coordinates: Matrix<'g>,
-    /// ∂²/∂y ∂ẏ, rows by y.
+    /// ∂²/∂y ∂ẏ. Row i belongs to coordinate i.
     pub mixed: Matrix<'g>,
     /// ∂²/∂ẏ²
     pub by_velocities: Matrix<'g>,
-    /// ∂²/∂y ∂ÿ, rows by y.
+    /// ∂²/∂y ∂ÿ. Row i belongs to coordinate i.
     pub by_accelerations: Matrix<'g>,
 }
 
@@ -63,7 +63,8 @@ impl<'g> Hessian<'g> {
     }
 }
 
-/// Hessian from the cheaper gradient.
+/// Hessian of `λᵀ (M ÿ + k − q)` with λ = `multipliers`. The gradient comes from reverse differentiation or
+/// from the analytic Jacobians, whichever needs fewer operations.
 pub fn inverse_dynamics_hessian<'g>(
     equations: &Equations<'_, 'g>,
     input: MotionInput<'_, 'g>,

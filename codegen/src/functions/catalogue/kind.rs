@@ -1,49 +1,51 @@
-//! Kinds of robots whose functions differ from their rows, and products other than functions.
+//! Kinds of robots whose functions differ from the rows of the catalogue, and products other than functions.
 
 use super::quantity::Quantity;
 use crate::functions::function::Function;
 use crate::model::Model;
 
-/// A kind of robots: condition, additional functions, and functions or products that differ or are missing.
+/// A kind of robots: its condition, its additional functions, and its functions and products that differ or
+/// are missing.
 pub struct Kind {
     /// Property of these robots in documentation, for example `driven joints`.
     pub robots: &'static str,
-    /// Code of errors about missing functions.
+    /// Code of the errors about missing functions.
     pub code: &'static str,
-    /// Condition in messages; `{}` stands for the example.
+    /// Condition in messages. The example replaces `{}`.
     pub condition: &'static str,
-    /// Part of a model that makes it one of this kind (may be empty); `None` if it is not of this kind.
+    /// Function that names the part of a model because of which the model is of this kind. The name may be
+    /// empty. `None` if the model is not of this kind.
     pub example: fn(&Model) -> Option<String>,
-    /// Rows of additional functions.
+    /// Rows of the catalogue with the functions that only these robots have.
     pub adds: &'static [Quantity],
-    /// Rows that replace those with the same names.
+    /// Rows that replace the rows with the same names.
     pub replaces: &'static [Quantity],
-    /// Differences, each with the names of its functions and products.
+    /// Differences, each with the names of its functions and products, separated by spaces.
     pub differences: &'static [(&'static str, Difference)],
 }
 
-/// Difference between a function of such robots and its row.
+/// Difference between a function for a kind of robots and the function's row in the catalogue.
 #[derive(Debug, Clone, Copy)]
 pub enum Difference {
     /// The documentation differs.
     Documented(Otherwise),
     /// The function is missing.
     Missing {
-        /// The cause after the condition, may be empty.
+        /// The cause. It follows the condition in messages, and may be empty.
         why: &'static str,
-        /// The remedy; empty for a product, which has its own.
+        /// The remedy; empty for a product, because a [`Product`] has its own remedy.
         help: &'static str,
     },
 }
 
-/// Documentation that replaces a row's.
+/// Changes of the documentation in a row. A field that is `None` keeps the text of the row.
 #[derive(Debug, Clone, Copy)]
 pub struct Otherwise {
-    /// Equation that replaces the row's.
+    /// Equation that replaces the equation of the row.
     pub equation: Option<&'static str>,
-    /// Meaning of the first result, replaces the row's.
+    /// Meaning that replaces the meaning of the first result.
     pub first_result: Option<&'static str>,
-    /// Note that replaces all others.
+    /// Note that replaces all notes of the row.
     pub only_note: Option<&'static str>,
     /// Additional notes.
     pub notes: &'static [&'static str],
@@ -52,18 +54,18 @@ pub struct Otherwise {
 /// A missing product.
 pub(super) const MISSING: Difference = Difference::Missing { why: "", help: "" };
 
-/// Adds notes after those of the row.
+/// Adds notes after the notes of the row.
 pub(super) const fn notes(notes: &'static [&'static str]) -> Difference {
     Difference::Documented(Otherwise { notes, ..Otherwise::ROW })
 }
 
-/// Replaces the equation, and adds notes after those of the row.
+/// Replaces the equation, and adds notes after the notes of the row.
 pub(super) const fn equation(equation: &'static str, notes: &'static [&'static str]) -> Difference {
     Difference::Documented(Otherwise { equation: Some(equation), notes, ..Otherwise::ROW })
 }
 
 impl Kind {
-    /// A kind without additional functions.
+    /// A kind without additional functions and without differences.
     pub(super) const PLAIN: Self = Self {
         robots: "",
         code: "",
@@ -79,7 +81,7 @@ impl Kind {
         (self.example)(model).is_some()
     }
 
-    /// Difference of a function or product, if any.
+    /// Difference of a function or product; `None` if it does not differ.
     pub fn difference(&self, name: &str) -> Option<&'static Difference> {
         let mut all = self.differences.iter();
         let found = all.find(|(names, _)| names.split_whitespace().any(|other| other == name));
@@ -88,7 +90,7 @@ impl Kind {
 }
 
 impl Otherwise {
-    /// Documentation equal to that of the row.
+    /// No changes of the documentation.
     pub(super) const ROW: Self = Self { equation: None, first_result: None, only_note: None, notes: &[] };
 
     /// Changes the documentation of a function.
@@ -111,12 +113,12 @@ impl Otherwise {
     }
 }
 
-/// A product of a robot other than its functions.
+/// A product that is made from a robot, other than its functions.
 #[derive(Debug, Clone, Copy)]
 pub struct Product {
-    /// Name in the table of kinds.
+    /// Name in [`Kind::differences`].
     pub name: &'static str,
-    /// Beginning of the message about a robot without it.
+    /// Beginning of the message about a robot that lacks the product.
     pub(super) missing: &'static str,
     /// Help text.
     pub(super) help: &'static str,
@@ -126,39 +128,39 @@ const fn product(name: &'static str, missing: &'static str, help: &'static str) 
     Product { name, missing, help }
 }
 
-/// Functions as loops over joints.
+/// The product: functions as loops over joints.
 pub const LOOPS: Product =
     product("loops", "loops over joints are not available", "the functions are straight-line code");
 
-/// Closed forms for people.
+/// The product: closed forms for people.
 pub const CLOSED_FORMS: Product = product(
     "closed-forms",
     "closed forms are not available",
     "`gelenk inspect program` prints the equations with intermediate values",
 );
 
-/// Functions for CasADi.
+/// The product: functions for CasADi.
 pub const CASADI: Product = product(
     "casadi",
     "functions for CasADi are not available",
     "the module itself is valid for such robots: remove `--for casadi`",
 );
 
-/// Functions for acados.
+/// The product: functions for acados.
 pub const ACADOS: Product = product(
     "acados",
     "functions for acados are not available",
     "the module itself is valid for such robots: remove `--for acados`",
 );
 
-/// Export to other formats.
+/// The product: export to other formats.
 pub const EXPORT: Product = product(
     "export",
     "the robot cannot be exported",
     "URDF and MJCF have no prescribed motions: without `motion` the joint is a coordinate",
 );
 
-/// Identification by the library, without the measured motion of driven joints.
+/// The product: identification by the library, without the measured motion of driven joints.
 pub const IDENTIFICATION: Product = product(
     "identification",
     "the robot cannot be identified",

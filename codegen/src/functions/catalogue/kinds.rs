@@ -1,4 +1,4 @@
-//! The table of kinds of robots with their different or missing functions and products.
+//! The table of kinds of robots, with the functions and products that differ or are missing.
 
 use std::cell::OnceCell;
 
@@ -12,7 +12,7 @@ use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::dynamics::forces;
 use crate::model::{Drive, Joint, JointKind, Model};
 
-/// All kinds. The notes of several kinds have this order.
+/// All kinds. If a robot is of several kinds, the notes of the kinds have this order.
 pub static KINDS: [Kind; 11] = [
     Kind {
         robots: "a singular mass matrix",
@@ -285,7 +285,7 @@ impl Product {
     /// Whether a robot has the product.
     ///
     /// # Errors
-    /// The code of the first kind of the robot that lacks the product.
+    /// An error with the code of the first kind of the robot that lacks the product.
     pub fn check(&self, model: &Model) -> Result<(), Diagnostics> {
         let refusal = Refusals::new(model).of(self.name);
         let refusal = refusal.map(|refusal| refusal.error(self.missing).help(self.help));
@@ -302,12 +302,12 @@ pub(crate) struct Refusal {
 }
 
 impl Refusal {
-    /// Error for a function or product requested by name.
+    /// Error for a function or product that was requested by name.
     pub(crate) fn error(&self, missing: &str) -> Diagnostic {
         Diagnostic::error(self.code, format!("{missing}, because {}", self.because)).help(self.help)
     }
 
-    /// Note for a function or product not requested by name.
+    /// Note for a function or product that was not requested by name.
     pub(crate) fn note(&self, missing: &str) -> Diagnostic {
         Diagnostic::note("left-out", format!("{missing}, because {}", self.because)).help(self.help)
     }
@@ -325,7 +325,7 @@ impl<'m> Refusals<'m> {
         Self { model, examples: [const { OnceCell::new() }; KINDS.len()] }
     }
 
-    /// Reason why the model lacks a function or product; `None` if it has it.
+    /// Reason why the model lacks a function or product; `None` if the model has it.
     ///
     /// - `name`: name of a product, or of a function with `NAME` instead of the frame's name
     pub(crate) fn of(&self, name: &str) -> Option<Refusal> {
@@ -337,7 +337,7 @@ impl<'m> Refusals<'m> {
     }
 }
 
-/// Documentation of a model's function, if it differs from the row.
+/// Changes of a function's documentation, for each kind of the model that has one.
 pub(crate) fn otherwise(model: &Model, name: &str) -> impl Iterator<Item = &'static Otherwise> {
     KINDS.iter().filter_map(move |kind| match kind.difference(name)? {
         Difference::Documented(other) => kind.includes(model).then_some(other),

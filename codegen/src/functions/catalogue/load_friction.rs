@@ -11,7 +11,7 @@ use crate::function_names as names;
 /// Equations of motion with the friction of the load.
 pub const MOTION: &str = "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u − |τ_l| s₁(y, ẏ)";
 
-/// The additional function.
+/// Row of the additional function.
 pub const QUANTITIES: &[Quantity] = &[Quantity {
     name: names::LOAD_FRICTION,
     summary: "Friction under load `s₁(y, ẏ)`: additional friction per unit of load.",
@@ -30,11 +30,11 @@ pub const QUANTITIES: &[Quantity] = &[Quantity {
     ..Quantity::PLAIN
 }];
 
-/// Definition of the load.
+/// Note that defines the load.
 pub const LOAD: &str = "The load `τ_l` is the drive force without friction, `M ÿ + k − gravity_forces − \
         spring_forces`. Friction is `friction_torques + |τ_l| load_friction` (Hamon, Gautier and Garrec 2010).";
 
-/// Derivatives at zero load.
+/// Note on the derivatives at zero load.
 pub const KINK: &str = "At a load of 0 the derivatives are discontinuous; they have the values without \
         `load_friction`, between both one-sided limits.";
 

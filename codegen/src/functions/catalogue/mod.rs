@@ -1,4 +1,4 @@
-//! The catalogue of functions: one row each, with its documentation.
+//! The catalogue of functions. A row is the documentation and the derivation of one generated function.
 //!
 //! `quantity` defines the row type. `motion`, `frames`, `regressors`, `hessian` and `reactions` have the
 //! rows. [`KINDS`] is the table of kinds of robots: additional rows, and functions that differ or are
@@ -35,12 +35,13 @@ use crate::functions::function::FrameFunction;
 use crate::model::Model;
 use motion::QUANTITIES;
 
-/// Every function except those of named frames, in the order of the generated module.
+/// Rows of the functions of robots without special properties, in the order of the generated module.
+/// Functions of named frames and functions that are generated only on request (by name) are not included.
 pub fn quantities() -> impl Iterator<Item = &'static Quantity> {
     QUANTITIES.iter().chain(regressors::QUANTITIES)
 }
 
-/// Quantities of a model; those on request are last.
+/// Rows of a model. Rows of functions that are generated only on request are last.
 pub(super) fn all_quantities(model: &Model) -> impl Iterator<Item = &'static Quantity> {
     let of_model = |row: &'static Quantity| {
         let mut others = KINDS.iter().flat_map(|kind| kind.replaces.iter().map(move |row| (kind, row)));
@@ -57,7 +58,7 @@ pub(super) fn is_on_request(name: &str) -> bool {
     ON_REQUEST.iter().chain(driven::QUANTITIES).any(|row| row.name == name)
 }
 
-/// Functions that are derived if they are asked for by name: few need them.
+/// Rows of the functions that are derived only if they are requested by name, because few robots need them.
 const ON_REQUEST: &[Quantity] = {
     let [center, jacobian, matrix, momentum] = momentum::QUANTITIES;
     &[hessian::QUANTITY, reactions::QUANTITY, center, jacobian, matrix, momentum]
@@ -68,12 +69,12 @@ pub(crate) fn may_be_loops(name: &str) -> bool {
     row(name).is_some_and(|quantity| quantity.loops.is_some())
 }
 
-/// Row of a function of any robot.
+/// Row of a function that some robots may have; `None` if the name is unknown.
 pub(super) fn row(name: &str) -> Option<&'static Quantity> {
     all().find(|row| row.name == name)
 }
 
-/// The rows of every function of whatever robot.
+/// Rows of all functions that robots may have.
 fn all() -> impl Iterator<Item = &'static Quantity> {
     quantities().chain(ON_REQUEST).chain(KINDS.iter().flat_map(|kind| kind.adds))
 }
@@ -92,13 +93,15 @@ pub fn names(model: &Model) -> Vec<String> {
     quantities.chain(frames).chain(compositions).collect()
 }
 
-/// Selected functions that call others.
+/// The selected functions that call other generated functions.
 pub fn compositions(selection: &[String]) -> Vec<Composition> {
     let is_selected =
         |each: &Composition| select_all(selection) || selection.iter().any(|name| name == each.name());
     Composition::ALL.into_iter().filter(is_selected).collect()
 }
 
+/// Checks that a model has the selected functions.
+///
 /// # Errors
 /// `unknown-function` for each name that the model lacks, except [`GROUPS`].
 pub(crate) fn check_names(model: &Model, selection: &[String]) -> Result<(), Diagnostics> {

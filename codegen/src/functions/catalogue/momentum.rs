@@ -10,7 +10,7 @@ const NOTES: &[&str] = &[
      `coupling = \"body\"` spin with their gear ratio.",
 ];
 
-/// Rows of the catalogue for the momentum; derived only if requested by name.
+/// Rows of the catalogue for the momentum. These functions are derived only if they are requested by name.
 pub const QUANTITIES: [Quantity; 4] = [
     Quantity {
         name: function_names::CENTER_OF_MASS,

@@ -267,7 +267,7 @@ const FRICTION_TORQUES: Quantity = Quantity {
     ..Quantity::PLAIN
 };
 
-/// The linearization where the positions are one for each velocity.
+/// Row of the linearization for robots without quaternions.
 const LINEARIZE: Quantity = Quantity {
     name: function_names::LINEARIZE,
     differentiates_friction: true,

@@ -16,19 +16,19 @@ use crate::spatial::Pose;
 /// An argument of a generated function.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Argument {
-    /// y
+    /// Positions y.
     Coordinates,
-    /// ẏ
+    /// Velocities ẏ.
     Velocities,
-    /// ÿ
+    /// Accelerations ÿ.
     Accelerations,
-    /// u
+    /// Inputs u.
     Inputs,
-    /// λ
+    /// Multipliers λ, one for each generalized force.
     Multipliers,
-    /// w
+    /// Wrenches w.
     Wrenches,
-    /// d
+    /// Driven motion d: position, velocity and acceleration of each driven joint.
     Driven,
 }
 
@@ -132,9 +132,9 @@ fn position_entries(model: &Model) -> Vec<(String, &'static str)> {
     entries.collect()
 }
 
-/// A result under construction.
+/// A result of a function, as nodes of the expression graph.
 pub struct Value<'g> {
-    /// Lengths, rows first.
+    /// Lengths of the dimensions, rows first; empty for a scalar.
     pub(in crate::functions) lengths: Vec<usize>,
     pub(in crate::functions) entries: Vec<Scalar<'g>>,
 }
@@ -167,18 +167,19 @@ pub(in crate::functions) const FRAME_JACOBIAN: &[Dimension] = &[Dimension::Fixed
 /// Derivation of a quantity from the equations of motion.
 pub(in crate::functions) type Build = for<'g> fn(&Equations<'_, 'g>, &Arguments<'g>) -> Vec<Value<'g>>;
 
-/// Estimated least number of operations, before the derivation.
+/// Estimate of the least number of operations, made before the derivation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Estimate {
-    /// Work of the mass matrix, which grows with the square of the number of joints.
+    /// Operations of the mass matrix. Their number grows with the square of the number of joints.
     MassMatrix,
-    /// Ten columns for each joint and each link that it moves; 39 operations per column for the UR5, 75 for a
-    /// chain of 30 right angles.
+    /// Ten columns for each pair of a joint and a link that it moves. A column has 39 operations for the UR5,
+    /// and 75 for a chain of 30 joints with right angles between their axes.
     Regressor,
-    /// Products and inverses of matrices: 5.2 times the cube of the number of joints for Talos, 6.9 times for
-    /// a chain of 60 right angles.
+    /// Products and inverses of matrices. With n joints they have 5.2 n³ operations for Talos, and 6.9 n³ for
+    /// a chain of 60 joints with right angles between their axes.
     Inverse,
-    /// Products for each pair of joints: 83 operations for a chain of 60 right angles.
+    /// Products for each pair of joints. A pair has 83 operations for a chain of 60 joints with right angles
+    /// between their axes.
     Pairs,
 }
 
@@ -187,7 +188,7 @@ impl Estimate {
         [Self::MassMatrix, Self::Regressor, Self::Inverse, Self::Pairs];
 }
 
-/// A row of the catalogue.
+/// A row of the catalogue: a generated function, with documentation and derivation.
 pub struct Quantity {
     /// Name of the generated function.
     pub name: &'static str,
@@ -196,36 +197,39 @@ pub struct Quantity {
     pub(in crate::functions) arguments: &'static [Argument],
     pub(in crate::functions) results: &'static [QuantityResult],
     pub(in crate::functions) notes: &'static [&'static str],
-    /// Documentation that depends on the model.
+    /// Adds documentation that depends on the model.
     pub(in crate::functions) describe: fn(&Model, &mut Function),
     pub(in crate::functions) build: Build,
-    /// Documentation of the cheapest derivation.
+    /// Note on the derivation that was chosen because it is the cheapest; `None` without a note.
     pub(in crate::functions) route: fn(&Formulations<'_>) -> Option<&'static str>,
-    /// Constants printed before the function.
+    /// Constants that are printed before the function.
     pub(in crate::functions) constants: fn(&Model, &Formulations<'_>, &Program) -> Vec<Constant>,
-    /// Whether the function differentiates friction by the velocity. Discontinuities of a law are not visible
-    /// in the derivative.
+    /// Whether the function differentiates friction by the velocity. A jump of a friction law does not appear
+    /// in this derivative.
     pub(in crate::functions) differentiates_friction: bool,
-    /// Least number of operations of straight-line code, for robots for which it is very large.
+    /// Estimate of the operations of straight-line code, if they are very many for some robots. `None` for
+    /// other functions.
     pub(in crate::functions) straight_size: Option<Estimate>,
-    /// Form as loops over joints, if available.
+    /// Loops over joints as the other form of the function; `None` if the function is always straight-line
+    /// code.
     pub(in crate::functions) loops: Option<Loops>,
 }
 
-/// Form of a function as loops over joints.
+/// Derivation of a function as loops over joints.
 #[derive(Clone, Copy)]
 pub(in crate::functions) enum Loops {
-    /// Loops of the function itself, and the number of their operations.
+    /// The function has loops of its own. `size` estimates the number of their operations.
     PerJoint { build: BuildLoops, size: Estimate, products: Option<Products> },
-    /// Results are affine in those of another function, which is called.
+    /// The results are affine in the results of another function, which is called.
     Affine { called: &'static str },
 }
 
-/// Loops for only the products with M⁻¹.
+/// Loops only for the products with M⁻¹. All other code is straight-line code.
 #[derive(Clone, Copy)]
 pub(in crate::functions) struct Products {
     pub build: BuildLoops,
-    /// Function that computes the other factor. The loops pay if it is long straight-line code.
+    /// Function that computes the other factor. The loops are faster if this factor is long straight-line
+    /// code.
     pub beside: &'static str,
 }
 

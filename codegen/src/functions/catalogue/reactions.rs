@@ -7,7 +7,7 @@ use crate::dynamics::recursion::motion::MotionInput;
 use crate::function_names;
 use crate::layout::Dimension;
 
-/// Row of the catalogue.
+/// Row of the joint wrenches in the catalogue.
 pub const QUANTITY: Quantity = Quantity {
     name: function_names::JOINT_WRENCHES,
     summary: "Wrenches that pass through the joints, from the parent side to the child, in motion.",

@@ -1,25 +1,27 @@
-//! Laws of the same terms, fitted to whole stretches of the log.
+//! Batch laws: friction laws with the terms of the online estimator, fitted to whole intervals of the log.
 //!
-//! A fit is the mean of the terms given the samples, `A δ = Σ φ r/σ²` with `A = Σ φ φᵀ/σ² + V⁻¹`: the estimator's prior V, without drift, for
-//! its noise σ². It takes the samples that the estimator took. Errors are those of all samples.
+//! A fit δ is the mean of the coefficients given the samples: `A δ = Σ φ r/σ²` with `A = Σ φ φᵀ/σ² + V⁻¹`. φ
+//! are the values of the terms, and r is the error of the described friction. The prior covariance V (without
+//! drift) and the noise σ are those of the estimator. A fit uses the samples that the estimator used. Errors
+//! are computed for all samples.
 
 use super::replay::{JointReplay, OnlineSample, rms};
 use gelenk_adaptation::TERMS;
 use nalgebra::{DMatrix, DVector};
 
-/// Lengths of the stretch before a sample from which a causal law is fitted \[s\].
+/// Lengths of the interval before a sample to which a causal law is fitted \[s\].
 const WINDOWS: [f64; 9] = [2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, f64::INFINITY];
 
-/// The best of several batch laws, as the log shows afterwards.
+/// The best of several batch laws. Only the complete log shows which law is the best.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BatchLaw {
-    /// Number of terms, in the order of [`TERM_NAMES`](gelenk_adaptation::TERM_NAMES).
+    /// Number of terms: the first entries of [`TERM_NAMES`](gelenk_adaptation::TERM_NAMES).
     pub terms: usize,
-    /// Length of the stretch before each sample from which the law was fitted \[s\]; infinite for all samples before it.
+    /// Length of the interval before each sample to which the law was fitted \[s\]; infinite without a limit.
     pub window: f64,
-    /// Errors of the predictions, sample by sample [N·m or N].
+    /// Errors of the predictions, one for each sample [N·m or N].
     pub errors: Vec<f64>,
-    /// Their root mean square [N·m or N].
+    /// Root mean square of the errors [N·m or N].
     pub error: f64,
 }
 
@@ -32,7 +34,8 @@ pub enum Fitted {
     BeforeRun,
 }
 
-/// The best law that was fitted to earlier samples: number of terms and window are chosen afterwards.
+/// The best law that predicts each sample from earlier samples. The number of terms and the window are chosen afterwards,
+/// from the errors of the complete log. `None` if no error is finite.
 #[must_use]
 pub fn best_causal(joint: &JointReplay, fitted: Fitted) -> Option<BatchLaw> {
     let (samples, sums) = (&joint.samples, Sums::of(&joint.samples));
@@ -48,7 +51,8 @@ pub fn best_causal(joint: &JointReplay, fitted: Fitted) -> Option<BatchLaw> {
     })
 }
 
-/// The best single law of the whole log, fitted to all samples that the estimator took.
+/// The best single law of the log, fitted to all samples that the estimator used. `None` if no error is
+/// finite.
 #[must_use]
 pub fn best_in_hindsight(joint: &JointReplay) -> Option<BatchLaw> {
     let sums = Sums::of(&joint.samples);

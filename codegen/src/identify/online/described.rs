@@ -1,4 +1,4 @@
-//! Forces of the described robot with its friction, by the functions of its module.
+//! Inverse dynamics and friction of the described robot.
 
 use super::super::parameters::result;
 use crate::diagnostic::Diagnostics;
@@ -10,7 +10,8 @@ use crate::functions::size::MOST_OPERATIONS;
 use crate::model::Model;
 use gelenk_formula::Formula;
 
-/// Inverse dynamics and friction of a robot, by the interpreter: bits are those of the generated module.
+/// Inverse dynamics and friction torques of a robot. They are interpreted, with the same bits as the
+/// generated module.
 #[derive(Debug)]
 pub struct DescribedForces {
     functions: [Function; 2],
@@ -18,12 +19,12 @@ pub struct DescribedForces {
 }
 
 impl DescribedForces {
-    /// Derives the functions.
+    /// Derives the inverse dynamics and the friction torques of the robot.
     ///
-    /// - `without_gravity`: the efforts of the log are without the robot's weight
+    /// - `without_gravity`: leaves out gravity, for logs whose efforts do not include it
     ///
     /// # Errors
-    /// As [`derive_in_form`].
+    /// Errors of [`derive_in_form`].
     pub fn new(model: &Model, without_gravity: bool) -> Result<Self, Diagnostics> {
         let mut model = model.clone();
         if without_gravity {
@@ -41,7 +42,7 @@ impl DescribedForces {
         })
     }
 
-    /// Inverse dynamics with friction, and the friction in it [N·m or N].
+    /// Generalized forces of the inverse dynamics including friction, and the friction alone [N·m or N].
     #[must_use]
     pub fn at(&self, y: &[f64], v: &[f64], a: &[f64]) -> [Vec<f64>; 2] {
         let [inverse_dynamics, friction] = &self.functions;

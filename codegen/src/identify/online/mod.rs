@@ -1,7 +1,9 @@
-//! Replay of logs through the estimator of the control loop, [`gelenk_adaptation`], and batch laws to compare it with.
+//! Replay of logs through the friction estimator of the control loop ([`gelenk_adaptation`]), and batch laws
+//! for comparison.
 //!
-//! The same code runs as in the loop. Measurements are the log's, so every number of the estimator has the bits that it had in the
-//! loop, if the log has every period, its positions were believed, and the efforts are the inputs that the loop wrote.
+//! The estimator is the same code as in the control loop, and its measurements come from the log. Its numbers
+//! therefore have the same bits as in the control loop, if the log has every period, the loop accepted all
+//! positions, and the efforts are the inputs that the loop wrote.
 
 mod batch;
 mod described;

@@ -1,4 +1,4 @@
-//! The page of a replay: learned friction over time, and errors of predictions.
+//! Page of a replay: learned friction over time, and errors of the predictions.
 
 use gelenk_findings::digits::significant;
 use gelenk_report::{Axis, Block, Cell, Figure, Marks, Plot, Report, Section, Table, text};
@@ -11,25 +11,25 @@ use gelenk_adaptation::TERM_NAMES;
 /// Time over which errors are averaged in the figure \[s\].
 const SMOOTHING: f64 = 5.0;
 
-/// A joint of a replay, with the batch laws that it is compared with.
+/// A joint of a replay, with batch laws for comparison.
 #[derive(Debug, Clone)]
 pub struct OnlineJoint {
     /// Name of the joint.
     pub name: String,
-    /// Unit of its position.
+    /// Unit of the joint's position.
     pub unit: &'static str,
-    /// Its learned law and samples.
+    /// Learned friction law and samples of the joint.
     pub replay: JointReplay,
-    /// The best law that was fitted to the samples before each run.
+    /// The best batch law that predicts each run from the samples before it; `None` if there is none.
     pub by_run: Option<BatchLaw>,
-    /// The best law that was fitted to the samples before each sample.
+    /// The best batch law that predicts each sample from the samples before it; `None` if there is none.
     pub causal: Option<BatchLaw>,
-    /// The best law that was fitted to all samples.
+    /// The best batch law that was fitted to all samples; `None` if there is none.
     pub hindsight: Option<BatchLaw>,
 }
 
 impl OnlineJoint {
-    /// Fits the batch laws.
+    /// Fits the batch laws to the samples of the replay.
     #[must_use]
     pub fn new(name: String, unit: &'static str, replay: JointReplay) -> Self {
         let by_run = best_causal(&replay, Fitted::BeforeRun);
@@ -38,8 +38,8 @@ impl OnlineJoint {
         Self { name, unit, replay, by_run, causal, hindsight }
     }
 
-    /// Errors of the predictions: described, learned and acting law, batch laws before each run and each sample, law in hindsight
-    /// [N·m or N].
+    /// Root mean squares of the prediction errors [N·m or N], in this order: described law, learned law,
+    /// acting law, batch laws fitted before each run and before each sample, best law of the whole log. NaN without the batch law.
     #[must_use]
     pub fn errors(&self) -> [f64; 6] {
         let of = |law: &Option<BatchLaw>| law.as_ref().map_or(f64::NAN, |law| law.error);
@@ -53,7 +53,7 @@ impl OnlineJoint {
         ]
     }
 
-    /// Samples beyond the interval of their prediction.
+    /// Number of samples outside of the interval of their prediction.
     #[must_use]
     pub fn unexplained(&self) -> usize {
         self.replay.samples.iter().filter(|sample| !sample.prediction.is_explained).count()
@@ -64,10 +64,10 @@ impl OnlineJoint {
     }
 }
 
-/// The page.
+/// Makes the page.
 ///
-/// - `joints`: those that are learned
-/// - `command`: that made the page
+/// - `joints`: joints whose friction is learned
+/// - `command`: command line that made the page
 #[must_use]
 pub fn online_page(name: &str, joints: &[OnlineJoint], command: &str) -> Report {
     let mut report = Report::new(format!("Friction of {name}, learned online")).lead(
@@ -106,7 +106,7 @@ fn figure(index: usize, joint: &OnlineJoint) -> Figure {
     Figure::new(format!("online_{}", index + 1), "").plot(law).plot(errors)
 }
 
-/// Root mean squares over the samples of the last [`SMOOTHING`].
+/// Root mean squares over the samples of the last [`SMOOTHING`] seconds.
 fn smoothed(samples: &[OnlineSample], of: &dyn Fn(usize) -> f64) -> Vec<[f64; 2]> {
     let mut sums = vec![0.0];
     for i in 0..samples.len() {

@@ -1,4 +1,4 @@
-//! Rows of a log as measurements of the loop.
+//! Replay: the rows of a log are given to the estimator as measurements of the control loop.
 
 use gelenk_adaptation::{
     Adaptation, AdaptationSettings, DescribedForces, JointScale, JointState, MOST_DELAY, Magnitudes,
@@ -9,17 +9,18 @@ use gelenk_identification::robot::{JointLimits, Robot};
 use gelenk_identification::run::{Effort, Run};
 use gelenk_identification::{IdentificationError, Result};
 
-/// Most joints and inputs of a robot: the places of the estimator. Those without a joint are not learned.
+/// Largest number of joints and inputs of a robot: the size of the estimator. Unused places are not learned.
 const MOST: usize = 32;
 /// Significant digits of the rate of a log, which clocks and printed times disturb.
 const RATE_DIGITS: usize = 6;
-/// Rates of two runs differ by more than clocks do.
+/// Relative difference of the rates of two runs that is larger than that of two clocks.
 const OTHER_RATE: f64 = 0.01;
-/// Steps of time differ from whole periods by more than velocities bear, in periods.
+/// Largest difference of a step of time from whole periods for which velocities are accurate enough
+/// \[periods\].
 const LARGEST_JITTER: f64 = 0.1;
 
-/// Forces of the described robot at positions y, velocities ẏ and accelerations ÿ [N·m or N]: inverse dynamics with friction, and the
-/// friction in it.
+/// Function of positions y, velocities ẏ and accelerations ÿ. It returns the generalized forces of the
+/// inverse dynamics including friction, and the friction alone [N·m or N].
 pub type Forces<'a> = dyn Fn(&[f64], &[f64], &[f64]) -> [Vec<f64>; 2] + 'a;
 
 /// Result of a replay.
@@ -27,20 +28,21 @@ pub type Forces<'a> = dyn Fn(&[f64], &[f64], &[f64]) -> [Vec<f64>; 2] + 'a;
 pub struct Replay {
     /// Settings of the estimator.
     pub settings: AdaptationSettings,
-    /// Joints in the order of the robot; `None` for those without an input or a measured effort, which are not learned.
+    /// Joints in the order of the robot. `None` for a joint without an input or without a measured effort,
+    /// because its friction is not learned.
     pub joints: Vec<Option<JointReplay>>,
 }
 
-/// A joint over the log.
+/// Learned friction of a joint over the log.
 #[derive(Debug, Clone)]
 pub struct JointReplay {
-    /// State after the last row.
+    /// State of the estimator after the last row.
     pub state: JointState,
-    /// Standard deviations of the terms before the first sample.
+    /// Standard deviations of the coefficients of the terms before the first sample.
     pub prior: [f64; gelenk_adaptation::TERMS],
-    /// Root mean square of the speed in motion, at which [`OnlineSample::friction`] is given [rad/s or m/s].
+    /// Root mean square of the joint's speed in motion [rad/s or m/s].
     pub speed: f64,
-    /// Described friction at this speed [N·m or N].
+    /// Friction of the description at [`JointReplay::speed`] [N·m or N].
     pub described: f64,
     /// Samples of the estimator.
     pub samples: Vec<OnlineSample>,
@@ -49,27 +51,28 @@ pub struct JointReplay {
 /// A sample of the estimator.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OnlineSample {
-    /// Time since the first row; runs follow each other \[s\].
+    /// Time since the first row \[s\]. Runs follow each other.
     pub time: f64,
-    /// Time at which its run begins \[s\].
+    /// Time at which the run of this sample begins \[s\].
     pub begin: f64,
-    /// Prediction by the law before this sample.
+    /// Prediction of this sample by the law that was learned before it.
     pub prediction: Prediction,
-    /// Error of the law that acted [N·m or N].
+    /// Prediction error of the acting law, which a controller would have used [N·m or N].
     pub acting: f64,
-    /// Learned friction at [`JointReplay::speed`] after this sample, and half of its 90 % interval [N·m or N].
+    /// Learned friction at [`JointReplay::speed`] after this sample, and half the width of its 90 % interval
+    /// [N·m or N].
     pub friction: [f64; 2],
-    /// The law that acts after this sample.
+    /// State that decides which law acts after this sample.
     pub trust: Trust,
 }
 
 impl JointReplay {
-    /// Root mean square of the errors of the predictions by a law [N·m or N]; NaN without samples.
+    /// Root mean square of the error that `of` returns for each sample [N·m or N]; NaN without samples.
     pub fn error(&self, of: impl Fn(&OnlineSample) -> f64) -> f64 {
         rms(self.samples.iter().map(of))
     }
 
-    /// Time of the last change of the law that acts \[s\].
+    /// Time of the last change of the acting law \[s\].
     #[must_use]
     pub fn since(&self) -> f64 {
         let changed = self.samples.iter().rposition(|sample| sample.trust != self.state.trust);
@@ -77,16 +80,18 @@ impl JointReplay {
     }
 }
 
-/// Replays runs in their order. Between runs the estimator keeps its laws, as over a new start of the loop.
+/// Replays runs in their order. Between two runs the estimator keeps its laws, as if the control loop were
+/// started again.
 ///
-/// Efforts at the joints belong to the row of their positions; between rows they are taken as linear. Inputs were written after the positions of their row, so they
-/// act over the period behind it, as in the log of the loop.
+/// Efforts at the joints are values at the time of their row, and are linear between rows. Inputs are written
+/// after the positions of their row are measured, so they act over the period after this row, as in the log
+/// of the control loop.
 ///
-/// - `delay`: time from an input until it acts \[s\]
+/// - `delay`: time from the writing of an input until it acts \[s\]
 ///
 /// # Errors
-/// Robots with quaternions, driven joints or inputs at frames, joints without limits, currents without a described motor constant,
-/// and a log that is too slow for the filter.
+/// An error for robots with quaternions, driven joints or inputs at frames, for joints without limits, for
+/// currents without a described motor constant, and for a log that is too slow for the filter.
 pub fn replay(robot: &dyn Robot, forces: &Forces<'_>, runs: &[Run], delay: f64) -> Result<Replay> {
     let robot = Described::new(robot, forces, runs)?;
     let rate = rate(runs)?;
@@ -138,7 +143,8 @@ fn fault(place: impl Into<String>, message: impl Into<String>) -> Identification
     IdentificationError::File { place: place.into(), message: message.into() }
 }
 
-/// Periods in a second: the median step of the log, rounded as a person gives a rate. Each run has it.
+/// Periods per second: the inverse of the median time step of the log, rounded to few digits. An error if a
+/// run has another rate.
 fn rate(runs: &[Run]) -> Result<f64> {
     let steps = |run: &Run| run.times.windows(2).map(|t| t[1] - t[0]).collect::<Vec<f64>>();
     let rate = 1.0
@@ -189,7 +195,8 @@ fn settings(rate: f64, delay: f64) -> Result<AdaptationSettings> {
     Ok(AdaptationSettings { delay: periods as usize, ..AdaptationSettings::new(1.0 / rate) })
 }
 
-/// Root mean square of a joint's speed in the rows in which its position changes; steps over left-out rows do not count.
+/// Root mean square of a joint's speed in the rows in which its position changes. Steps over left-out rows do
+/// not count.
 fn speed(runs: &[Run], joint: usize, rate: f64) -> f64 {
     let speeds = runs.iter().flat_map(|run| {
         let steps = run.positions[joint].windows(2).zip(run.times.windows(2));
@@ -206,13 +213,13 @@ pub(super) fn rms(values: impl Iterator<Item = f64>) -> f64 {
     f64::sqrt(squares / count)
 }
 
-/// A robot in the estimator's places.
+/// A robot, with arrays of the size of the estimator.
 struct Described<'a> {
     robot: &'a dyn Robot,
     forces: &'a Forces<'a>,
     joints: usize,
     effort: Effort,
-    /// B.
+    /// Input matrix B.
     matrix: [[f64; MOST]; MOST],
     limits: Vec<JointLimits>,
     /// Inputs at which drives make their largest torque.
@@ -292,7 +299,7 @@ impl<'a> Described<'a> {
         Ok(scales)
     }
 
-    /// Rows of a run as measurements, with one that has nothing for each row that was left out.
+    /// Rows of a run as measurements, and an empty measurement for each row that was left out.
     fn measurements(&self, run: &'a Run, rate: f64) -> impl Iterator<Item = Measured<MOST>> {
         (0..run.times.len()).flat_map(move |row| {
             let before = row.saturating_sub(1);
@@ -311,7 +318,8 @@ impl<'a> Described<'a> {
         })
     }
 
-    /// Efforts at the joints over the period before a row: the mean of those at its ends.
+    /// Efforts at the joints over the period before a row: the mean of the efforts at both ends of the
+    /// period.
     fn at_joints(&self, run: &Run, row: usize) -> ([f64; MOST], [bool; MOST]) {
         let before = padded_row(&run.efforts, row.saturating_sub(1));
         let mut torques = padded_row(&run.efforts, row);
@@ -324,7 +332,8 @@ impl<'a> Described<'a> {
         (torques, saturated)
     }
 
-    /// B u and joints with a drive at its limit, of the inputs of a row; those before a run are unknown.
+    /// B u for the inputs of a row, and the joints with a drive at its limit. Inputs before the run are
+    /// unknown.
     fn by_inputs(&self, run: &Run, row: Option<usize>) -> ([f64; MOST], [bool; MOST]) {
         let Some(row) = row else { return ([f64::NAN; MOST], [false; MOST]) };
         let inputs = padded_row(&run.efforts, row);

@@ -1,4 +1,4 @@
-//! Pivots of M if joints follow others: `M = Gᵀ M_joints G` by composite bodies (Walker and Orin 1982;
+//! Pivots of M for robots with followers: `M = Gᵀ M_joints G` by composite bodies (Walker and Orin 1982;
 //! Featherstone 2008, ch. 6), factorized from the last coordinate to the first.
 
 use super::{
@@ -6,7 +6,8 @@ use super::{
     motion_axis,
 };
 
-/// M, and for each coordinate the sum of the magnitudes in its diagonal entry, which bounds the rounding.
+/// M, and for each coordinate the sum of the magnitudes in its diagonal entry. This sum bounds the rounding
+/// error.
 pub(super) fn mass_matrix(model: &Model, described: &[f64], positions: &[f64]) -> (Vec<Vec<f64>>, Vec<f64>) {
     let all = model.motion_count();
     let (mut mass, mut sizes) = (vec![vec![0.0; all]; all], vec![0.0; all]);
@@ -15,7 +16,7 @@ pub(super) fn mass_matrix(model: &Model, described: &[f64], positions: &[f64]) -
     (mass, sizes)
 }
 
-/// Pivots by link, for links whose joints are coordinates.
+/// Pivots by link; `None` for links without an independent joint.
 pub(super) fn pivots(model: &Model, described: &[f64], positions: &[f64]) -> Vec<Option<Pivot>> {
     let n = model.coordinates.len();
     let (mut mass, sizes) = mass_matrix(model, described, positions);

@@ -6,36 +6,37 @@ use super::writer::Writer;
 use crate::layout::{Dimension, Extent};
 use crate::program::{Operand, Operation, Output, Program, Shape};
 
-/// `A_y`, `A_v`, `B_x` and `c` from the results of `forward_dynamics_derivatives`.
+/// The linearization: `A_y`, `A_v`, `B_x` and `c` from the results of `forward_dynamics_derivatives`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Affine {
     /// Name of the called function.
     pub name: &'static str,
-    /// Called function in array form; its results are ÿ, ∂ÿ/∂y, ∂ÿ/∂ẏ and M⁻¹.
+    /// Called function in array form. Its results are ÿ, ∂ÿ/∂y, ∂ÿ/∂ẏ and M⁻¹.
     pub called: Arrays,
-    /// Coordinates of each input, each with its gain, a constant or a parameter.
+    /// For each input, the coordinates on which it acts, each with its gain. A gain is a constant or a
+    /// parameter.
     pub inputs: Vec<Vec<(usize, Operand)>>,
-    /// D for positions with quaternions; `c` then has no term of y.
+    /// D for positions with quaternions; otherwise `None`. With D, `c` has no term of y.
     pub drift: Option<Vec<Drift>>,
 }
 
-/// An entry of D: a velocity or its negative.
+/// An entry of D: a velocity or the negative of a velocity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Drift {
     /// Row of the entry.
     pub row: usize,
     /// Column of the entry.
     pub column: usize,
-    /// The velocity.
+    /// Index of the velocity.
     pub velocity: usize,
     /// Whether the entry is the negative of the velocity.
     pub is_negative: bool,
 }
 
 impl Affine {
-    /// Equivalent straight-line program: column m of `B_x` is the sum of columns of M⁻¹ times gains, and `c =
-    /// ÿ − ((A_y y + A_v ẏ) + B_x u)`, row by row, with four partial sums per product. With quaternions `c =
-    /// ÿ − (A_v ẏ + B_x u)`.
+    /// Equivalent straight-line program. Column m of `B_x` is the sum of columns of M⁻¹ times gains. The
+    /// remainder is `c = ÿ − ((A_y y + A_v ẏ) + B_x u)`, or with quaternions `c = ÿ − (A_v ẏ + B_x u)`. It is
+    /// computed row by row. Each product has four partial sums.
     #[must_use]
     pub fn unrolled(&self) -> Program {
         let Program { inputs, instructions, outputs } = self.called.unrolled();
@@ -102,7 +103,7 @@ impl Writer {
         sum.unwrap_or(Operand::Constant(0.0))
     }
 
-    /// A row times an input array: entry k belongs to partial sum k mod 4, each starts at 0.
+    /// A row times an input array. Entry k belongs to partial sum k mod 4. Each partial sum starts at 0.
     fn dot(&mut self, row: &[Operand], array: usize) -> Operand {
         let mut sums = [Operand::Constant(0.0); 4];
         for (k, &entry) in row.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! A function in array form: its own steps, or affine in another function's results.
+//! A function in array form: it has steps of its own, or it is affine in the results of another function.
 
 use super::super::Program;
 use super::{Affine, Arrays};
@@ -31,7 +31,7 @@ impl ArrayForm {
         }
     }
 
-    /// The steps; for the linearization those of the called function.
+    /// The steps. For the linearization, these are the steps of the called function.
     #[must_use]
     pub fn arrays(&self) -> &Arrays {
         match self {

@@ -6,19 +6,19 @@ use super::{Coordinates, Tree};
 /// A function over arrays.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Arrays {
-    /// Straight-line code; its results are the first arrays.
+    /// Straight-line code before the steps. Its results are the first arrays.
     pub setup: Program,
-    /// All arrays; those of the setup are first.
+    /// All arrays. The arrays of the setup are first.
     pub arrays: Vec<Array>,
     /// Steps in order.
     pub steps: Vec<Step>,
     /// Results in order.
     pub outputs: Vec<ArrayOutput>,
-    /// The joints.
+    /// Tree of the joints.
     pub joints: Tree,
-    /// Coordinates of the joints; `None` if each joint is a coordinate.
+    /// Coordinates that the joints follow; `None` if each joint is independent.
     pub coordinates: Option<Coordinates>,
-    /// For each joint with a quaternion the loop joints of its velocities, from the base outwards.
+    /// For each joint with a quaternion, the loop joints of its velocities, from the base outwards.
     pub chains: Vec<Vec<usize>>,
     /// Whether products and sums of the steps are fused.
     pub is_fused: bool,
@@ -31,7 +31,7 @@ pub struct Array {
     pub name: String,
     /// Number of rows.
     pub rows: usize,
-    /// Index set of its entries.
+    /// Index set of the entries of a row.
     pub over: Over,
 }
 
@@ -53,7 +53,7 @@ pub enum Relation {
 pub enum Over {
     /// Joints.
     Joints,
-    /// Coordinates that joints follow. If each joint is a coordinate, all arrays are over joints.
+    /// Coordinates that joints follow. If each joint is independent, all arrays are over joints.
     Coordinates,
 }
 
@@ -71,43 +71,43 @@ pub struct ArrayOutput {
     pub array: ArrayId,
 }
 
-/// A step over arrays. Sums of products start with the first product and add the others in order.
+/// A step over arrays. Sums of products start with the first product and add the other products in order.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Step {
     /// The same small straight-line program for each joint.
     Map(Map),
-    /// `to[·][j] = from[·][j]` plus those of all joints before j; parents first.
+    /// `to[·][j] = from[·][j]` plus the entries of all joints before j, computed from parents to children.
     SumAncestors {
-        /// Terms.
+        /// Array of the terms.
         from: ArrayId,
-        /// Sums.
+        /// Array of the sums.
         to: ArrayId,
     },
-    /// `to[·][j] = from[·][j]` plus those of all joints beyond j; leaves first.
+    /// `to[·][j] = from[·][j]` plus the entries of all joints beyond j, computed from children to parents.
     SumSubtrees {
-        /// Terms.
+        /// Array of the terms.
         from: ArrayId,
-        /// Sums.
+        /// Array of the sums.
         to: ArrayId,
     },
     /// A matrix over pairs of joints on one path.
     Pairs(Pairs),
     /// `to[·][c]` is the sum of `from[·][j]` over the joints j that follow coordinate c.
     Collect {
-        /// Over joints.
+        /// Array over joints.
         from: ArrayId,
-        /// Over coordinates.
+        /// Array over coordinates.
         to: ArrayId,
     },
-    /// `to[c][d]` is the sum of `from[i][j]` over the joints i that follow coordinate c and j that follow d; sums
-    /// over i come first.
+    /// `to[c][d]` is the sum of `from[i][j]` over the joints i that follow coordinate c and the joints j that
+    /// follow coordinate d. The sums over i are computed first.
     Project {
         /// A matrix over joints.
         from: ArrayId,
         /// A matrix over coordinates.
         to: ArrayId,
     },
-    /// `to[·][j] = from[·][k]` with the carrier k of joint j, or 0 if that is the base.
+    /// `to[·][j] = from[·][k]` with the carrier k of joint j, or 0 if the base carries joint j.
     GatherCarriers {
         /// Source array.
         from: ArrayId,
@@ -123,9 +123,9 @@ pub enum Step {
     },
     /// `to[·][j] = from[·][c]` with the coordinate c that joint j follows.
     Spread {
-        /// Over coordinates.
+        /// Array over coordinates.
         from: ArrayId,
-        /// Over joints.
+        /// Array over joints.
         to: ArrayId,
     },
     /// Inverse of a symmetric positive definite matrix with the zeros of a mass matrix, by Gauss–Jordan
@@ -136,7 +136,7 @@ pub enum Step {
         /// The inverse.
         to: ArrayId,
     },
-    /// `to = −left · right`, matrices over the coordinates.
+    /// `to = −left · right` for matrices over the coordinates.
     NegativeProduct {
         /// Left factor.
         left: ArrayId,
@@ -163,31 +163,35 @@ pub struct Map {
     pub name: String,
     /// Purpose of the step, for documentation.
     pub about: String,
-    /// Arrays that are read; the inputs are their rows at one joint.
+    /// Arrays that are read. The inputs of `body` are the rows of these arrays at one joint.
     pub reads: Vec<ArrayId>,
-    /// Arrays that are written; the results are their rows at the joint.
+    /// Arrays that are written. The results of `body` are the rows of these arrays at the joint.
     pub writes: Vec<ArrayId>,
     /// The computation at each joint.
     pub body: Program,
 }
 
-/// `to[i][j]` is `Σ before.0[r][i] · before.1[r][j]` if j is before i on its path to the base or is another
-/// velocity of the same joint, `diagonal[i]` if i = j, `Σ beyond.0[r][i] · beyond.1[r][j]` if i is before j,
-/// and 0 otherwise.
+/// A matrix over pairs of joints. The entry `to[i][j]` is
+///
+/// - `Σ before.0[r][i] · before.1[r][j]` if j is before i on its path to the base, or is another velocity of
+///   the same joint
+/// - `diagonal[i]` if i = j
+/// - `Σ beyond.0[r][i] · beyond.1[r][j]` if i is before j
+/// - 0 otherwise
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pairs {
-    /// Rows by i and rows by j, for j before i.
+    /// Arrays for j before i: rows by i, then rows by j.
     pub before: (ArrayId, ArrayId),
-    /// Rows by i and rows by j, for j beyond i.
+    /// Arrays for j beyond i: rows by i, then rows by j.
     pub beyond: (ArrayId, ArrayId),
-    /// Array of the diagonal, one row.
+    /// Array of the diagonal, with one row.
     pub diagonal: ArrayId,
     /// Array of the matrix.
     pub to: ArrayId,
 }
 
 impl Arrays {
-    /// Tree of the coordinates, equal to the joints if each joint is a coordinate.
+    /// Tree of the coordinates. It equals the tree of the joints if each joint is independent.
     #[must_use]
     pub fn coordinates(&self) -> &Tree {
         self.coordinates.as_ref().map_or(&self.joints, |coordinates| &coordinates.tree)
@@ -205,13 +209,15 @@ impl Arrays {
         }
     }
 
-    /// Whether each joint except the first follows the previous one, and none has a quaternion.
+    /// Whether the joints form one chain, in which the previous joint carries each joint except the first.
+    /// False if a joint has a quaternion.
     #[must_use]
     pub fn is_chain(&self) -> bool {
         self.joints.is_chain() && self.chains.is_empty()
     }
 
-    /// Carrier of each joint (for a velocity, of the joint that it belongs to); `None` for the base.
+    /// Carrier of each joint; `None` for the base. A velocity of a joint with a quaternion has the carrier of
+    /// the whole joint.
     #[must_use]
     pub fn carriers(&self) -> Vec<Option<usize>> {
         let mut carriers = self.joints.parents.clone();
@@ -223,7 +229,8 @@ impl Arrays {
         carriers
     }
 
-    /// For each joint the last velocity of the joint that it belongs to.
+    /// For each loop joint, the last velocity of the joint with a quaternion to which it belongs. For other
+    /// joints, the joint itself.
     #[must_use]
     pub fn last(&self) -> Vec<usize> {
         let mut last: Vec<usize> = (0..self.joints.len()).collect();
@@ -241,8 +248,9 @@ impl Arrays {
         self.over(self.arrays[array].over)
     }
 
-    /// Whether a matrix over coordinates is zero at all pairs of coordinates that share no path. It is not
-    /// for forces that depend on another branch, for example friction of a shaft that moves two.
+    /// Whether a matrix over coordinates is zero at all pairs of coordinates that share no path. Other
+    /// matrices belong to forces that depend on another branch, for example friction of a shaft that moves
+    /// two branches.
     #[must_use]
     pub fn is_over_paths(&self, array: ArrayId) -> bool {
         let Some(output) = self.setup.outputs.get(array) else {
@@ -266,7 +274,7 @@ impl Arrays {
         }
     }
 
-    /// The steps with fused multiply-adds: each product used only by sums becomes part of these sums.
+    /// The steps with fused multiply-adds: each product that only sums use becomes part of these sums.
     #[must_use]
     pub fn fused(&self) -> Self {
         let mut fused = self.clone();

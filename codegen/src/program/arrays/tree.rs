@@ -22,7 +22,8 @@ impl Tree {
         self.parents.is_empty()
     }
 
-    /// Whether each entry except the first follows the previous one.
+    /// Whether the entries form one chain, in which the previous entry is the parent of each entry except the
+    /// first.
     #[must_use]
     pub fn is_chain(&self) -> bool {
         let parents = self.parents.iter().enumerate();
@@ -43,10 +44,10 @@ impl Tree {
     }
 }
 
-/// Coordinates of joints that are not coordinates themselves.
+/// Coordinates of joints that are not all independent.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Coordinates {
-    /// Coordinate of each joint. Joints that are coordinates come first, in order.
+    /// Coordinate of each joint. Independent joints come first, in order.
     pub of_joints: Vec<usize>,
     /// Tree of the coordinates. Two coordinates are on one path if their rows are combined during the
     /// inversion of M.
@@ -54,6 +55,8 @@ pub struct Coordinates {
 }
 
 impl Coordinates {
+    /// Finds the tree of the coordinates.
+    ///
     /// - `of_joints`: coordinate of each joint
     #[must_use]
     pub fn new(joints: &Tree, of_joints: Vec<usize>) -> Self {
@@ -69,15 +72,15 @@ impl Coordinates {
         Self { of_joints, tree: Tree { parents, order } }
     }
 
-    /// Joints that follow coordinates of other joints, each with its coordinate.
+    /// Joints that follow the coordinate of another joint, each with this coordinate.
     pub fn followers(&self) -> impl DoubleEndedIterator<Item = (usize, usize)> {
         let joints = self.of_joints.iter().copied().enumerate();
         joints.skip(self.tree.len())
     }
 }
 
-/// The elimination tree of a symmetric matrix (Liu 1990): rows that are combined while it is inverted from the end
-/// of `order` to its beginning stand on one path.
+/// The elimination tree of a symmetric matrix (Liu 1990). Rows are on one path if the inversion combines
+/// them. The inversion goes from the end of `order` to its beginning.
 fn elimination(mut meet: Vec<Vec<bool>>, order: &[usize]) -> Vec<Option<usize>> {
     let mut parents = vec![None; order.len()];
     for (place, &pivot) in order.iter().enumerate().rev() {

@@ -135,7 +135,7 @@ impl Unrolling<'_> {
         }
     }
 
-    /// The rows or entries of a coordinate's joints become its own.
+    /// Sums the entries of the joints that follow each coordinate.
     fn collect(&mut self, from: usize, to: usize) {
         for row in 0..self.form.arrays[from].rows {
             let collected = self.collected(|joint| self.at(from, row, joint));
@@ -146,7 +146,7 @@ impl Unrolling<'_> {
         }
     }
 
-    /// For each coordinate the entries of the joints that follow it.
+    /// For each coordinate, the entries of the joints that follow it.
     fn collected(&self, entry: impl Fn(usize) -> Operand) -> Vec<Vec<Operand>> {
         let mut collected: Vec<Vec<Operand>> =
             (0..self.form.coordinates().len()).map(|own| vec![entry(own)]).collect();
@@ -216,7 +216,7 @@ impl Unrolling<'_> {
         self.writer.sum_of_products(&terms)
     }
 
-    /// One step of Gauss and Jordan.
+    /// One step of the Gauss–Jordan elimination, with pivot k.
     fn sweep(&mut self, matrix: usize, k: usize) {
         let (n, tree) = (self.form.coordinates().len(), self.form.coordinates());
         let pivot = self.at(matrix, k, k);

@@ -1,4 +1,5 @@
-//! Actuators become drives, fixed tendons drives on several joints, armatures rotors.
+//! Reading of actuators, tendons and armatures. Actuators become drives, fixed tendons become drives on
+//! several joints, and armatures become rotors.
 
 use std::collections::BTreeMap;
 
@@ -13,13 +14,13 @@ use crate::diagnostic::{At, Span, nearest};
 use crate::model::{FrictionTerm, Input, MotorTorque};
 use gelenk_formula::Formula;
 
-/// The weighted sum of positions that a fixed tendon is as long as.
+/// The length of a fixed tendon: a weighted sum of positions.
 type Sum = Vec<FollowsDescription>;
 
 /// Weighted sums of all fixed tendons by name.
 pub(super) type Sums = BTreeMap<String, Sum>;
 
-/// Attributes of a general actuator that makes more of its input than a force in proportion.
+/// Attributes of a general actuator, with the values for which the force is proportional to the input.
 const SERVO: [(&str, &[&str]); 3] =
     [("gaintype", &["fixed"]), ("biastype", &["none"]), ("dyntype", &["none"])];
 
@@ -116,7 +117,7 @@ impl<'a> Reader<'_, 'a> {
         joints().any(|a| joints().any(|b| !self.carries(a, b) && !self.carries(b, a)))
     }
 
-    /// Whether a joint moves another one, or itself.
+    /// Whether a joint carries the link of another joint, or is the same joint.
     fn carries(&self, joint: &str, other: &str) -> bool {
         let joints = &self.robot.joints;
         let parent = |at: &&JointDescription| {
@@ -203,7 +204,8 @@ impl<'a> Reader<'_, 'a> {
         Motor { gear, rotor_inertia, friction, input: Input::Torque, torque, span: element.span() }
     }
 
-    /// The first motor on a joint is the joint's own, with its armature: descriptions on top of the file can replace it.
+    /// Adds a motor. The first motor on a joint becomes the joint's own drive, with the joint's armature, so
+    /// that an extending description can replace it.
     fn on_joint(&mut self, name: Option<Name>, joint: String, mut motor: Motor) {
         let wanted = name.as_ref().map_or_else(|| joint.clone(), |name| name.value.clone());
         let described = self.robot.joints.iter().position(|other| other.name.value == joint);
@@ -231,7 +233,7 @@ impl<'a> Reader<'_, 'a> {
         self.robot.drives.push(SharedDriveDescription { name, on, motor });
     }
 
-    /// Reads armatures of joints without an actuator.
+    /// Adds the armatures of joints without an actuator as rotors.
     pub(super) fn armatures(&mut self) {
         let open = std::mem::take(&mut self.joints);
         for (joint, known) in open.into_iter().filter(|(_, known)| known.armature != 0.0) {
@@ -245,7 +247,7 @@ impl<'a> Reader<'_, 'a> {
         }
     }
 
-    /// An actuator on a site, whose gear is force and moment in the site's frame.
+    /// Adds an actuator on a site. Its gear is a force and a moment in the site's frame.
     fn wrench(&mut self, placed: &Placed<'a>, site: Given<'a>, name: Option<Name>, gear: &[f64]) {
         let element = placed.element;
         let owner = name.as_ref().map_or_else(|| format!("<{}>", element.tag()), Name::quoted);
@@ -277,14 +279,14 @@ impl<'a> Reader<'_, 'a> {
 }
 
 impl Motor {
-    /// No motor, but a property of a joint or a tendon.
+    /// A property of a joint or a tendon without a motor.
     fn passive(span: Span) -> Self {
         let torque = MotorTorque::default();
         Self { gear: 1.0, rotor_inertia: 0.0, friction: Vec::new(), input: Input::None, torque, span }
     }
 }
 
-/// `viscous · v + dry · sign(v)`
+/// The terms of `viscous · v + dry · sign(v)`.
 fn friction(viscous: f64, dry: f64) -> Vec<FrictionTerm> {
     let [viscous, dry] = [viscous, dry].map(|value| Some(Formula::Number(value)).filter(|_| value != 0.0));
     viscous.map(FrictionTerm::viscous).into_iter().chain(dry.map(FrictionTerm::coulomb)).collect()

@@ -1,4 +1,4 @@
-//! `<attach>`: adds a body of another model with its content; names get a prefix.
+//! `<attach>`: adds a body of another model with its content. The names get a prefix.
 
 use std::collections::BTreeSet;
 
@@ -10,7 +10,7 @@ use crate::model::Pose;
 use crate::read::one_tree;
 use crate::read::options::ReadOptions;
 
-/// Most models that are attached one to the other: more are hardly meant.
+/// Largest depth of models that attach each other, to find models that attach themselves.
 const DEEPEST: usize = 8;
 
 impl<'a> Reader<'_, 'a> {
@@ -54,7 +54,7 @@ impl<'a> Reader<'_, 'a> {
         self.join(part, &renamed);
     }
 
-    /// Reads the model of an `<asset>` as far as it does not depend on this one.
+    /// Reads the model of an `<asset>` that has this name.
     fn part(&mut self, model: &Name) -> Option<Part> {
         let mut known = Vec::new();
         for asset in self.models.clone() {
@@ -130,7 +130,7 @@ impl<'a> Reader<'_, 'a> {
     }
 }
 
-/// Drops equalities and drives of joints that are not attached with the body, as MuJoCo does.
+/// Drops equalities and drives of joints that are not attached together with the body, as MuJoCo does.
 fn cut_references(robot: &mut RobotDescription) {
     let joints: BTreeSet<String> = robot.joints.iter().map(|joint| joint.name.value.clone()).collect();
     let is_whole = |on: &[FollowsDescription]| on.iter().all(|term| joints.contains(&term.joint.value));

@@ -1,4 +1,4 @@
-//! Nested bodies.
+//! Reading of nested bodies.
 
 use super::files::Element;
 use super::schema::{ORIENTATIONS, Place, tags};
@@ -8,23 +8,23 @@ use crate::diagnostic::At;
 use crate::model::{JointKind, Pose};
 use gelenk_formula::Formula;
 
-/// Elements that make several bodies of one.
+/// Elements that generate several bodies.
 const GENERATORS: [&str; 2] = ["composite", "flexcomp"];
 
 /// Elements with bodies.
 const BODIES: [&str; 2] = ["body", "attach"];
 
-/// More elements in one body are hardly meant; their count is a number in the file.
+/// Largest number of elements in a body, because the number is an attribute of the file.
 const MOST_ELEMENTS: usize = 10_000;
 
-/// A body that waits for being read.
+/// A body that is read later.
 struct Waiting<'a> {
     body: Placed<'a>,
     parent: Name,
 }
 
 impl<'a> Reader<'_, 'a> {
-    /// Reads all bodies, parents first, in MuJoCo's order.
+    /// Reads all bodies in MuJoCo's order, parents first.
     pub(super) fn bodies(&mut self, worlds: &[Element<'a>]) {
         let mut waiting = Vec::new();
         for &world in worlds {
@@ -53,7 +53,7 @@ impl<'a> Reader<'_, 'a> {
         }
     }
 
-    /// Reads one body without those inside it; its name, and all that stands in it.
+    /// Reads a body without the bodies inside it. Returns the name of the body and its content.
     fn body(&mut self, body: Placed<'a>, parent: Name) -> (Name, Vec<Placed<'a>>) {
         let element = body.element;
         let named = self.placed_name(&body);
@@ -120,7 +120,7 @@ impl<'a> Reader<'_, 'a> {
         self.robot.frames.push(FrameDescription { name, link: link.clone(), pose, is_site: true });
     }
 
-    /// Pose of an element, from its attributes or class.
+    /// Pose of an element, from its attributes or from its class.
     pub(super) fn pose_of(&mut self, placed: &Placed<'a>, owner: &str) -> Pose {
         let element = placed.element;
         let is_turned = ORIENTATIONS.iter().any(|key| element.attribute(key).is_some());
@@ -163,8 +163,9 @@ impl<'a> Reader<'_, 'a> {
         contents
     }
 
-    /// The copies of `<replicate>`: each is moved by `offset` in the frame of the one before, and turned by its number times the
-    /// angles `euler`. The names in it end with `sep` and its number.
+    /// The copies of `<replicate>`. Each copy is moved by `offset` in the frame of the previous copy, and
+    /// turned by its number times the angles `euler`. Names in a copy end with `sep` and the number of the
+    /// copy.
     fn copies(&mut self, replicate: &Placed<'a>, most: usize) -> Vec<Placed<'a>> {
         let element = replicate.element;
         let count = self.number(element.attribute("count"), "count");

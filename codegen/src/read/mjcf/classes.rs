@@ -2,7 +2,7 @@
 
 use super::files::{Element, Files, Given};
 
-/// Tags that share one set of defaults.
+/// Tags of elements that share one set of defaults.
 const ACTUATORS: [&str; 13] = [
     "general",
     "motor",
@@ -26,7 +26,7 @@ struct Class<'a> {
     elements: Vec<Element<'a>>,
 }
 
-/// All classes; the first is the class of elements without one.
+/// All classes. The first class belongs to the elements without a class.
 pub(super) struct Classes<'a>(Vec<Class<'a>>);
 
 impl<'a> Classes<'a> {
@@ -58,7 +58,7 @@ impl<'a> Classes<'a> {
         Self(classes)
     }
 
-    /// The index of a class.
+    /// Index of a class; `None` if the class is unknown.
     pub(super) fn find(&self, name: &str) -> Option<usize> {
         match name {
             "main" => Some(0),
@@ -70,7 +70,8 @@ impl<'a> Classes<'a> {
         self.0.iter().map(|class| class.name)
     }
 
-    /// Attribute value from a class or an enclosing one, for elements with this tag.
+    /// Value of an attribute for elements with this tag, from a class or an enclosing class; `None` without a
+    /// default.
     pub(super) fn attribute(&self, class: usize, tag: &str, key: &str) -> Option<Given<'a>> {
         let kind = |tag: &str| if ACTUATORS.contains(&tag) { "general".to_owned() } else { tag.to_owned() };
         let wanted = kind(tag);

@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 use super::Reader;
 use super::files::{Element, plain_path};
 
-/// Settings, with MuJoCo's defaults.
+/// Settings of the model. The defaults are MuJoCo's.
 pub(super) struct Compiler {
-    /// Unit of angles in radians.
+    /// Unit of angles \[rad\].
     pub(super) angle: f64,
-    /// Axes of the three angles of `euler`; capital letters mean axes of the parent frame.
+    /// Axes of the three angles of `euler`. Capital letters mean axes of the parent frame.
     pub(super) eulerseq: [char; 3],
-    /// Whether a range is a limit without being marked as one.
+    /// Whether a range is a limit even if no attribute says so.
     pub(super) autolimits: bool,
     pub(super) inertia_from_geoms: FromGeoms,
     /// Lowest and highest group of geoms with mass.
@@ -20,7 +20,7 @@ pub(super) struct Compiler {
     pub(super) least_inertia: f64,
     pub(super) balances: bool,
     pub(super) total_mass: Option<f64>,
-    /// Folder of the model's meshes, next to its file.
+    /// Folder of the model, in which paths of meshes begin.
     pub(super) folder: PathBuf,
     pub(super) mesh_folder: PathBuf,
     /// Whether folders are removed from file names.
@@ -63,7 +63,7 @@ impl Compiler {
     }
 }
 
-/// Flags that switch parts of the model off: forces of springs, dampers and friction, couplings, inputs.
+/// Flags that disable parts of the model: forces of springs, dampers and friction, couplings, inputs.
 const DISABLING: [&str; 6] = ["passive", "spring", "damper", "frictionloss", "equality", "actuation"];
 
 impl<'a> Reader<'_, 'a> {
@@ -131,7 +131,7 @@ impl<'a> Reader<'_, 'a> {
         }
     }
 
-    /// Reads gravity and other global forces.
+    /// Reads gravity, and remarks on other global forces and on flags.
     pub(super) fn option(&mut self, element: Element<'a>) {
         if let Some(gravity) = self.vector(element.attribute("gravity"), "gravity") {
             self.gravity = gravity.value;
@@ -155,7 +155,7 @@ impl<'a> Reader<'_, 'a> {
         }
     }
 
-    /// Reads one of several words.
+    /// Reads an attribute whose value is one of several words.
     pub(super) fn word(
         &mut self,
         element: Element<'a>,

@@ -1,4 +1,4 @@
-//! Equalities of joints and fixed tendons become couplings.
+//! Reading of equalities of joints and fixed tendons. They become couplings.
 
 use std::collections::BTreeSet;
 
@@ -35,7 +35,7 @@ impl<'a> Reader<'_, 'a> {
         self.notes.remark(Remark::Loop, element.span(), name);
     }
 
-    /// `length1 − length1₀ = a₀ + a₁ (length2 − length2₀)`; the length of a joint is its position.
+    /// Reads `length1 − length1₀ = a₀ + a₁ (length2 − length2₀)`. The length of a joint is its position.
     fn equality(&mut self, placed: &Placed<'a>, sums: &Sums) {
         let element = placed.element;
         let polynomial = self.numbers_of(placed);
@@ -68,7 +68,7 @@ impl<'a> Reader<'_, 'a> {
         }
     }
 
-    /// The joints of a length with their factors; nothing if it is none of joints.
+    /// The joints of a length, with their factors; `None` if the length is not a sum of joint positions.
     fn length(
         &mut self,
         element: Element<'a>,
@@ -91,7 +91,7 @@ impl<'a> Reader<'_, 'a> {
         sum.iter().map(term).collect()
     }
 
-    /// `Σ factor (position − reference) = constant`, solved for the first joint.
+    /// Adds the coupling `Σ factor (position − reference) = constant`, solved for the first joint.
     fn couple(&mut self, terms: &[(String, f64)], constant: f64, span: Span) {
         let Some(((follower, factor), others)) = terms.split_first() else { return };
         let reference = |name: &String| self.joints.get(name).map_or(0.0, |joint| joint.reference);
@@ -113,7 +113,7 @@ impl<'a> Reader<'_, 'a> {
         }
     }
 
-    /// The coefficients; joint1 is joint2 without them.
+    /// The coefficients a. Without coefficients, joint1 equals joint2.
     fn numbers_of(&mut self, placed: &Placed<'a>) -> Vec<f64> {
         let own = placed.element.attribute("polycoef");
         let given = own.or_else(|| self.classes.attribute(placed.class, "equality", "polycoef"));
@@ -121,7 +121,8 @@ impl<'a> Reader<'_, 'a> {
         numbers.map_or(vec![0.0, 1.0], |numbers| numbers.value)
     }
 
-    /// Joint named by an attribute; reports an error if it does not exist.
+    /// Name of the joint that an attribute names. If the joint does not exist, an error is reported and the
+    /// result is `None`.
     pub(super) fn joint_of(&mut self, element: Element<'a>, key: &str) -> Option<String> {
         let Some(given) = element.attribute(key) else {
             let message = format!("<{}> has no `{key}`", element.tag());

@@ -13,19 +13,20 @@ use crate::read::urdf::text::{UrdfText, opening_tag};
 /// Largest number of files that include each other.
 const MOST_FILES: usize = 100;
 
-/// A file.
+/// A file of the model.
 pub(super) struct Text {
-    /// Where it was found, from the folder of the first description.
+    /// Path of the file, relative to the folder of the first description.
     path: PathBuf,
-    /// The file that includes it, and its name there; nothing for the model itself.
+    /// Index of the including file, and the name of this file there; `None` for the model itself.
     included: Option<(usize, String)>,
     source: usize,
     text: UrdfText,
 }
 
-/// Reads the model's text and its includes; `None` after reporting an error.
+/// Reads the model's text and its included files. After an error the result is `None`.
 ///
-/// - `path`: path of the model; paths of included files are relative to it, or else to the including file
+/// - `path`: path of the model; paths of included files are relative to its folder, or if that file does not
+///   exist, to the folder of the including file
 pub(super) fn gather(
     (text, source): (&str, usize),
     path: &Path,
@@ -91,12 +92,12 @@ fn includes(text: &Text, report: &mut Report) -> Option<Vec<At<String>>> {
     Some(includes.filter_map(file).collect())
 }
 
-/// A path with the separators of every system; files from Windows may have backslashes.
+/// A path with `/` as the separator. Paths from Windows may have backslashes.
 pub(super) fn plain_path(path: &str) -> String {
     path.replace('\\', "/")
 }
 
-/// The file that includes another one, and the name of the other one there.
+/// Index of the including file, and the name of the included file there.
 type Included<'t> = Option<(usize, &'t str)>;
 
 /// Parsed texts of the model and its includes.
@@ -104,7 +105,7 @@ pub(super) struct Files<'t> {
     files: Vec<(Included<'t>, usize, Document<'t>)>,
 }
 
-/// An element with its file.
+/// An element, with the index of its file.
 #[derive(Clone, Copy)]
 pub(super) struct Element<'a> {
     pub(super) node: Node<'a, 'a>,
@@ -122,14 +123,14 @@ impl<'t> Files<'t> {
         Self { files: parsed.collect() }
     }
 
-    /// Root element of the model.
+    /// Root element of the model; `None` without a file.
     pub(super) fn root(&'t self) -> Option<Element<'t>> {
         self.files
             .first()
             .map(|(_, source, document)| Element { node: document.root_element(), source: *source })
     }
 
-    /// Child elements, with `<include>` replaced by the elements of the included file.
+    /// Child elements. An `<include>` is replaced by the elements of the included file.
     pub(super) fn children(&'t self, element: Element<'t>) -> Vec<Element<'t>> {
         let inside = |element: Element<'t>| {
             let nodes = element.node.children().filter(Node::is_element);
@@ -177,7 +178,7 @@ impl<'a> Element<'a> {
     }
 }
 
-/// Value of an attribute with its place.
+/// Value of an attribute, with its place.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Given<'a> {
     pub(super) text: &'a str,
@@ -190,7 +191,7 @@ impl<'a> Given<'a> {
     }
 }
 
-/// Meshes of a file, each read when a geom needs it.
+/// Meshes of a file. Each mesh is read when a geom needs it.
 pub(super) struct Meshes<'a, 'l> {
     pub(super) load: &'l mut dyn Fetch,
     pub(super) assets: BTreeMap<String, Element<'a>>,

@@ -1,4 +1,4 @@
-//! Mass and inertia of a body, as described or else from its geoms.
+//! Mass and inertia of a body, from `<inertial>` or from its geoms.
 
 use std::f64::consts::PI;
 
@@ -14,14 +14,14 @@ use crate::model::pose::{Rotation, Unsaid, rotate_inertia};
 use crate::numeric::length;
 use gelenk_formula::Formula;
 
-/// Water, MuJoCo's default.
+/// Density of water, the default of MuJoCo [kg/m³].
 const DENSITY: f64 = 1000.0;
 
-/// Geoms whose shape is a file, or a plane.
+/// Types of geoms whose shape is a file.
 const MESHES: [&str; 2] = ["mesh", "sdf"];
 const FLAT: [&str; 2] = ["plane", "hfield"];
 
-/// Mass, centre of mass, and inertia about it: xx, xy, xz, yy, yz, zz.
+/// Mass, centre of mass, and inertia xx, xy, xz, yy, yz, zz about the centre of mass.
 #[derive(Debug, Clone, Copy)]
 struct Lump {
     mass: f64,
@@ -33,11 +33,11 @@ struct Lump {
 enum Share {
     Nothing,
     Lump(Lump),
-    /// A mesh without integrals, and why.
+    /// A mesh without integrals, with the reason.
     Unknown(String),
 }
 
-/// A solid about its centre: volume, and principal moments for a unit of mass.
+/// A solid: volume, and principal moments about its centre for a unit of mass.
 #[derive(Debug, Clone, Copy)]
 struct Solid {
     volume: f64,
@@ -70,7 +70,7 @@ impl<'a> Reader<'_, 'a> {
         }
     }
 
-    /// `<inertial>`
+    /// Mass and inertia of an `<inertial>`.
     fn described(&mut self, inertial: &Placed<'a>, owner: &str) -> Option<Lump> {
         let element = inertial.element;
         for key in ["pos", "mass"] {
@@ -93,7 +93,7 @@ impl<'a> Reader<'_, 'a> {
         Some(Lump { mass, center: origin(&pose), inertia: turned(&pose.rotation, inertia) })
     }
 
-    /// The sum of the geoms that have mass.
+    /// The sum of the geoms that have mass; `None` if no geom has mass.
     fn of_geoms(&mut self, name: &Name, contents: &[Placed<'a>]) -> Option<Lump> {
         let mut lumps = Vec::new();
         for geom in contents.iter().filter(|placed| placed.element.tag() == "geom") {
@@ -153,7 +153,7 @@ impl<'a> Reader<'_, 'a> {
         Share::Lump(Lump { mass, center: origin(&pose), inertia })
     }
 
-    /// A mesh of this mass or density.
+    /// Mass and inertia of a mesh with this mass or density.
     fn of_mesh(
         &mut self,
         geom: &Placed<'a>,
@@ -175,7 +175,7 @@ impl<'a> Reader<'_, 'a> {
         })
     }
 
-    /// A primitive shape, and where it stands.
+    /// A primitive shape, and its pose.
     fn solid(&mut self, geom: &Placed<'a>, kind: &str, body: &Name) -> Option<(Solid, Pose)> {
         let ends = self.vector::<6>(self.find(geom, "fromto"), "fromto");
         let given = self.find(geom, "size");
@@ -211,7 +211,7 @@ impl<'a> Reader<'_, 'a> {
         }
     }
 
-    /// The inertia as the bounds of `<compiler>` leave it.
+    /// The inertia after the limits of `<compiler>` are applied.
     fn bounded(&mut self, lump: Option<Lump>) -> Option<Lump> {
         let compiler = &self.compiler;
         let is_bounded = compiler.least_mass > 0.0 || compiler.least_inertia > 0.0;
@@ -235,7 +235,7 @@ impl<'a> Reader<'_, 'a> {
         Some(lump)
     }
 
-    /// Scales all masses to the sum given by `<compiler>`.
+    /// Scales all masses to the sum in `<compiler>`.
     pub(super) fn scale_masses(&mut self) {
         let Some(total) = self.compiler.total_mass else { return };
         let masses = self.robot.bodies.iter().filter_map(|body| body.mass.as_ref()?.value.as_number());
@@ -253,7 +253,7 @@ impl<'a> Reader<'_, 'a> {
 
 const SOLIDS: [&str; 5] = ["sphere", "capsule", "ellipsoid", "cylinder", "box"];
 
-/// Volume and moments of solids with these sizes: radii and half lengths.
+/// Volume and moments of a solid with these sizes: radii and half lengths.
 fn solid(kind: &str, size: &[f64]) -> Option<Solid> {
     let count = match kind {
         "sphere" => 1,
@@ -283,7 +283,8 @@ fn ellipsoid([a, b, c]: [f64; 3]) -> Solid {
     Solid { volume: 4.0 / 3.0 * PI * a * b * c, moments }
 }
 
-/// A cylinder of half length h between two half balls, whose centres of mass lie 3 r/8 behind their faces.
+/// A cylinder of half length h between two half balls. The centres of mass of the half balls are 3 r/8 from
+/// their flat faces.
 fn capsule(r: f64, h: f64) -> Solid {
     let (cylinder, ball) = (2.0 * PI * r * r * h, 4.0 / 3.0 * PI * r * r * r);
     let volume = cylinder + ball;

@@ -1,4 +1,4 @@
-//! Joints; several joints in one body become a chain.
+//! Reading of joints. Several joints in one body become a chain.
 
 use super::place::by_axis;
 use super::{KnownJoint, Placed, Reader, Remark, or};
@@ -10,16 +10,16 @@ use crate::read::composite::{self, Composite, Place};
 use crate::read::toml::forces::warn_of_negative_stiffness;
 use gelenk_formula::{Formula, TermOf};
 
-/// Where a joint stands.
+/// The two links of a joint.
 struct Between {
     parent: Name,
     child: Name,
-    /// The body's frame at position 0 of this joint, in the parent's.
+    /// Frame of the body in the parent's frame, at position 0 of this joint.
     frame: Pose,
 }
 
 impl<'a> Reader<'_, 'a> {
-    /// Joints between a body and its parent, starting at the parent.
+    /// Reads the joints between a body and its parent, starting at the parent.
     pub(super) fn joints(&mut self, body: &Name, parent: Name, pose: Pose, joints: &[&Placed<'a>]) {
         let (mut carrier, mut frame) = (parent, Some(pose));
         for (index, joint) in joints.iter().enumerate() {
@@ -72,7 +72,7 @@ impl<'a> Reader<'_, 'a> {
         At::new(name, span)
     }
 
-    /// Position of a joint in its body.
+    /// Position of a joint in its body's frame.
     fn anchor(&mut self, joint: &Placed<'a>) -> Pose {
         let position =
             self.vector(self.find(joint, "pos"), "pos").map_or([0.0; 3], |position| position.value);
@@ -113,7 +113,7 @@ impl<'a> Reader<'_, 'a> {
         self.robot.joints.push(description);
     }
 
-    /// A free body stands in the world, wherever the file shows it.
+    /// Adds a free joint. Its body is in the world, at any pose that the file shows.
     fn free(&mut self, joint: &Placed<'a>, name: Name, between: Between, is_only: bool) {
         self.require_world(&name, (&between.parent, &between.frame), is_only);
         let place = Place {
@@ -125,7 +125,7 @@ impl<'a> Reader<'_, 'a> {
         self.quaternion(joint, name, QuaternionKind::Floating, place, Pose::identity());
     }
 
-    /// Rejects a free joint outside the world; notes that its initial pose is ignored.
+    /// Rejects a free joint outside of the world. Notes that the initial pose is ignored.
     pub(super) fn require_world(&mut self, name: &Name, (parent, frame): (&Name, &Pose), is_only: bool) {
         if parent.value != super::WORLD || !is_only {
             let message =
@@ -200,7 +200,7 @@ impl<'a> Reader<'_, 'a> {
         }
     }
 
-    /// Reads a range if its switch makes it a limit.
+    /// Reads a range; `None` unless the attribute `switch` or the default makes it a limit.
     pub(super) fn range(&mut self, placed: &Placed<'a>, key: &str, switch: &str) -> Option<At<[f64; 2]>> {
         let given = self.find(placed, key)?;
         let switch_word = match self.find(placed, switch) {
@@ -215,7 +215,7 @@ impl<'a> Reader<'_, 'a> {
         self.vector(Some(given), key).filter(|_| is_on)
     }
 
-    /// `−stiffness (y − springref)`
+    /// The force of a spring, `−stiffness (y − springref)`.
     fn spring(&mut self, joint: &Placed<'a>, unit: f64) -> Option<At<Vec<Formula>>> {
         if let Some(given) = self.find(joint, "springdamper").filter(|given| !is_zero(given.text)) {
             let body = joint.element.node.attribute("name").unwrap_or("a joint");
@@ -233,7 +233,8 @@ impl<'a> Reader<'_, 'a> {
         Some(At::new(vec![law], stiffness.span))
     }
 
-    /// The factor of a law: the first number, where those of its higher powers are 0.
+    /// The linear coefficient of a law: its first number. Other numbers are coefficients of higher powers and
+    /// give a remark if they are not 0.
     fn linear(&mut self, joint: &Placed<'a>, key: &str) -> Option<At<f64>> {
         let numbers = self.numbers(self.find(joint, key)?, key)?;
         if numbers.value.iter().skip(1).any(|number| *number != 0.0) {

@@ -1,40 +1,40 @@
-//! Triangle meshes, and their masses, centres and inertias.
+//! Triangle meshes: their mass, centre of mass and inertia.
 
 use crate::numeric::{cross, length};
 
 type Point = [f64; 3];
 type Triangle = [Point; 3];
 
-/// Mass distributions over a mesh, as MuJoCo names them.
+/// Distribution of mass over a mesh, with MuJoCo's names.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Filling {
-    /// Sum of the absolute volumes of pyramids from the centre to all triangles; the surface may be open.
+    /// Sum of the absolute volumes of the pyramids from the centre to all triangles. The surface may be open.
     Legacy,
     /// Volume inside a closed surface.
     Exact,
-    /// Surface.
+    /// The surface alone.
     Shell,
 }
 
-/// Integrals over a mesh at unit density.
+/// Integrals over a mesh with density 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct MeshIntegrals {
     /// Volume (m³), or area of a shell (m²).
     pub size: f64,
     pub center: Point,
-    /// Inertia about the centre: xx, xy, xz, yy, yz, zz.
+    /// Inertia about the centre, with the entries xx, xy, xz, yy, yz, zz.
     pub inertia: [f64; 6],
 }
 
-/// Sizes below this have no centre; MuJoCo's bound.
+/// Meshes of a smaller size have no centre. This is the bound of MuJoCo.
 const LEAST_SIZE: f64 = 1e-15;
 
 /// Volume, centre and inertia of a mesh from pyramids between a point and each triangle (Tonon, Explicit
-/// exact formulas for the 3-D tetrahedron inertia tensor, 2004). The point is first the centroid of the
-/// surface, then the centre of mass.
+/// exact formulas for the 3-D tetrahedron inertia tensor, 2004). In the first step the point is the centroid
+/// of the surface, in the second step the centre of mass.
 ///
 /// # Errors
-/// The reason why the mesh has no volume.
+/// The reason, if the mesh has no volume.
 pub(super) fn integrals(triangles: &[Triangle], filling: Filling) -> Result<MeshIntegrals, &'static str> {
     let area: f64 = triangles.iter().map(area).sum();
     if area < LEAST_SIZE {
@@ -107,10 +107,10 @@ fn dot(a: Point, b: Point) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Triangles of an STL (binary or text) or OBJ file. Coordinates have single precision, as in MuJoCo.
+/// Triangles of an STL file (binary or text) or an OBJ file. Coordinates have single precision, as in MuJoCo.
 ///
 /// # Errors
-/// The file is damaged, has another format, or has no finite triangles.
+/// The reason, if the file is damaged, has another format, or has no finite triangles.
 pub(super) fn triangles(bytes: &[u8], is_obj: bool) -> Result<Vec<Triangle>, &'static str> {
     let found = match is_obj {
         true => obj(&String::from_utf8_lossy(bytes)),
@@ -125,7 +125,8 @@ pub(super) fn triangles(bytes: &[u8], is_obj: bool) -> Result<Vec<Triangle>, &'s
     }
 }
 
-/// 80 bytes of a header, the count, and 50 bytes for each triangle: normal, corners, two more.
+/// Reads a binary STL: 80 bytes of a header, the number of triangles, and 50 bytes for each triangle (normal,
+/// corners, two more bytes).
 fn binary_stl(bytes: &[u8]) -> Option<Vec<Triangle>> {
     let (head, body) = (bytes.get(80..84)?, bytes.get(84..)?);
     let count = u32::from_le_bytes(head.try_into().ok()?) as usize;
@@ -142,7 +143,7 @@ fn binary_stl(bytes: &[u8]) -> Option<Vec<Triangle>> {
     Some(body.chunks_exact(50).map(triangle).collect())
 }
 
-/// `vertex X Y Z`, three for each triangle.
+/// Reads a text STL: three lines `vertex X Y Z` for each triangle.
 fn text_stl(text: &str) -> Option<Vec<Triangle>> {
     let vertices = text.lines().filter_map(|line| line.trim_start().strip_prefix("vertex"));
     let corners: Vec<Point> = vertices.map(point).collect::<Option<_>>()?;
@@ -150,13 +151,14 @@ fn text_stl(text: &str) -> Option<Vec<Triangle>> {
     rest.is_empty().then(|| triangles.to_vec())
 }
 
-/// Three numbers, of single precision.
+/// Three numbers in single precision.
 fn point(text: &str) -> Option<Point> {
     let numbers = text.split_whitespace().take(3).map(|word| word.parse::<f32>().map(f64::from));
     numbers.collect::<Result<Vec<f64>, _>>().ok()?.try_into().ok()
 }
 
-/// Lines `v X Y Z` and `f A B C …`, whose corners are counted from 1, or from the last one by negative numbers.
+/// Reads an OBJ: lines `v X Y Z`, and lines `f A B C …` with indices of corners. Positive indices count from
+/// 1, negative indices count back from the last corner.
 fn obj(text: &str) -> Option<Vec<Triangle>> {
     let mut corners: Vec<Point> = Vec::new();
     let mut triangles = Vec::new();
@@ -177,10 +179,10 @@ fn obj(text: &str) -> Option<Vec<Triangle>> {
     Some(triangles)
 }
 
-/// Triangles of the convex hull of single-precision corners.
+/// Triangles of the convex hull of the corners, in single precision.
 ///
 /// # Errors
-/// The corners have no convex hull.
+/// The reason, if the corners have no convex hull.
 pub(super) fn convex_hull(triangles: &[Triangle]) -> Result<Vec<Triangle>, &'static str> {
     let single = |point: &Point| glam::Vec3A::from(point.map(|x| x as f32));
     let points: Vec<_> = triangles.iter().flatten().map(single).collect();

@@ -1,4 +1,4 @@
-//! Meshes of `<asset>`: files, and integrals for geoms with mass.
+//! Meshes of `<asset>`: their files, and their integrals for geoms with mass.
 
 use super::files::{Element, Given};
 use super::mesh::{Filling, MeshIntegrals, convex_hull, integrals, triangles};
@@ -6,14 +6,14 @@ use super::{Placed, Reader, plain_path};
 use crate::model::pose::rotate_numbers;
 use crate::numeric::length;
 
-/// Words of `inertia`.
+/// Values of the attribute `inertia`.
 const FILLINGS: [(&str, Filling); 4] = [
     ("legacy", Filling::Legacy),
     ("exact", Filling::Exact),
     (CONVEX, Filling::Exact),
     ("shell", Filling::Shell),
 ];
-/// The volume inside the convex hull.
+/// Value of `inertia` for the volume inside the convex hull.
 const CONVEX: &str = "convex";
 
 impl<'a> Reader<'_, 'a> {
@@ -30,7 +30,7 @@ impl<'a> Reader<'_, 'a> {
         }
     }
 
-    /// Integrals of a mesh, or the reason why there are none.
+    /// Integrals of a mesh, or the reason why it has no integrals.
     pub(super) fn mesh(&mut self, name: &str) -> Result<MeshIntegrals, String> {
         if let Some(known) = self.meshes.known.get(name) {
             return known.clone();

@@ -1,6 +1,7 @@
-//! Reader of MJCF, the format of MuJoCo, to a [`RobotDescription`].
+//! Reader of MJCF, the format of MuJoCo. It makes a [`RobotDescription`].
 //!
-//! Elements that enter M, k and q are read like MuJoCo's compiler does; others are skipped with a note.
+//! Elements that affect M, k and q are read as MuJoCo's compiler reads them. Other elements are skipped with
+//! a note.
 
 mod actuators;
 mod attach;
@@ -36,17 +37,17 @@ use files::{Element, Files, Given, Meshes, plain_path};
 use gelenk_formula::{Formula, LARGEST_NUMBER, too_large};
 use notes::Remark;
 
-/// The link of all that does not move.
+/// Name of the link of all parts that do not move.
 const WORLD: &str = "world";
 
-/// Sections that say nothing of the equations.
+/// Sections that do not affect the equations.
 const HARMLESS: [&str; 9] =
     ["size", "visual", "statistic", "asset", "contact", "sensor", "keyframe", "custom", "extension"];
 
-/// A joint as other sections speak of it.
+/// Properties of a joint that other sections need.
 struct KnownJoint {
     name: Name,
-    /// Position of the joint in the described pose.
+    /// Position of the joint in the pose that the file shows.
     reference: f64,
     has_quaternion: bool,
     is_free: bool,
@@ -68,36 +69,36 @@ pub(super) struct Reader<'r, 'a> {
     /// Joints by their names in the file.
     joints: BTreeMap<String, KnownJoint>,
     sites: BTreeSet<String>,
-    /// The first joint of each body, by its index.
+    /// For each body, the index of its first joint.
     bodies: BTreeMap<String, usize>,
-    /// Models of `<asset>`, and the folder that their paths begin from.
+    /// Models of `<asset>`, and the folder in which their paths begin.
     models: Vec<Element<'a>>,
     folder: PathBuf,
-    /// The files of the models that this one is attached to, and its own.
+    /// Files of the models to which this model is attached, and its own file.
     chain: Vec<PathBuf>,
     link_names: Distinct,
     joint_names: Distinct,
     drive_names: Distinct,
 }
 
-/// An element in its body: with the pose of the frames around it, and the class that it has without a word.
+/// An element in its body, with the pose of the enclosing frames and its class.
 #[derive(Clone)]
 struct Placed<'a> {
     element: Element<'a>,
     pose: Pose,
     class: usize,
-    /// Ends of its name by the copies of `<replicate>` in which it is.
+    /// Suffix of its name, from the enclosing `<replicate>` elements.
     suffix: String,
 }
 
 impl<'a> Placed<'a> {
-    /// An element that is in no body.
+    /// An element outside of bodies.
     fn outside(element: Element<'a>, class: usize) -> Self {
         Self { element, pose: Pose::identity(), class, suffix: String::new() }
     }
 }
 
-/// A model that another one may attach.
+/// A model that can be attached to another model.
 struct Part {
     robot: RobotDescription,
     joints: BTreeMap<String, KnownJoint>,
@@ -105,10 +106,10 @@ struct Part {
     bodies: BTreeMap<String, usize>,
 }
 
-/// Reads an MJCF; `None` if it is not XML or has no model.
+/// Reads an MJCF; `None` if the text is not XML or has no model.
 ///
-/// - `text`: the text and its index
-/// - `path`: path of the file; paths of included files are relative to it
+/// - `text`: the text, and its index in the report
+/// - `path`: path of the file; paths of included files are relative to its folder
 pub(super) fn description(
     report: (&mut Report, &mut Angles),
     text: (&str, usize),
@@ -119,9 +120,10 @@ pub(super) fn description(
     read(report, text, path, options, (load, &[])).map(|part| part.robot)
 }
 
-/// Reads a model, also one that is attached to others. Armatures and the sum of masses are those of the whole.
+/// Reads a model, which may be attached to another model. Armatures and the sum of masses are applied to the
+/// whole model only.
 ///
-/// - `before`: files of the models that this one is attached to
+/// - `before`: files of the models to which this model is attached
 fn read(
     (report, angles): (&mut Report, &mut Angles),
     text: (&str, usize),
@@ -209,7 +211,7 @@ impl<'a> Reader<'_, 'a> {
         }
     }
 
-    /// An element that would make bodies or forces of its own.
+    /// Reports an element that would generate bodies or forces.
     fn refuse(&mut self, element: Element<'a>) {
         let message = format!("<{}> is not supported", element.tag());
         self.report.error(element.span(), "unsupported-element", message);
@@ -218,13 +220,13 @@ impl<'a> Reader<'_, 'a> {
         );
     }
 
-    /// Attribute of an element, or of its class.
+    /// Attribute of an element, or of its class; `None` if neither has it.
     fn find(&self, placed: &Placed<'a>, key: &str) -> Option<Given<'a>> {
         let own = placed.element.attribute(key);
         own.or_else(|| self.classes.attribute(placed.class, placed.element.tag(), key))
     }
 
-    /// The class that an element names, else the one around it.
+    /// Index of the class that an element names, or of the enclosing class.
     fn class(&mut self, element: Element<'a>, key: &str, around: usize) -> usize {
         let Some(given) = element.attribute(key) else { return around };
         match self.classes.find(given.text) {
@@ -250,7 +252,7 @@ impl<'a> Reader<'_, 'a> {
         Some(At::new(given.text.to_owned(), given.span))
     }
 
-    /// The name of an element in a body.
+    /// Name of an element in a body, with its suffix.
     fn placed_name(&mut self, placed: &Placed<'a>) -> Option<Name> {
         let name = self.name(placed.element, "name")?;
         Some(At::new(name.value + placed.suffix.as_str(), name.span))
@@ -282,7 +284,7 @@ impl<'a> Reader<'_, 'a> {
         }
     }
 
-    /// As many numbers as there are.
+    /// Reads any number of numbers.
     fn numbers(&mut self, given: Given<'a>, key: &str) -> Option<At<Vec<f64>>> {
         let words = given.text.split_whitespace().map(|word| word.parse::<f64>().map(|number| number + 0.0));
         let numbers: Result<Vec<f64>, _> = words.collect();
@@ -313,12 +315,12 @@ fn shortened(text: &str) -> String {
     text.chars().take(60).collect()
 }
 
-/// A number where a file says none.
+/// The number that a file gives, or the default.
 fn or(given: Option<At<f64>>, default: f64) -> f64 {
     given.map_or(default, |given| given.value)
 }
 
-/// The place of a number, or of its element.
+/// Place of a number, or of its element.
 fn span_of<T>(given: Option<&At<T>>, otherwise: Span) -> Span {
     given.map_or(otherwise, |given| given.span)
 }

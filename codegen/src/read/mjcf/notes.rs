@@ -1,9 +1,9 @@
-//! Notes about skipped or changed parts of an MJCF, one note per kind.
+//! Notes about skipped or changed parts of an MJCF, with one note for each kind.
 
 use crate::diagnostic::Severity;
 use crate::read::skipped as notes;
 
-/// A kind of remark about a description. It gives one note, however often it occurs.
+/// A kind of remark about a description. A kind gives one note for all its occurrences.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Remark {
     Actuator,
@@ -48,7 +48,7 @@ impl notes::Remark for Remark {
         }
     }
 
-    /// Changes of the dynamics in MuJoCo (M, k, q, and the effect of an input) are warnings.
+    /// Differences from the dynamics in MuJoCo (M, k, q, and the effect of an input) are warnings.
     fn severity(self) -> Severity {
         match self {
             Self::ActuatorRange | Self::EffortRange | Self::StartPose => Severity::Note,

@@ -1,4 +1,4 @@
-//! Poses in MJCF, which has five representations of an attitude.
+//! Poses in MJCF, which has five representations of an orientation.
 
 use super::Reader;
 use super::files::{Element, Given};
@@ -9,10 +9,10 @@ use crate::numeric::{cross, length};
 use crate::spatial::rotation_about;
 use gelenk_formula::Formula;
 
-/// Length of a vector up to which it has no direction.
+/// Vectors up to this length have no direction.
 const NO_LENGTH: f64 = 1e-14;
 
-/// Where an attitude can come from: the element, and for some elements its class.
+/// Finds an attribute of an orientation in the element, and for some elements in its class.
 type Find<'f, 'a> = dyn Fn(&str) -> Option<Given<'a>> + 'f;
 
 impl<'a> Reader<'_, 'a> {
@@ -84,7 +84,7 @@ impl<'a> Reader<'_, 'a> {
         rotation
     }
 
-    /// x, and y without its part along x.
+    /// Rotation from the axes x and y. The part of y along x is removed.
     fn by_axes(&mut self, given: &At<[f64; 6]>) -> Rotation {
         let [a, b, c, d, e, f] = given.value;
         let size = length([a, b, c]);
@@ -103,7 +103,7 @@ impl<'a> Reader<'_, 'a> {
         std::array::from_fn(|row| [x[row], y[row], z[row]])
     }
 
-    /// Reports vectors without a direction.
+    /// Whether a vector has a direction. A vector without a direction is reported.
     fn is_direction<const N: usize>(&mut self, given: &At<[f64; N]>, size: f64, key: &str) -> bool {
         let is_direction = size > NO_LENGTH;
         if !is_direction {
@@ -116,7 +116,7 @@ impl<'a> Reader<'_, 'a> {
         is_direction
     }
 
-    /// A direction with unit length.
+    /// A direction as a unit vector.
     pub(super) fn direction(&mut self, given: Option<Given<'a>>, key: &str) -> Option<[f64; 3]> {
         let given = self.vector::<3>(given, key)?;
         let size = length(given.value);
@@ -129,7 +129,7 @@ pub(super) fn by_axis(axis: [f64; 3], angle: f64) -> Rotation {
     std::array::from_fn(|row| std::array::from_fn(|column| rotation[(row, column)]))
 }
 
-/// Shortest rotation from z to a direction; half a turn about x if the direction is opposite.
+/// Shortest rotation from z to a direction, or a rotation by 180° about x if the direction is opposite to z.
 pub(super) fn z_to(z: [f64; 3]) -> Rotation {
     let [a, b, c] = z;
     let below = 1.0 + c;

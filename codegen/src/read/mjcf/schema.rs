@@ -1,4 +1,5 @@
-//! Elements of MJCF and attributes of the elements that are read, from current and earlier schemas of MuJoCo.
+//! Elements of MJCF, and attributes of the elements that are read. Both are from current and earlier schemas
+//! of MuJoCo.
 
 /// Locations of elements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -14,10 +15,11 @@ pub(super) enum Place {
     Actuators,
 }
 
-/// An element's tag and its attributes; without any, the element is not read, and its attributes are not looked at.
+/// Tag and attributes of an element. An element without attributes here is not read, and its attributes are
+/// not checked.
 type Entry = (&'static str, &'static [&'static str]);
 
-/// Attributes for an attitude; an element may have one.
+/// Attributes for an orientation. An element may have one of them.
 pub(super) const ORIENTATIONS: [&str; 5] = ["quat", "axisangle", "euler", "xyaxes", "zaxis"];
 
 const POSE: &str = "pos quat axisangle euler xyaxes zaxis";
@@ -55,7 +57,7 @@ const MODEL: [Entry; 16] = [
     ("extension", &[]),
 ];
 
-/// A section that holds no element which is read.
+/// A section without elements that are read.
 const DEFORMABLE: Entry = ("deformable", &[]);
 
 const COMPILER: [Entry; 1] = [("lengthrange", &[])];
@@ -96,7 +98,7 @@ const BODY: [Entry; 14] = [
     ("attach", &["model body prefix"]),
 ];
 
-/// Settings of elements besides those that stand in bodies and those of actuators.
+/// Elements with defaults in classes, except elements of bodies and actuators.
 const DEFAULTS: [Entry; 8] = [
     ("default", &["class"]),
     ("equality", &["active solref solimp polycoef"]),
@@ -108,7 +110,7 @@ const DEFAULTS: [Entry; 8] = [
     ("skin", &[]),
 ];
 
-/// Elements of bodies that have settings in classes.
+/// Elements of bodies that have defaults in classes.
 const IN_CLASSES: [&str; 6] = ["joint", "geom", "site", "camera", "light", "plugin"];
 
 const EQUALITIES: [Entry; 8] = [
@@ -155,7 +157,7 @@ const ACTUATORS: [Entry; 13] = [
     ("plugin", &[]),
 ];
 
-/// The elements that may stand in a place.
+/// The elements that a location allows.
 fn entries(place: Place) -> Vec<Entry> {
     match place {
         Place::Model => MODEL.iter().chain([&DEFORMABLE]).copied().collect(),
@@ -173,19 +175,19 @@ fn entries(place: Place) -> Vec<Entry> {
     }
 }
 
-/// Tags of elements allowed at a location.
+/// Tags of the elements that a location allows.
 pub(super) fn tags(place: Place) -> Vec<&'static str> {
     entries(place).into_iter().map(|(tag, _)| tag).collect()
 }
 
-/// Attributes of an element that is read.
+/// Attributes of an element; `None` if the element is not read.
 pub(super) fn attributes(place: Place, tag: &str) -> Option<Vec<&'static str>> {
     let (_, groups) = entries(place).into_iter().find(|(known, _)| *known == tag)?;
     let words = groups.iter().flat_map(|group| group.split_whitespace());
     (!groups.is_empty()).then(|| words.collect())
 }
 
-/// Location of the elements inside an element, if they are read.
+/// Location of the elements inside an element; `None` if they are not read.
 pub(super) fn inside(place: Place, tag: &str) -> Option<Place> {
     match (place, tag) {
         (Place::Model, "compiler") => Some(Place::Compiler),

@@ -1,4 +1,4 @@
-//! Elements and attributes unknown to MuJoCo, whose schema rejects them.
+//! Elements and attributes that MuJoCo does not know. MuJoCo's schema rejects them.
 
 use super::Reader;
 use super::files::Element;
@@ -6,7 +6,8 @@ use super::schema::{ORIENTATIONS, Place, attributes, inside, tags};
 use crate::diagnostic::nearest;
 
 impl<'a> Reader<'_, 'a> {
-    /// Reports elements and attributes unknown to MuJoCo; otherwise their values would be ignored silently.
+    /// Reports elements and attributes that MuJoCo does not know. Without the report their values would be
+    /// ignored silently.
     pub(super) fn vocabulary(&mut self, sections: &[Element<'a>]) {
         let files = self.files;
         let mut stack: Vec<_> = sections.iter().rev().map(|section| (Place::Model, *section)).collect();
@@ -25,7 +26,7 @@ impl<'a> Reader<'_, 'a> {
         }
     }
 
-    /// Elements of a section that MuJoCo knows; [`Self::vocabulary`] reports the others.
+    /// Elements of a section that MuJoCo knows. [`Self::vocabulary`] reports all other elements.
     pub(super) fn known_children(&self, place: Place, section: Element<'a>) -> Vec<Element<'a>> {
         let mut children = self.files.children(section);
         children.retain(|child| tags(place).contains(&child.tag()));

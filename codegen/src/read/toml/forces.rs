@@ -9,7 +9,7 @@ use crate::wording::as_written;
 use gelenk_formula::{Formula, FrictionPart, FrictionTerm};
 use toml::de::DeValue;
 
-/// Friction of a joint: a force law as text, or a table of named laws, which are added.
+/// Reads the friction of a joint: a force law as text, or a table of named laws, which are added.
 pub(crate) fn friction(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<FrictionDescription> {
     if item.value.is_str() {
         return Some(FrictionDescription { terms: law(reader, item), load: None });
@@ -45,7 +45,8 @@ fn law(reader: &mut Reader, item: Item<'_>) -> Vec<FrictionTerm> {
     terms.map(|(coefficient, basis)| FrictionTerm { coefficient, basis }).collect()
 }
 
-/// A level, or a table: one level or one for each direction, smooth with a slope.
+/// Reads Coulomb friction: one value, or a table with one value or one value for each direction. With a slope
+/// the law is smooth.
 fn coulomb(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<FrictionPart> {
     if item.value.as_table().is_none_or(|entries| entries.contains_key("free")) {
         let level = reader.formula(item, owner)?;
@@ -91,7 +92,7 @@ fn stribeck(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<Friction
     Some(FrictionPart::Stribeck(parameters))
 }
 
-/// `[["v", 76.556], ["tanh(5*v)", 3.924]]`: basis and weight, as identification writes them.
+/// Pairs of basis and weight, as identification writes them: `[["v", 76.556], ["tanh(5*v)", 3.924]]`.
 fn weighted(reader: &mut Reader, item: Item<'_>, owner: &str) -> Vec<FrictionTerm> {
     let entries = item.array("a list of [basis, weight]", &mut reader.report).unwrap_or_default();
     let term = |(index, entry): (usize, Item<'_>)| {
@@ -108,7 +109,8 @@ fn weighted(reader: &mut Reader, item: Item<'_>, owner: &str) -> Vec<FrictionTer
     entries.into_iter().enumerate().filter_map(term).collect()
 }
 
-/// Springs of a joint: a force law as text, a table `{ stiffness, rest, damping }`, or a list of both.
+/// Reads the springs of a joint: a force law as text, a table `{ stiffness, rest, damping }`, or a list of
+/// both.
 pub(crate) fn springs(reader: &mut Reader, item: Item<'_>, owner: &str) -> Vec<Formula> {
     match item.value {
         DeValue::Array(_) => {
@@ -119,7 +121,7 @@ pub(crate) fn springs(reader: &mut Reader, item: Item<'_>, owner: &str) -> Vec<F
     }
 }
 
-/// `−c (y − rest) − d v`
+/// The force of a spring, `−c (y − rest) − d v`.
 fn spring(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<Formula> {
     if item.value.is_str() {
         return reader.force_law(item);
@@ -146,7 +148,8 @@ fn spring(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<Formula> {
     Some(Formula::difference(Formula::negation(elastic), damping))
 }
 
-/// A spring that pushes away from its rest may be meant; damping that gives energy is none.
+/// Warns of negative stiffness, because it may be intended. Reports negative damping, because it would add
+/// energy.
 fn check_signs(reader: &mut Reader, items: [Option<Item<'_>>; 2], factors: [&Formula; 2], joint: &str) {
     let [stiffness, damping] = factors.map(|factor| reader.at_defaults(factor));
     if let Some(item) = items[0].filter(|_| stiffness < 0.0) {
@@ -171,7 +174,7 @@ pub(crate) fn warn_of_negative_stiffness(joint: &str, stiffness: At<f64>, report
     );
 }
 
-/// The drive of a joint: `"ideal"`, `"none"` or a motor.
+/// Reads the drive of a joint: `"ideal"`, `"none"` or a motor.
 pub(crate) fn drive(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<At<DriveChoice>> {
     let choice = match item.value.is_str().then(|| item.word(&mut reader.report)) {
         Some(word) if word? == "ideal" => DriveChoice::Ideal,
@@ -214,7 +217,7 @@ pub(crate) fn motor(reader: &mut Reader, table: &Table<'_>, owner: &str) -> Driv
     }
 }
 
-/// Torque at rest and speed without load, of which neither says anything alone.
+/// Reads stall torque and no-load speed. A line needs both.
 fn torque_speed_line(reader: &mut Reader, table: &Table<'_>) -> Option<At<TorqueSpeedLine>> {
     let keys @ [torque, speed] = ["stall_torque", "no_load_speed"].map(|key| table.get(key));
     let [stall_torque, no_load_speed] = keys.map(|item| item.and_then(|item| reader.number(item)));
@@ -243,7 +246,7 @@ fn coupling(reader: &mut Reader, item: Item<'_>) -> RotorCoupling {
     }
 }
 
-/// A rotor of which only i² J_R counts is nowhere.
+/// Warns of `carrier` or `axis` of a rotor that only adds i² J_R to the diagonal, because it has no place.
 fn warn_of_unused_mounting(reader: &mut Reader, table: &Table<'_>, coupling: RotorCoupling) {
     let mounting = ["carrier", "axis"].into_iter().filter_map(|key| table.get(key));
     for item in mounting.filter(|_| coupling == RotorCoupling::Diagonal) {

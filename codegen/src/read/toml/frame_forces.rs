@@ -10,7 +10,7 @@ use crate::model::WrenchAxes;
 use crate::wording::as_written;
 use gelenk_formula::Formula;
 
-/// Reads the forces between two frames: `[[forces]]`.
+/// Reads the forces between two frames, `[[forces]]`.
 pub(crate) fn read_point_forces(reader: &mut Reader, top: &Table<'_>) -> Vec<PointForceDescription> {
     reader.all(top, "forces", read_point_force)
 }
@@ -46,7 +46,7 @@ fn read_point_force(reader: &mut Reader, table: &Table<'_>) -> Option<PointForce
     Some(PointForceDescription { name, between, law, input, stroke, speed })
 }
 
-/// Shortest and longest distance, neither of them 0.
+/// Reads the shortest and the longest distance. Both must be greater than 0.
 fn stroke(reader: &mut Reader, item: Item<'_>) -> Option<At<[f64; 2]>> {
     let stroke = reader.numbers::<2>(item)?;
     let [shortest, longest] = stroke.value;
@@ -72,7 +72,7 @@ fn two_names(reader: &mut Reader, item: Item<'_>) -> Option<[Name; 2]> {
     Some([reader.name(first)?, reader.name(second)?])
 }
 
-/// Reads the inputs that are wrenches: `[[inputs]]`.
+/// Reads the inputs that are wrenches, `[[inputs]]`.
 pub(crate) fn read_wrench_inputs(reader: &mut Reader, top: &Table<'_>) -> Vec<WrenchInputDescription> {
     reader.all(top, "inputs", read_wrench_input)
 }
@@ -91,7 +91,7 @@ fn read_wrench_input(reader: &mut Reader, table: &Table<'_>) -> Option<WrenchInp
     Some(WrenchInputDescription { name, frame: frame?, wrench: wrench?, limits })
 }
 
-/// Reads the wrenches that are arguments: `[[wrenches]]`.
+/// Reads the wrenches that are arguments of functions, `[[wrenches]]`.
 pub(crate) fn read_wrenches(reader: &mut Reader, top: &Table<'_>) -> Vec<WrenchDescription> {
     reader.all(top, "wrenches", read_wrench)
 }

@@ -1,6 +1,6 @@
-//! Joint tables of a TOML description. A table may describe a new joint, or refer to an existing joint with a
-//! quaternion: the floating joint of the base, or a joint of the extended description. Such a joint is
-//! described as a whole with parts, or velocity by velocity.
+//! Joint tables of a TOML description. A table describes a new joint, or refers to an existing joint with a
+//! quaternion: the floating joint of the base, or a joint of the extended description. The table refers to
+//! this joint as a whole, with values for its parts, or to one of its velocities.
 
 use super::joints::{by_part, check_all_parts, forces, of_part, read_joint, single_joint};
 use super::table::Table;
@@ -9,31 +9,33 @@ use crate::description::{JointDescription, Name};
 use crate::diagnostic::{At, Report};
 use crate::read::composite::Composite;
 
-/// Keys that would give a joint another place.
+/// Keys for the place of a joint.
 const PLACE: [&str; 5] = ["origin", "dh", "modified_dh", "axis", "pitch"];
 
-/// Keys that a single velocity can have alone.
+/// Keys that only a single velocity can have.
 const SINGLE: [&str; 2] = ["follows", "offset"];
 
 /// The joints of a file.
 #[derive(Debug, Default)]
 pub(crate) struct Joints {
     pub joints: Vec<JointDescription>,
-    /// Velocities of a base that this file makes floating.
+    /// Velocities of the base, if this file makes the base floating.
     pub velocities: Vec<JointDescription>,
 }
 
 /// Properties of the description that a file extends.
 #[derive(Debug, Default)]
 pub(crate) struct Extended {
-    /// Joints with quaternions.
+    /// Joints with quaternions, by name.
     pub quaternions: Vec<(String, Composite)>,
-    /// Name of the floating joint that a freed base gets.
+    /// Name of the floating joint that the base gets if it is made floating.
     pub base_joint: String,
     /// Whether an option makes the base floating.
     pub is_to_float: bool,
 }
 
+/// Reads the joints of a file.
+///
 /// - `base`: name of the base, and whether this file makes it floating
 pub(crate) fn read_joints(
     reader: &mut Reader,
@@ -69,7 +71,8 @@ pub(crate) fn read_joints(
     Joints { joints, velocities }
 }
 
-/// Joints with quaternions that need no table: those of the extended description, and the joint of a floating base.
+/// Joints with quaternions that need no table: the joints of the extended description, and the joint of a
+/// floating base.
 fn standing(tables: &[Table<'_>], frees: bool, extended: Option<Extended>) -> Vec<(String, Composite)> {
     let extended = extended.unwrap_or_else(|| {
         let is_own = |table: &Table<'_>| is_called(table, "base") && has_place(table);
@@ -84,12 +87,13 @@ fn standing(tables: &[Table<'_>], frees: bool, extended: Option<Extended>) -> Ve
     standing
 }
 
-/// Whether a table places a joint of its own.
+/// Whether a table describes a new joint.
 fn has_place(table: &Table<'_>) -> bool {
     ["parent", "child", "type"].iter().any(|key| table.get(key).is_some())
 }
 
-/// The defaults of a chain: each joint moves a link of its own name, carried by the link of the joint before.
+/// Sets the defaults of a chain: each joint moves a link with the joint's name, and the link of the previous
+/// joint carries it.
 fn chain(joint: &mut JointDescription, before: Option<&JointDescription>, base: Option<&Name>) {
     let at = joint.name.span;
     let previous = before.and_then(|joint| joint.child.clone()).map(|link| At::new(link.value, at));
@@ -98,9 +102,9 @@ fn chain(joint: &mut JointDescription, before: Option<&JointDescription>, base: 
     joint.complete();
 }
 
-/// The velocities that a table describes; `None` if it describes a joint of its own.
+/// The velocities that a table describes; `None` if it describes a new joint.
 ///
-/// - `standing`: the joints with quaternions
+/// - `standing`: the existing joints with quaternions
 fn velocities_of(
     reader: &mut Reader,
     table: &Table<'_>,
@@ -122,12 +126,12 @@ fn velocities_of(
     Some(vec![single_joint(reader, table, name, None)])
 }
 
-/// Whether a table has a name.
+/// Whether a table has this name.
 fn is_called(table: &Table<'_>, name: &str) -> bool {
     table.get("name").is_some_and(|item| item.value.as_str() == Some(name))
 }
 
-/// A joint with all of its parts; those of which nothing is said are left out.
+/// The velocities of a joint for which the table has values.
 fn whole(reader: &mut Reader, table: &Table<'_>, name: &Name, composite: Composite) -> Vec<JointDescription> {
     refuse(reader, table, &PLACE, (&name.value, composite));
     refuse(reader, table, &SINGLE, (&name.value, composite));
@@ -154,7 +158,7 @@ fn refuse(reader: &mut Reader, table: &Table<'_>, keys: &[&str], (joint, composi
     }
 }
 
-/// Adds the keys of a velocity, once.
+/// Adds the keys of a velocity. A second table for the velocity is an error.
 fn add(velocity: JointDescription, velocities: &mut Vec<JointDescription>, report: &mut Report) {
     if velocities.iter().any(|known| known.name.value == velocity.name.value) {
         let message = format!("velocity `{}` is described twice", velocity.name.value);

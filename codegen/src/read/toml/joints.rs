@@ -1,4 +1,4 @@
-//! The joints of a TOML description.
+//! Joints of a TOML description.
 
 use super::couplings::followed_joints;
 use super::forces::{drive, friction, springs};
@@ -13,13 +13,13 @@ use crate::model::{JointKind, Pose, QuaternionKind};
 use crate::read::composite::{self, Composite, Part, Place};
 use gelenk_formula::Formula;
 
-/// The type of a described joint.
+/// Type of a joint in the description.
 enum JointType {
     Single(JointKind),
     Composite(Composite),
 }
 
-/// Joint of a table, or the chain of joints of a composite joint.
+/// Reads the joint of a table, or the chain of joints of a composite joint.
 pub(crate) fn read_joint(reader: &mut Reader, table: &Table<'_>) -> Vec<JointDescription> {
     let Some(name) = reader.name_of(table, "name") else {
         return Vec::new();
@@ -63,7 +63,7 @@ pub(crate) fn single_joint(
     }
 }
 
-/// A joint with limits, drive, friction, spring or held position, but without a pose.
+/// Reads limits, drive, friction, springs and held position of a joint. The pose is not read.
 ///
 /// - `value`: returns the value of a key
 pub(crate) fn forces<'t>(
@@ -84,7 +84,7 @@ pub(crate) fn forces<'t>(
     }
 }
 
-/// Whether a joint's motion is prescribed.
+/// Reads whether a joint's motion is prescribed.
 fn read_motion(reader: &mut Reader, item: Item<'_>) -> Option<At<bool>> {
     let driven = item.word(&mut reader.report)? == "driven";
     Some(At::new(driven, item.span))
@@ -105,7 +105,7 @@ fn read_type(reader: &mut Reader, table: &Table<'_>, item: Item<'_>, name: &Name
     JointType::Single(kind)
 }
 
-/// The pitch of a helical joint (m/rad); a fault is reported, and the result is 1 then.
+/// The pitch of a helical joint (m/rad). After an error it is 1.
 fn pitch(reader: &mut Reader, table: &Table<'_>, name: &Name) -> f64 {
     const HELP: &str = "`pitch` is the slide in m per rad: `pitch = \"0.02/(2*pi)\"` is 20 mm per turn; \
                         negative values are left-handed screws";
@@ -137,7 +137,7 @@ fn refuse_pitch(reader: &mut Reader, table: &Table<'_>, kind: Option<JointKind>)
     reader.report.help("only helical joints have a pitch: give the joint this type, or remove `pitch`");
 }
 
-/// Values of a table that may be given part by part.
+/// Values of a table that may be given for each part of a joint.
 pub(crate) fn by_part<'t>(table: &Table<'t>) -> impl Iterator<Item = Item<'t>> {
     table.items().iter().copied().filter(|item| matches!(item.row.value, Value::ByPart(_)))
 }
@@ -147,7 +147,7 @@ fn is_for_all_parts(item: &Item<'_>) -> bool {
     item.value.is_str() && !item.row.value.words().is_empty()
 }
 
-/// The joints that a composite one stands for.
+/// Reads the chain of joints of a composite joint.
 fn read_composite(
     reader: &mut Reader,
     table: &Table<'_>,
@@ -168,7 +168,7 @@ fn read_composite(
     })
 }
 
-/// Value of a key for one part.
+/// Value of a key for one part of a joint; `None` without a value for this part.
 pub(crate) fn of_part<'t>(
     table: &Table<'t>,
     (composite, part): (Composite, &Part),
@@ -182,7 +182,7 @@ pub(crate) fn of_part<'t>(
     }
 }
 
-/// Reports values that lack the names of parts.
+/// Reports values that do not name the parts of the joint, or that name unknown parts.
 pub(crate) fn check_all_parts(reader: &mut Reader, table: &Table<'_>, name: &Name, composite: Composite) {
     for item in by_part(table) {
         if let (Some(kind), "held") = (composite.quaternion(), item.key) {
@@ -194,7 +194,7 @@ pub(crate) fn check_all_parts(reader: &mut Reader, table: &Table<'_>, name: &Nam
     }
 }
 
-/// Reports a value that is not given part by part.
+/// Reports a value that is not given for each part.
 fn check_parts(reader: &mut Reader, item: Item<'_>, name: &Name, composite: Composite) {
     let kind = composite.name();
     let help = || {
@@ -237,7 +237,7 @@ fn check_parts(reader: &mut Reader, item: Item<'_>, name: &Name, composite: Comp
     }
 }
 
-/// Reason why a joint with a quaternion cannot have a key of joints with one position.
+/// Reason why a joint with a quaternion cannot have a key of joints with one position; `None` for other keys.
 fn refused(kind: QuaternionKind, key: &str, entry: &str) -> Option<&'static str> {
     match (key, entry) {
         ("limits", "position") => Some(kind.why_unlimited(0)),
@@ -247,7 +247,7 @@ fn refused(kind: QuaternionKind, key: &str, entry: &str) -> Option<&'static str>
     }
 }
 
-/// Reports keys that belong to joints with one degree of freedom.
+/// Reports keys that only joints with one degree of freedom can have.
 fn refuse_in_composites(reader: &mut Reader, table: &Table<'_>, composite: Composite) {
     let kind = composite.name();
     for item in ["dh", "modified_dh", "follows", "offset"].iter().filter_map(|key| table.get(key)) {
@@ -274,7 +274,7 @@ fn refuse_in_composites(reader: &mut Reader, table: &Table<'_>, composite: Compo
     }
 }
 
-/// Joint origin and, for standard DH rows, the described link frame behind the joint.
+/// Origin of the joint. For a standard DH row, also the frame of the link after the joint.
 fn placement(reader: &mut Reader, table: &Table<'_>, owner: &str) -> (Option<Pose>, Option<Pose>) {
     let given: Vec<Item<'_>> =
         ["origin", "dh", "modified_dh"].iter().filter_map(|key| table.get(key)).collect();

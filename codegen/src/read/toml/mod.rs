@@ -1,4 +1,4 @@
-//! Reader of TOML descriptions to a [`RobotDescription`]; models/README.md documents the format.
+//! Reader of TOML descriptions. It makes a [`RobotDescription`]. models/README.md documents the format.
 
 mod couplings;
 pub(crate) mod forces;
@@ -24,21 +24,21 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use toml::de::{DeTable, DeValue};
 
-/// Top-level keys that control the reading of the rest and of the base description.
+/// Top-level keys that affect the reading of all other keys and of the base description.
 #[derive(Debug, Default)]
 pub(super) struct Preamble {
-    /// The description that this file extends.
+    /// Path of the description that this file extends.
     pub extends: Option<Name>,
     pub snap_angles: Option<f64>,
     pub ignore_mimic: bool,
     pub no_friction: bool,
-    /// Held joints.
+    /// Joints that are held.
     pub held: Vec<At<Hold>>,
-    /// Body of the MJCF whose tree is extended.
+    /// Name of the body of an extended MJCF whose tree is the robot.
     pub body: Option<Name>,
 }
 
-/// Parses the text; reports all syntax errors.
+/// Parses the text. Reports all syntax errors; `None` if there are any.
 pub(super) fn parse<'t>(
     reader: &mut Reader,
     text: &'t str,
@@ -71,7 +71,7 @@ pub(super) fn parse<'t>(
 
 const DUPLICATE: &str = "duplicate key";
 
-/// Where the header of the table stands that a place is in.
+/// Header of the table that contains a place; `None` at the top level.
 fn header(text: &str, at: usize) -> Option<Range<usize>> {
     let mut start = 0;
     let lines = text.split_inclusive('\n').map(|line| {
@@ -86,7 +86,7 @@ fn header(text: &str, at: usize) -> Option<Range<usize>> {
     before.filter(|(_, line)| is_header(line)).last().map(|(place, _)| place)
 }
 
-/// Advice for a key or a table that stands twice.
+/// Advice for a key or a table that occurs twice.
 fn duplicate_help(line: &str) -> String {
     let name = line.split('#').next().unwrap_or_default().trim().strip_prefix('[');
     let name = name.and_then(|name| name.strip_suffix(']')).map(str::trim);
@@ -99,7 +99,8 @@ fn duplicate_help(line: &str) -> String {
     }
 }
 
-/// Advice for keys that stand twice, for numbers with units or a decimal comma, and for formulas without quotes.
+/// Advice for keys that occur twice, for numbers with units or a decimal comma, and for formulas without
+/// quotes.
 fn syntax_help(message: &str, text: &str, at: usize) -> Option<String> {
     let line_start = text.get(..at)?.rfind('\n').map_or(0, |last| last + 1);
     let line = text.get(line_start..)?.lines().next()?;
@@ -115,7 +116,7 @@ fn syntax_help(message: &str, text: &str, at: usize) -> Option<String> {
     }
 }
 
-/// Top-level table with checked keys.
+/// Top-level table. Unknown keys are reported.
 pub(super) fn open<'t>(
     reader: &mut Reader,
     table: &'t toml::Spanned<DeTable<'t>>,
@@ -124,7 +125,7 @@ pub(super) fn open<'t>(
     Table::checked(table.get_ref(), Span::new(source, 0..0), &ROBOT, &mut reader.report)
 }
 
-/// Reads the keys that control the reading of the rest.
+/// Reads the top-level keys that affect the reading of all other keys.
 pub(super) fn preamble(reader: &mut Reader, top: &Table<'_>) -> Preamble {
     let mut flag = |key| top.get(key).and_then(|item| item.boolean(&mut reader.report)).unwrap_or(false);
     let (ignore_mimic, no_friction) = (flag("ignore_mimic"), flag("no_friction"));
@@ -141,7 +142,7 @@ pub(super) fn preamble(reader: &mut Reader, top: &Table<'_>) -> Preamble {
     Preamble { extends, snap_angles, ignore_mimic, no_friction, held, body }
 }
 
-/// `held = { "finger_*" = 0 }`
+/// Reads `held = { "finger_*" = 0 }`.
 fn read_held(reader: &mut Reader, item: Item<'_>) -> Vec<At<Hold>> {
     let Some(joints) = item.named() else {
         item.expected("a table of joints with their positions", &mut reader.report);
@@ -154,7 +155,7 @@ fn read_held(reader: &mut Reader, item: Item<'_>) -> Vec<At<Hold>> {
     joints.into_iter().filter_map(hold).collect()
 }
 
-/// Beyond this, angles would be snapped that were meant as they are (rad).
+/// Largest tolerance for snapping (rad). A larger one would change angles that are intended.
 const WIDEST_SNAP: f64 = 0.1;
 
 fn snap_tolerance(reader: &mut Reader, item: Item<'_>) -> Option<f64> {
@@ -168,9 +169,9 @@ fn snap_tolerance(reader: &mut Reader, item: Item<'_>) -> Option<f64> {
     None
 }
 
-/// Reads the rest of the file.
+/// Reads all other keys of the file.
 ///
-/// - `extended`: the base description, if any
+/// - `extended`: properties of the base description; `None` without a base description
 pub(super) fn description(
     reader: &mut Reader,
     top: &Table<'_>,
@@ -220,7 +221,7 @@ pub(super) fn description(
     }
 }
 
-/// The base link, and where it is said that it moves freely.
+/// The base link, and the place of the key that makes the base floating.
 fn read_base(reader: &mut Reader, item: Item<'_>) -> (Option<Name>, Option<Span>) {
     if item.value.is_str() {
         return (reader.name(item), None);
@@ -304,7 +305,8 @@ fn function_names(reader: &mut Reader, item: Item<'_>) -> Vec<String> {
     functions.into_iter().map(|name| name.value).collect()
 }
 
-/// Most Runge–Kutta steps in one period: more is a stiff robot that wants a shorter period.
+/// Largest number of Runge–Kutta steps in one period. A robot that needs more steps is stiff and needs a
+/// shorter period.
 const MOST_SUBSTEPS: usize = 1000;
 
 fn substeps(reader: &mut Reader, item: Item<'_>) -> Option<usize> {
@@ -348,7 +350,7 @@ fn read_body(reader: &mut Reader, table: &Table<'_>) -> Option<BodyDescription> 
     })
 }
 
-/// One moment for all axes, three principal ones, or a table of entries.
+/// Reads an inertia: one moment for all axes, three principal moments, or a table of entries.
 fn read_inertia(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<[Formula; 6]> {
     let zero = || Formula::ZERO;
     match item.value {

@@ -1,4 +1,4 @@
-//! TOML tables with places: unknown keys are reported, and each value has the requested type.
+//! TOML tables with places. Unknown keys are reported, and each value is read as the requested type.
 
 use super::keys::{Key, Keys, advice};
 use crate::diagnostic::{Report, Span, nearest};
@@ -11,14 +11,14 @@ pub(crate) struct Table<'t> {
     entries: Vec<Item<'t>>,
     /// Place of the table.
     pub span: Span,
-    /// Allowed keys.
+    /// Keys that the table may have.
     pub keys: &'static Keys,
 }
 
 /// A key with its value.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Item<'t> {
-    /// Key; for an entry of an array the key of the array.
+    /// Name of the key. An entry of an array has the key of the array.
     pub key: &'t str,
     /// Place of the key.
     pub key_span: Span,
@@ -26,12 +26,12 @@ pub(crate) struct Item<'t> {
     pub value: &'t DeValue<'t>,
     /// Place of the value.
     pub span: Span,
-    /// Row of the key; for a key named by the user the row of the table.
+    /// Row of the key. For a key that the user chose, the row of the enclosing table.
     pub row: &'static Key,
 }
 
 impl<'t> Table<'t> {
-    /// Entries in the described order; reports unknown keys and missing required keys.
+    /// The entries of a table in the order of the file. Unknown keys and missing required keys are reported.
     pub fn checked(table: &'t DeTable<'t>, span: Span, keys: &'static Keys, report: &mut Report) -> Self {
         let mut entries = Vec::new();
         for (key, value) in in_order(table) {
@@ -48,7 +48,7 @@ impl<'t> Table<'t> {
         table
     }
 
-    /// Value of a key.
+    /// Value of a key; `None` if the table lacks the key.
     pub fn get(&self, key: &str) -> Option<Item<'t>> {
         debug_assert!(self.keys.row(key).is_some(), "{} has no row `{key}`", self.keys.what);
         self.entries.iter().find(|item| item.key == key).copied()
@@ -94,7 +94,7 @@ fn item<'t>(
 }
 
 impl<'t> Item<'t> {
-    /// Reports that a value has the wrong type.
+    /// Reports that the value has the wrong type. `what` is the expected type.
     pub fn expected(&self, what: &str, report: &mut Report) {
         let found = self.value.type_str();
         report.error(
@@ -105,12 +105,12 @@ impl<'t> Item<'t> {
         self.help_by_example(report);
     }
 
-    /// Adds an example of the value to the last message.
+    /// Adds an example of a valid value to the last message.
     pub fn help_by_example(&self, report: &mut Report) {
         report.help(format!("for example {}", self.row.line()));
     }
 
-    /// The value as text.
+    /// The value as text. After an error the result is `None`.
     pub fn text(&self, report: &mut Report) -> Option<&'t str> {
         let text = self.value.as_str();
         if text.is_none() {
@@ -119,7 +119,7 @@ impl<'t> Item<'t> {
         text
     }
 
-    /// The value as true or false.
+    /// The value as true or false. After an error the result is `None`.
     pub fn boolean(&self, report: &mut Report) -> Option<bool> {
         let value = self.value.as_bool();
         if value.is_none() {
@@ -128,7 +128,7 @@ impl<'t> Item<'t> {
         value
     }
 
-    /// The value as a list of entries.
+    /// The value as a list of entries. After an error the result is `None`.
     pub fn array(&self, what: &str, report: &mut Report) -> Option<Vec<Item<'t>>> {
         let Some(array) = self.value.as_array() else {
             self.expected(what, report);
@@ -143,7 +143,7 @@ impl<'t> Item<'t> {
         Some(array.iter().map(item).collect())
     }
 
-    /// The value as a table with the keys of its row.
+    /// The value as a table with the keys of its row. After an error the result is `None`.
     pub fn table(&self, report: &mut Report) -> Option<Table<'t>> {
         let Some(keys) = self.row.value.keys() else {
             self.expected(&self.row.value.kinds(), report);
@@ -152,7 +152,7 @@ impl<'t> Item<'t> {
         self.table_of(keys, report)
     }
 
-    /// The value as a table with these keys.
+    /// The value as a table with these keys. After an error the result is `None`.
     pub fn table_of(&self, keys: &'static Keys, report: &mut Report) -> Option<Table<'t>> {
         match self.value {
             DeValue::Table(table) => Some(Table::checked(table, self.span, keys, report)),
@@ -163,20 +163,20 @@ impl<'t> Item<'t> {
         }
     }
 
-    /// The value as a list of tables with allowed keys.
+    /// The value as a list of tables. Entries that are not tables are reported and left out.
     pub fn tables(&self, report: &mut Report) -> Vec<Table<'t>> {
         let expected = format!("a list of tables, each written [[{}]]", self.key);
         let items = self.array(&expected, report).unwrap_or_default();
         items.iter().filter_map(|item| item.table(report)).collect()
     }
 
-    /// Entries of a table whose keys are names.
+    /// Entries of a table whose keys the user chose; `None` if the value is not a table.
     pub fn named(&self) -> Option<Vec<Self>> {
         let entries = in_order(self.value.as_table()?).into_iter();
         Some(entries.map(|(key, value)| item(key, value, self.span.source, self.row)).collect())
     }
 
-    /// The value as one of the allowed words.
+    /// The value as one of the allowed words. After an error the result is `None`.
     pub fn word(&self, report: &mut Report) -> Option<&'static str> {
         let text = self.text(report)?;
         let words = self.row.value.words();

@@ -1,4 +1,4 @@
-//! Numbers, formulas, vectors and poses as TOML values.
+//! Numbers, formulas, vectors and poses in TOML.
 
 use super::keys::FREE;
 use super::table::{Item, Table};
@@ -20,20 +20,21 @@ use toml::de::DeValue;
 pub(crate) struct Reader {
     pub report: Report,
     pub angles: Angles,
-    /// Free parameters read so far.
+    /// Free parameters that were read so far.
     pub parameters: Vec<At<Parameter>>,
-    /// Names of parameters in formulas, which may differ from the generated field names.
+    /// Indices of the parameters by the names in formulas. These names may differ from the names of the
+    /// generated fields.
     pub parameter_names: BTreeMap<String, usize>,
-    /// Parameters of `[parameters]` not used by any formula so far.
+    /// Indices of the parameters of `[parameters]` that no formula has used so far.
     pub unused: BTreeSet<usize>,
     /// Indices of the parameters by the names of the generated fields.
     fields: BTreeMap<String, usize>,
 }
 
-/// Length of axes and quaternions may differ from 1 by this much (seven written digits).
+/// Largest difference of the length of axes and quaternions from 1 (seven written digits).
 const UNIT: f64 = 1e-6;
 
-/// Entries of Denavit and Hartenberg to which the coordinate is added, and their constants.
+/// Keys of Denavit–Hartenberg rows to which the coordinate is added, with help texts.
 const OFFSETS: [(&str, &str); 2] = [
     (
         "theta",
@@ -47,14 +48,15 @@ const OFFSETS: [(&str, &str); 2] = [
 ];
 
 impl Reader {
-    /// A reader before any value.
+    /// A reader at the beginning of a description.
     pub fn new(options: &ReadOptions) -> Self {
         let mut reader = Self::default();
         reader.angles.snap = options.snap_angles;
         reader
     }
 
-    /// A number, or a formula without parameters; finite, and positive if the row of its key requires it.
+    /// A finite number, or a formula without parameters. It must be positive if the row of its key requires
+    /// this.
     pub fn number(&mut self, item: Item<'_>) -> Option<At<f64>> {
         let formula = self.scalar(item, Allowed::Constants)?;
         let number = formula.as_number()?;
@@ -67,8 +69,8 @@ impl Reader {
         Some(At::new(number, item.span))
     }
 
-    /// A number, a formula of parameters, or `{ free = … }`, which defines a parameter named after owner and
-    /// key.
+    /// A number, a formula of parameters, or `{ free = … }`, which defines a parameter with the name
+    /// `<owner>_<key>`.
     pub fn formula(&mut self, item: Item<'_>, owner: &str) -> Option<Formula> {
         match item.value {
             DeValue::Table(_) => self.free_parameter(item, &format!("{owner}_{}", item.key)),
@@ -76,19 +78,19 @@ impl Reader {
         }
     }
 
-    /// Value of a formula at the described parameters.
+    /// Value of a formula with the parameter values of the description.
     pub fn at_defaults(&self, formula: &Formula) -> f64 {
         let defaults = self.parameters.iter().map(|parameter| parameter.value.default);
         formula.evaluate(&defaults.collect::<Vec<f64>>(), 0.0, 0.0)
     }
 
-    /// A force law in parameters, `y` and `v`.
+    /// A force law: a formula of parameters, `y` and `v`.
     pub fn force_law(&mut self, item: Item<'_>) -> Option<Formula> {
         self.scalar(item, Allowed::Motion)
     }
 
-    /// A force law between two frames in parameters, distance `l` and rate `dl`, which the formula has as
-    /// position and velocity.
+    /// A force law between two frames: a formula of parameters, the distance `l` and its rate `dl`. They
+    /// become the position and the velocity of the formula.
     pub fn force_between_law(&mut self, item: Item<'_>) -> Option<Formula> {
         self.scalar(item, Allowed::Distance)
     }
@@ -163,14 +165,14 @@ impl Reader {
         self.add_parameter(name, default.value, &table)
     }
 
-    /// Adds a parameter with a checked name; `table` may have its unit and description.
+    /// Adds a parameter after a check of its name. `table` may have its unit and description.
     pub fn add_parameter(&mut self, name: Name, default: f64, table: &Table<'_>) -> Option<Formula> {
         let unit = self.one_line(table, "unit");
         let description = self.one_line(table, "description");
         self.push_parameter(name, default, unit, description)
     }
 
-    /// Adds a parameter with a checked name.
+    /// Adds a parameter after a check of its name.
     pub fn push_parameter(
         &mut self,
         name: Name,
@@ -220,7 +222,7 @@ impl Reader {
         Some(At::new(text.to_owned(), item.span))
     }
 
-    /// Entries of a top-level list of tables; empty if there is none. Unreadable entries are omitted.
+    /// Entries of a top-level list of tables; empty if the key is absent. Unreadable entries are left out.
     pub fn all<T>(
         &mut self,
         top: &Table<'_>,
@@ -234,12 +236,12 @@ impl Reader {
         tables.iter().filter_map(|table| read(self, table)).collect()
     }
 
-    /// Name under a key, if given.
+    /// Name that is the value of a key; `None` without the key.
     pub fn name_of(&mut self, table: &Table<'_>, key: &str) -> Option<Name> {
         table.get(key).and_then(|item| self.name(item))
     }
 
-    /// A list of `N` formulas.
+    /// A list of `N` formulas. A wrong formula is reported and becomes 0.
     pub fn formulas<const N: usize>(&mut self, item: Item<'_>, owner: &str) -> Option<[Formula; N]> {
         let entries = self.entries::<N>(item)?;
         let label = |index: usize| ["x", "y", "z"].get(index).copied().unwrap_or("");
@@ -279,7 +281,7 @@ impl Reader {
         None
     }
 
-    /// A unit vector.
+    /// A unit vector. Other lengths are reported.
     pub fn axis(&mut self, item: Item<'_>) -> Option<[f64; 3]> {
         let axis = self.numbers::<3>(item)?.value;
         let length = norm(&axis);
@@ -341,7 +343,7 @@ impl Reader {
     }
 }
 
-/// Parts of a pose that its table lacks.
+/// Parts of a pose that the table of the pose leaves out.
 pub(crate) fn unsaid(item: Option<Item<'_>>) -> Unsaid {
     let lacks = |keys: &[&str]| {
         let table = item.and_then(|item| item.value.as_table());
@@ -350,13 +352,13 @@ pub(crate) fn unsaid(item: Option<Item<'_>>) -> Unsaid {
     Unsaid { translation: lacks(&["xyz"]), rotation: lacks(&["rpy", "quaternion"]) }
 }
 
-/// A length that is not 1, with enough digits to see it.
+/// A length that is not 1, with enough digits to show the difference.
 fn not_one(length: f64) -> String {
     let [length] = telling([length], |[length]| length != 1.0);
     length
 }
 
-/// Numbers in the syntax of descriptions.
+/// Numbers as a list in the syntax of descriptions.
 pub(crate) fn join(numbers: &[f64]) -> String {
     numbers.iter().map(|&number| as_written(number)).collect::<Vec<_>>().join(", ")
 }

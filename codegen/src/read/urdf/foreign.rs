@@ -1,11 +1,11 @@
-//! Extensions of URDF by other tools that change the dynamics, and their equivalents in TOML.
+//! Extensions of URDF by other tools that change the dynamics, with their equivalents in TOML.
 
-/// An effect on the dynamics that is not read.
+/// An effect on the dynamics that is not read from a URDF.
 #[derive(Debug)]
 struct Effect {
-    /// Tags and attributes without prefix, in small letters and without underscores.
+    /// Tags and attributes in small letters, without prefix and underscores.
     words: &'static [&'static str],
-    /// Values without effect; 0 and `false` have none in the other rows.
+    /// Values without effect. In other rows, these are 0 and `false`.
     idle: &'static [&'static str],
     text: &'static str,
 }
@@ -82,21 +82,21 @@ const EFFECTS: [Effect; 10] = [
 /// Names for the inertia of a rotor, or for its reflected inertia on the diagonal of M.
 pub(super) const ROTORS: [&str; 4] = ["rotorinertia", "motorinertia", "armature", "reflectedinertia"];
 
-/// Elements whose stiffness and damping are those of contacts.
+/// Elements in which stiffness and damping are properties of contacts.
 pub(super) const CONTACTS: [&str; 3] = ["contact", "surface", "collision"];
 
-/// Note about an effect, by its row.
+/// Text of the note about an effect, by the row of the effect.
 pub(super) fn text(row: usize) -> &'static str {
     EFFECTS.get(row).map_or("", |effect| effect.text)
 }
 
-/// A name without the prefix of its tool: `drake:rotor_inertia` is `rotorinertia`.
+/// A name without the prefix of its tool: `drake:rotor_inertia` becomes `rotorinertia`.
 pub(super) fn plain(word: &str) -> String {
     let word = word.rsplit([':', '.']).next().unwrap_or(word);
     word.chars().filter(|c| *c != '_').flat_map(char::to_lowercase).collect()
 }
 
-/// Row of the effect of a name with this value.
+/// Row of the effect that a name with this value has; `None` without an effect.
 pub(super) fn row(word: &str, value: &str) -> Option<usize> {
     let word = plain(word);
     let found = EFFECTS.iter().position(|effect| effect.words.contains(&word.as_str()))?;

@@ -1,4 +1,4 @@
-//! Limits of URDFs. Limits that are 0, infinite or reversed are common; none of them enters the equations.
+//! Limits in URDFs. Limits that are 0, infinite or reversed are common. No limit affects the equations.
 
 use super::notes::Remark;
 use super::values::of_any_tool;
@@ -11,11 +11,11 @@ use gelenk_formula::LARGEST_NUMBER;
 /// A limit as the file gives it.
 enum Limit<T> {
     Given(At<T>),
-    /// Nothing, 0, or infinity.
+    /// The limit is absent, 0 or infinite.
     Unset,
-    /// Reversed or negative.
+    /// The limit is reversed or negative.
     Unusable,
-    /// Not a number; an error was already reported.
+    /// The limit is not a number. An error was already reported.
     Broken,
 }
 
@@ -86,7 +86,7 @@ impl Reader<'_> {
         }
     }
 
-    /// A bound that is not given is 0.
+    /// Reads the position limits. An absent bound is 0.
     fn position_limits(&mut self, node: XmlNode<'_>) -> Limit<[f64; 2]> {
         let bounds = ["lower", "upper"].map(|key| self.bound(node, key));
         let [Ok(lower), Ok(upper)] = bounds else {
@@ -103,7 +103,7 @@ impl Reader<'_> {
         }
     }
 
-    /// A largest speed or force.
+    /// Reads a limit on speed, force or another amount.
     fn amount(&mut self, node: XmlNode<'_>, key: &str) -> Limit<f64> {
         match self.bound(node, key) {
             Err(NotANumber) => Limit::Broken,
@@ -113,7 +113,7 @@ impl Reader<'_> {
         }
     }
 
-    /// A number, infinite if it is beyond what equations take.
+    /// Reads a number. It becomes infinite if it is above the limit for numbers of descriptions.
     fn bound(&mut self, node: XmlNode<'_>, key: &str) -> Result<Option<At<f64>>, NotANumber> {
         let Some(attribute) = of_any_tool(node, key) else {
             return Ok(None);
@@ -128,5 +128,5 @@ impl Reader<'_> {
     }
 }
 
-/// The attribute is not a number; an error was reported.
+/// The attribute is not a number. An error was already reported.
 struct NotANumber;

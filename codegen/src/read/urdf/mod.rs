@@ -1,6 +1,6 @@
-//! Reader of URDF to a [`RobotDescription`].
+//! Reader of URDF. It makes a [`RobotDescription`].
 //!
-//! Published files are accepted completely; elements that do not enter the dynamics are skipped with a note.
+//! Published files are accepted completely. Elements that do not affect the dynamics are skipped with a note.
 
 mod foreign;
 mod limits;
@@ -31,10 +31,10 @@ use gelenk_formula::{Formula, TermOf};
 use roxmltree::{Document, Node};
 use std::path::Path;
 
-/// Axes are published with some six digits: what differs less from length 1 is rounding.
+/// Published axes have about six digits. A smaller difference of their length from 1 is rounding.
 const WRITTEN_DIGITS: f64 = 1e-5;
 
-/// Reads a URDF; `None` if it is not XML or has no robot.
+/// Reads a URDF; `None` if the text is not XML or has no robot.
 pub(super) fn description(
     report: &mut Report,
     angles: &mut Angles,
@@ -82,7 +82,7 @@ fn stem(file: &str) -> &str {
     stem.map_or("robot", |stem| stem.trim_end_matches(".urdf"))
 }
 
-/// roxmltree appends its position, which the diagnostic shows already.
+/// The message of roxmltree without its position, which the diagnostic shows already.
 fn without_position(message: &str) -> &str {
     message.rsplit_once(" at ").map_or(message, |(message, _)| message)
 }
@@ -101,13 +101,13 @@ struct Reader<'r> {
     pub(super) source: usize,
     options: ReadOptions,
     pub(super) notes: Notes<Remark>,
-    /// Rotors of transmissions and attributes, before they are assigned to joints.
+    /// Rotors of transmissions and attributes that are not assigned to joints yet.
     pub(super) rotors: Vec<SkippedRotor>,
 }
 
 type XmlNode<'a> = Node<'a, 'a>;
 
-/// Tags of the appearance of a link.
+/// Tags of the shape of a link.
 const SHAPES: [&str; 2] = ["visual", "collision"];
 
 impl Reader<'_> {
@@ -154,7 +154,7 @@ impl Reader<'_> {
         }
     }
 
-    /// The body of a link; nothing if mass and inertia are zero.
+    /// The body of a link; `None` if mass and inertia are zero.
     fn inertial(&mut self, node: XmlNode<'_>, name: Name) -> Option<BodyDescription> {
         self.known_children(node, &["origin", "mass", "inertia"]);
         let mass = self.single(node, "mass", &name.quoted());
@@ -212,7 +212,7 @@ impl Reader<'_> {
         Pose { translation: xyz.map(Formula::Number), rotation }
     }
 
-    /// The rotation of a quaternion of any length but 0.
+    /// The rotation of a quaternion of any length except 0.
     fn attitude(&mut self, quaternion: &At<[f64; 4]>, owner: &str) -> Option<Rotation> {
         let size = length(quaternion.value);
         if size == 0.0 {
@@ -268,7 +268,7 @@ impl Reader<'_> {
         })
     }
 
-    /// The joints that a planar, spherical or floating one stands for, with their links.
+    /// Reads a planar, spherical or floating joint as a chain of joints with links between them.
     fn composite(&mut self, node: XmlNode<'_>, composite: Composite, result: &mut RobotDescription) {
         let Some(name) = self.required_name(node, "name") else {
             return;
@@ -291,7 +291,7 @@ impl Reader<'_> {
         result.joints.extend(joints);
     }
 
-    /// Reports keys that do not apply, or not in this form, to a joint with several degrees of freedom.
+    /// Reports keys that a joint with several degrees of freedom cannot have in this form.
     fn refuse_in_composite(&mut self, node: XmlNode<'_>, name: &Name, composite: Composite) {
         let (owner, kind) = (name.quoted(), composite.name());
         if composite == Composite::Planar && !node.children().any(|inner| inner.has_tag_name("axis")) {
@@ -325,7 +325,7 @@ impl Reader<'_> {
         }
     }
 
-    /// The joint that `<mimic>` names, with its multiplier.
+    /// The joint that `<mimic>` names, with the multiplier as its ratio.
     fn mimicked(&mut self, node: XmlNode<'_>) -> Option<At<Vec<FollowsDescription>>> {
         let joint = self.required_name(node, "joint")?;
         let multiplier = self.number(node, "multiplier");
@@ -364,7 +364,7 @@ impl Reader<'_> {
         self.required_name(node?, "link")
     }
 
-    /// The axis at unit length; x if none is described.
+    /// The axis as a unit vector. Without an axis it is x.
     fn axis(&mut self, joint: XmlNode<'_>, name: &Name) -> Option<[f64; 3]> {
         let node = self.single(joint, "axis", &name.quoted());
         if let Some(node) = node.filter(|node| !node.has_attribute("xyz")) {
@@ -387,7 +387,7 @@ impl Reader<'_> {
         Some(axis.value.map(|x| x / length))
     }
 
-    /// `τ = damping · v + friction · sign(v)`
+    /// Friction `τ = damping · v + friction · sign(v)`.
     fn friction(&mut self, node: XmlNode<'_>, name: &Name) -> Vec<FrictionTerm> {
         if self.options.no_friction {
             return Vec::new();
@@ -399,7 +399,7 @@ impl Reader<'_> {
             .collect()
     }
 
-    /// The coefficient of a law, if it is not 0.
+    /// The coefficient of a friction law; `None` if it is 0.
     fn friction_coefficient(&mut self, node: XmlNode<'_>, key: &str, name: &Name) -> Option<Formula> {
         let number = self.number(node, key)?;
         if number.value < 0.0 {
@@ -411,10 +411,10 @@ impl Reader<'_> {
     }
 }
 
-/// Types of joints that are read.
+/// Types of joints that a URDF may have.
 const TYPES: [&str; 7] = ["fixed", "revolute", "continuous", "prismatic", "planar", "floating", "spherical"];
 
-/// The type of a joint with several degrees of freedom.
+/// The type of a joint with several degrees of freedom; `None` for other joints.
 fn composite_of(joint: XmlNode<'_>) -> Option<Composite> {
     match joint.attribute("type") {
         Some("planar") => Some(Composite::Planar),
@@ -424,7 +424,7 @@ fn composite_of(joint: XmlNode<'_>) -> Option<Composite> {
     }
 }
 
-/// Links without mass on fixed joints are frames: tool0 and the like.
+/// Frames: links without mass on fixed joints, for example tool0.
 fn massless_frames(robot: &RobotDescription) -> Vec<FrameDescription> {
     let with_mass: Vec<&str> = robot.bodies.iter().map(|body| body.link.value.as_str()).collect();
     let with_mass: std::collections::BTreeSet<&str> = with_mass.into_iter().collect();

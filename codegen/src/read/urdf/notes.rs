@@ -1,10 +1,11 @@
-//! Notes and warnings about skipped or changed parts of a URDF, one per kind.
+//! Notes and warnings about skipped or changed parts of a URDF, with one note for each kind.
 
 use super::foreign as urdf_foreign;
 use crate::diagnostic::Severity;
 use crate::read::skipped as notes;
 
-/// Elements that do not enter the dynamics, except those known to [`urdf_foreign`]; they share one note.
+/// Elements that do not affect the dynamics, unless [`urdf_foreign`] knows their content. All of them share
+/// one note.
 pub(super) const HARMLESS: [&str; 14] = [
     "<visual>",
     "<collision>",
@@ -22,7 +23,7 @@ pub(super) const HARMLESS: [&str; 14] = [
     "<self_collision_checking>",
 ];
 
-/// A kind of remark about a description. It gives one note for all places.
+/// A kind of remark about a description. A kind gives one note for all its places.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Remark {
     AxisMissing,

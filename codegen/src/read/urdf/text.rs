@@ -1,8 +1,8 @@
-//! Text of a URDF, made acceptable to a strict XML parser.
+//! Text of a URDF, changed so that a strict XML parser accepts it.
 //!
-//! The parsers of ROS are less strict than XML: published files often have `--` in comments, white space
-//! before the declaration, a document type, or undeclared prefixes. Such places are overwritten byte by byte,
-//! so positions do not change.
+//! The parsers of ROS are less strict than XML. Published files often have `--` in comments, white space
+//! before the declaration, a document type, or undeclared prefixes. These places are overwritten byte by
+//! byte, so positions do not change.
 
 use crate::diagnostic::Span;
 use roxmltree::{Document, Error, Node};
@@ -28,7 +28,7 @@ impl UrdfText {
         std::str::from_utf8(&self.0).unwrap_or("")
     }
 
-    /// Comments with `--` inside. What has no end is left to the parser's message.
+    /// Overwrites comments. A comment without an end is left to the message of the parser.
     fn blank_comments(&mut self) {
         let mut at = 0;
         while let Some(start) = self.find(b"<!", at) {
@@ -50,7 +50,7 @@ impl UrdfText {
         }
     }
 
-    /// `<!DOCTYPE robot>`, with what stands in its brackets.
+    /// Overwrites `<!DOCTYPE robot>` with the content of its brackets.
     fn blank_document_type(&mut self) {
         let Some(start) = self.find(b"<!DOCTYPE", 0) else {
             return;
@@ -66,7 +66,7 @@ impl UrdfText {
         }
     }
 
-    /// `<?xml … ?>` after white space.
+    /// Overwrites a `<?xml … ?>` after white space.
     fn blank_late_declaration(&mut self) {
         let first = self.0.iter().position(|byte| !byte.is_ascii_whitespace());
         let Some(start) = first.filter(|&first| first > 0) else {
@@ -78,7 +78,7 @@ impl UrdfText {
         }
     }
 
-    /// `<sensor:camera>` becomes `<sensor.camera>` where nothing declares `sensor`.
+    /// Replaces `<sensor:camera>` by `<sensor.camera>` if the prefix `sensor` is undeclared.
     fn mend_prefixes(&mut self) {
         for _ in 0..MOST_PREFIXES {
             match Document::parse(self.as_str()) {
@@ -101,7 +101,7 @@ impl UrdfText {
         }
     }
 
-    /// Whether a name and an equals sign stand here.
+    /// Whether a name and an equals sign follow at this place.
     fn is_attribute_name(&self, at: usize) -> bool {
         let rest = self.0.get(at..).unwrap_or_default();
         let is_name = |byte: &u8| byte.is_ascii_alphanumeric() || b":_-.".contains(byte);
@@ -132,7 +132,7 @@ impl UrdfText {
     }
 }
 
-/// Opening tag of an element, which may span the whole file.
+/// Place of the opening tag of an element, up to its first line end.
 pub(crate) fn opening_tag(node: Node<'_, '_>, source: usize) -> Span {
     let range = node.range();
     let text = node.document().input_text().get(range.clone()).unwrap_or("");

@@ -1,4 +1,4 @@
-//! Transmissions of a URDF: reductions, and rotors in the notation of Drake and others.
+//! Transmissions of a URDF: gear reductions, and rotors in the notation of Drake and other tools.
 
 use super::foreign::{ROTORS, plain};
 use super::notes::Remark;
@@ -10,26 +10,27 @@ use crate::wording::three_digits;
 use gelenk_formula::Formula;
 use roxmltree::Node;
 
-/// Words of a gear ratio in transmissions of ROS and ROS 2.
+/// Tags of a gear ratio in transmissions of ROS and ROS 2.
 const REDUCTIONS: [&str; 1] = ["mechanicalreduction"];
 
-/// Drake's.
+/// Tags of a gear ratio in Drake.
 const RATIO: [&str; 1] = ["gearratio"];
 
-/// Elements inside with one of these words.
+/// Elements inside an element that have one of these tags.
 fn inner<'a>(node: XmlNode<'a>, words: &'a [&str]) -> impl Iterator<Item = XmlNode<'a>> {
     let is_meant = |node: &XmlNode<'_>| words.contains(&plain(node.tag_name().name()).as_str());
     node.descendants().filter(Node::is_element).filter(is_meant)
 }
 
-/// The different ones of these numbers.
+/// The numbers in these elements, without consecutive repetitions.
 fn numbers<'a>(nodes: impl Iterator<Item = XmlNode<'a>>) -> Vec<f64> {
     let mut numbers: Vec<f64> = nodes.filter_map(|node| value_of(node).parse().ok()).collect();
     numbers.dedup();
     numbers
 }
 
-/// The name of the joint that a reduction belongs to: it is itself that of a joint, or of an actuator with one.
+/// Name of the joint to which a reduction belongs. The reduction is inside a joint, or inside an actuator
+/// with a joint.
 fn joint_of<'a>(reduction: XmlNode<'a>) -> Option<&'a str> {
     let mut around = reduction.ancestors().skip(1).take(2);
     around.find_map(|node| match node.has_tag_name("joint") {
@@ -41,7 +42,7 @@ fn joint_of<'a>(reduction: XmlNode<'a>) -> Option<&'a str> {
     })
 }
 
-/// Gear ratios that may be that of a rotor: Drake's is 1 if it is not given.
+/// Gear ratios that a rotor may have. Without a value, Drake's gear ratio is 1.
 fn ratios(transmission: XmlNode<'_>, rotor: XmlNode<'_>) -> Vec<f64> {
     let own = rotor.parent_element().map_or(Vec::new(), |actuator| numbers(inner(actuator, &RATIO)));
     let found = if own.is_empty() { numbers(inner(transmission, &REDUCTIONS)) } else { own };
@@ -87,7 +88,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Assigns rotors to their joints. The others are kept for a warning that uses M.
+    /// Assigns rotors to their joints. Other rotors are kept for a warning that uses M.
     pub(super) fn place_rotors(&mut self, robot: &mut RobotDescription) {
         for rotor in std::mem::take(&mut self.rotors) {
             let Some((name, added)) = rotor.place() else {

@@ -1,4 +1,4 @@
-//! Names, numbers and elements of a URDF with their places.
+//! Names, numbers and elements of a URDF, with their places.
 
 use super::notes::Remark;
 use super::text::opening_tag;
@@ -8,7 +8,7 @@ use crate::diagnostic::{At, Span};
 use gelenk_formula::{LARGEST_NUMBER, too_large};
 use roxmltree::{Attribute, Node};
 
-/// An attribute by name, also with the prefix of a tool: `drake:acceleration`.
+/// An attribute by its name, also with the prefix of a tool, for example `drake:acceleration`.
 pub(super) fn of_any_tool<'a>(node: XmlNode<'a>, key: &str) -> Option<Attribute<'a, 'a>> {
     let mut attributes = node.attributes();
     let prefixed = |name: &str| name.rsplit('.').next() == Some(key);
@@ -24,9 +24,9 @@ impl Reader<'_> {
         Span::new(self.source, attribute.range_value())
     }
 
-    /// First child element of this kind, as in ROS.
+    /// First child element with this tag, as in ROS. Further child elements with this tag give a warning.
     ///
-    /// - `owner`: name of the enclosing element, for the warning about other children
+    /// - `owner`: name of the enclosing element, for the warning
     pub(super) fn single<'a>(&mut self, node: XmlNode<'a>, tag: &str, owner: &str) -> Option<XmlNode<'a>> {
         let mut found = node.children().filter(|inner| inner.is_element() && inner.tag_name().name() == tag);
         let first = found.next()?;

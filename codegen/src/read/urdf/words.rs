@@ -1,4 +1,4 @@
-//! Unknown names in a URDF, with the probably intended ones.
+//! Unknown names in a URDF, with the names that were probably intended.
 
 use super::foreign::{CONTACTS, plain, row};
 use super::notes::{HARMLESS, Remark};
@@ -36,8 +36,8 @@ impl Reader<'_> {
         }
     }
 
-    /// Warns of an element that changes the dynamics in other tools, and of such elements and attributes
-    /// inside it. Returns whether there are any.
+    /// Warns of an element that changes the dynamics in other tools, and of elements and attributes inside it
+    /// that change the dynamics. Returns whether there are any.
     pub(super) fn foreign(&mut self, node: XmlNode<'_>) -> bool {
         let mut is_known = false;
         for inner in node.descendants().filter(Node::is_element) {
@@ -58,7 +58,7 @@ impl Reader<'_> {
         is_known
     }
 
-    /// Whether the name denotes an effect in other tools.
+    /// Whether the name has an effect on the dynamics in other tools. If it has, a remark is added.
     pub(super) fn foreign_word(&mut self, node: XmlNode<'_>, word: &str, value: &str, span: Span) -> bool {
         let Some(row) = row(word, value) else { return false };
         let is_contact = |node: XmlNode<'_>| CONTACTS.contains(&node.tag_name().name());
@@ -72,9 +72,9 @@ impl Reader<'_> {
         true
     }
 
-    /// Notes an element that is skipped.
+    /// Adds a note about an element that is skipped.
     ///
-    /// - `known`: elements that are read there
+    /// - `known`: tags of the elements that are read at this place
     pub(super) fn skip(&mut self, node: XmlNode<'_>, known: &[&str]) {
         let tag = format!("<{}>", node.tag_name().name());
         let is_foreign = self.foreign(node);
@@ -89,23 +89,23 @@ impl Reader<'_> {
     }
 }
 
-/// The word that was probably meant, in brackets.
+/// The word that was probably meant, in brackets; empty without a similar word.
 fn meant<'k>(word: &str, known: impl Iterator<Item = &'k str>) -> String {
     let help = nearest(word, known).filter(|help| help.starts_with("did you mean"));
     help.map_or(String::new(), |help| format!(" ({help})"))
 }
 
-/// Value of an element: its attribute or text.
+/// Value of an element: its attribute `value` or its text.
 pub(super) fn value_of<'a>(node: XmlNode<'a>) -> &'a str {
     node.attribute("value").or_else(|| node.text()).unwrap_or("").trim()
 }
 
-/// The name of the element's owner.
+/// Name of the element that owns this element.
 fn owner(node: XmlNode<'_>) -> Option<&str> {
     node.ancestors().find_map(|node| node.attribute("reference").or_else(|| node.attribute("name")))
 }
 
-/// Whether <mimic> of some joint names the same leader as a plugin.
+/// Whether a `<mimic>` of some joint names the same leader as a plugin.
 fn is_coupled(node: XmlNode<'_>, leader: &str) -> bool {
     let mut mimics = node.document().descendants().filter(|node| node.has_tag_name("mimic"));
     mimics.any(|mimic| mimic.attribute("joint") == Some(leader))

@@ -1,4 +1,4 @@
-//! Detection of xacro macros in a URDF; the message gives the command that expands them.
+//! Detection of xacro macros in a URDF. The message names the command that expands them.
 
 use std::path::Path;
 
@@ -7,10 +7,11 @@ use roxmltree::Node;
 use crate::diagnostic::{Report, Span};
 use crate::wording::quoted;
 
-/// Elements whose texts name files and plugins, where `$(find …)` does no harm.
+/// Elements whose texts name files and plugins. An expression `$(find …)` in them does not affect the
+/// dynamics.
 const LOOKS: [&str; 5] = ["visual", "collision", "material", "gazebo", "transmission"];
 
-/// First macro or macro expression that affects the dynamics.
+/// First macro or macro expression that may affect the dynamics; `None` without one.
 pub(super) fn first<'a, 'i>(robot: Node<'a, 'i>) -> Option<Node<'a, 'i>> {
     let mut stack = vec![robot];
     while let Some(node) = stack.pop() {
@@ -54,7 +55,8 @@ pub(super) fn report(node: Node<'_, '_>, span: Span, file: &str, report: &mut Re
     ));
 }
 
-/// `arm.urdf` for `arm.urdf.xacro` and `arm.xacro`, `arm_expanded.urdf` for `arm.urdf`.
+/// Name of the expanded file: `arm.urdf` for `arm.urdf.xacro` and `arm.xacro`, `arm_expanded.urdf` for
+/// `arm.urdf`.
 fn expanded(file: &str) -> String {
     let path = Path::new(file);
     let stem = path.file_stem().and_then(|stem| stem.to_str());

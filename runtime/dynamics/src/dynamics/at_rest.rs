@@ -1,21 +1,22 @@
 //! Friction on both sides of rest.
 
-/// Speed [rad/s or m/s] at which discontinuous friction laws are evaluated on one side of rest: they see the
-/// direction, other laws see rest. It stays above the smallest number after multiplication by a gear ratio.
+/// Speed [rad/s or m/s] at which friction is evaluated on one side of rest. Discontinuous friction laws give
+/// the value of their direction, other laws give the value at rest. The speed does not underflow when it is
+/// multiplied by a gear ratio.
 pub const JUST_MOVING: f64 = 1e-300;
 
-/// Largest difference between the two sides for laws without a jump: their slope times [`JUST_MOVING`]. Free
-/// parameters that make a jump zero leave this difference.
+/// Largest difference between both sides of rest for friction without a jump, which is its slope times
+/// [`JUST_MOVING`]. Free parameters that make a jump zero leave this difference.
 const OF_SLOPES: f64 = 1e-200;
 
-/// Whether friction is discontinuous between these two values of
-/// [`Dynamics::friction_at_rest`](super::Dynamics::friction_at_rest), as dry friction is.
+/// Whether friction is discontinuous at rest, like dry friction. The arguments are the two values of a joint
+/// in [`Dynamics::friction_at_rest`](super::Dynamics::friction_at_rest).
 pub fn jumps([backward, forward]: [f64; 2]) -> bool {
     backward < forward
 }
 
-/// Whether friction at i is discontinuous at a sign change of velocity j with all others 0, for example on a
-/// shaft that both turn. NaN counts as discontinuous.
+/// Whether friction at i is discontinuous at a sign change of velocity j while all other velocities are 0,
+/// for example on a shaft that both joints rotate. NaN counts as discontinuous.
 pub fn jumps_with<const N: usize>([i, j]: [usize; 2], friction: impl Fn(&[f64; N]) -> [f64; N]) -> bool {
     let [backward, forward] = [-JUST_MOVING, JUST_MOVING].map(|speed| {
         let mut velocities = [0.0; N];
@@ -26,7 +27,7 @@ pub fn jumps_with<const N: usize>([i, j]: [usize; 2], friction: impl Fn(&[f64; N
     !is_smooth
 }
 
-/// Friction before and after rest. Where it does not jump the two are the same.
+/// Friction before and after rest. Both values are equal for friction without a jump.
 pub(super) fn either_side<const N: usize>(
     jumps: &[[usize; 2]],
     friction: impl Fn(&[f64; N]) -> [f64; N],

@@ -1,4 +1,4 @@
-//! Default implementations of functions that a module lacks.
+//! Default implementations of functions that a module does not have.
 
 use super::lanes::{Instructions, LANES, LinearizeLanes, Point};
 use super::load_friction::{load, under_load};
@@ -10,7 +10,7 @@ use super::types::{Discretization, ForceDerivativesAndMass, Linearization, Step}
 use core::cell::Cell;
 use gelenk_kernels::discrete_time;
 
-/// [`Dynamics::applied_forces`] from the other methods.
+/// Computes [`Dynamics::applied_forces`] from other methods.
 #[inline]
 pub fn applied_forces<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
@@ -22,7 +22,7 @@ pub fn applied_forces<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M: u
     core::array::from_fn(|i| gravity[i] + springs[i] - friction[i])
 }
 
-/// [`Dynamics::load_friction`] of a robot without load-dependent friction.
+/// Returns [`Dynamics::load_friction`] of a robot without load-dependent friction, which is zero.
 #[inline]
 pub fn load_friction<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M: usize, const NY: usize>(
     _: &D,
@@ -32,7 +32,7 @@ pub fn load_friction<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M: us
     [0.0; N]
 }
 
-/// [`Dynamics::bias_forces`] from the other methods.
+/// Computes [`Dynamics::bias_forces`] from other methods.
 #[inline]
 pub fn bias_forces<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
@@ -43,7 +43,7 @@ pub fn bias_forces<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M: usiz
     core::array::from_fn(|i| coriolis[i] - gravity[i])
 }
 
-/// [`Dynamics::equations_of_motion`] from the other methods.
+/// Computes [`Dynamics::equations_of_motion`] from other methods.
 #[inline]
 pub fn equations_of_motion<
     D: Dynamics<N, M, NY> + ?Sized,
@@ -58,7 +58,7 @@ pub fn equations_of_motion<
     (robot.mass_matrix(y), robot.coriolis_forces(y, v), robot.applied_forces(y, v))
 }
 
-/// [`Dynamics::inverse_dynamics`] from the other methods.
+/// Computes [`Dynamics::inverse_dynamics`] from other methods.
 #[inline]
 pub fn inverse_dynamics<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
@@ -74,7 +74,7 @@ pub fn inverse_dynamics<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M:
     })
 }
 
-/// [`Dynamics::forward_dynamics`] from the other methods.
+/// Computes [`Dynamics::forward_dynamics`] from other methods.
 #[inline]
 pub fn forward_dynamics<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
@@ -93,7 +93,7 @@ pub fn forward_dynamics<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M:
     solve_positive_definite(mass, forces)
 }
 
-/// [`Dynamics::kinetic_energy`] from the other methods.
+/// Computes [`Dynamics::kinetic_energy`] from other methods.
 #[inline]
 pub fn kinetic_energy<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
@@ -105,7 +105,7 @@ pub fn kinetic_energy<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M: u
     0.5 * product(&momentum, v)
 }
 
-/// [`Differentiable::inverse_dynamics_derivatives_and_mass_matrix`] from the other methods.
+/// Computes [`Differentiable::inverse_dynamics_derivatives_and_mass_matrix`] from other methods.
 #[inline]
 pub fn inverse_dynamics_derivatives_and_mass_matrix<
     D: Differentiable<N, M, NY> + ?Sized,
@@ -132,7 +132,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix<
     (forces, mass)
 }
 
-/// [`Differentiable::input_forces_derivatives`] from the other methods.
+/// Computes [`Differentiable::input_forces_derivatives`] from other methods.
 #[inline]
 pub fn input_forces_derivatives<
     D: Differentiable<N, M, NY> + ?Sized,
@@ -159,7 +159,7 @@ pub fn input_forces_derivatives<
     (input_forces, derivatives)
 }
 
-/// [`Discretizable::discretize`] from the other methods.
+/// Computes [`Discretizable::discretize`] from other methods.
 #[inline]
 pub fn discretize<D: Differentiable<N, M, NY> + ?Sized, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
@@ -173,7 +173,7 @@ pub fn discretize<D: Differentiable<N, M, NY> + ?Sized, const N: usize, const M:
     if NY == N { linear.held(period) } else { linear.discretize_with(&robot.drift(v), period) }
 }
 
-/// [`Discretizable::step`] from the other methods; does not compile for robots with quaternions.
+/// Computes [`Discretizable::step`] from other methods. Does not compile for robots with quaternions.
 #[inline]
 pub fn step<D: Discretizable<N, M, NY> + ?Sized, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
@@ -187,7 +187,8 @@ pub fn step<D: Discretizable<N, M, NY> + ?Sized, const N: usize, const M: usize,
     (*same(&y), v)
 }
 
-/// [`Discretizable::step_derivatives`] from the other methods; does not compile for robots with quaternions.
+/// Computes [`Discretizable::step_derivatives`] from other methods. Does not compile for robots with
+/// quaternions.
 #[inline]
 pub fn step_derivatives<
     D: Discretizable<N, M, NY> + ?Sized,
@@ -210,7 +211,7 @@ pub fn step_derivatives<
     Step { coordinates: *same(&coordinates), velocities, state, input }
 }
 
-/// [`Discretizable::midpoint_step`] from the other methods.
+/// Computes [`Discretizable::midpoint_step`] from other methods.
 #[inline]
 pub fn midpoint_step<
     D: Differentiable<N, M, NY> + ?Sized,
@@ -259,7 +260,7 @@ pub fn midpoint_step<
     stepped(robot, (y, v, a), &mean, &columns, period)
 }
 
-/// The step, whose changes of the velocities are `columns`.
+/// Returns the step whose changes of the velocities are in `columns`.
 #[inline]
 fn stepped<D: Differentiable<N, M, NY> + ?Sized, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
@@ -311,8 +312,8 @@ fn stepped<D: Differentiable<N, M, NY> + ?Sized, const N: usize, const M: usize,
     step
 }
 
-/// [`Discretizable::step`] of a robot with time-dependent equations from `time` (s) on: each stage of the
-/// method uses the robot at its own time.
+/// Computes [`Discretizable::step`] of a robot with time-dependent equations from `time` (s) on. Each stage
+/// of the method uses the robot at the time of the stage.
 #[inline]
 pub fn step_from<D: Discretizable<N, M>, const N: usize, const M: usize>(
     robot: &D,
@@ -326,7 +327,7 @@ pub fn step_from<D: Discretizable<N, M>, const N: usize, const M: usize>(
     discrete_time::runge_kutta(*y, *v, period, D::SUBSTEPS, acceleration)
 }
 
-/// [`Discretizable::step_derivatives`] of a robot with time-dependent equations from `time` (s) on.
+/// Computes [`Discretizable::step_derivatives`] of a robot with time-dependent equations from `time` (s) on.
 #[inline]
 pub fn step_derivatives_from<D: Discretizable<N, M>, const N: usize, const M: usize>(
     robot: &D,
@@ -344,8 +345,8 @@ pub fn step_derivatives_from<D: Discretizable<N, M>, const N: usize, const M: us
     Step { coordinates, velocities, state, input }
 }
 
-/// The times of the stages of Runge–Kutta steps, in the order in which the method asks for accelerations: at the
-/// beginning of each step, twice in its middle, at its end.
+/// Times of the stages of Runge–Kutta steps (s), in the order in which the method evaluates accelerations: at
+/// the beginning of each step, twice in its middle, and at its end.
 struct StageTimes {
     start: f64,
     step: f64,
@@ -364,7 +365,7 @@ impl StageTimes {
     }
 }
 
-/// [`Differentiable::linearize_along`] of a module's type.
+/// Implements [`Differentiable::linearize_along`] for the type of a module.
 #[inline]
 pub fn linearize_along<D, L, P: Copy, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
@@ -386,7 +387,7 @@ pub fn linearize_along<D, L, P: Copy, const N: usize, const M: usize, const NY: 
     }
 }
 
-/// [`Differentiable::linearize_along`] without lanes.
+/// Implements [`Differentiable::linearize_along`] with one call for each point.
 pub fn linearize_one_by_one<D, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
     points: &[Point<N, M, NY>],

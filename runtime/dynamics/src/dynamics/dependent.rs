@@ -1,16 +1,17 @@
-//! Joints that follow coordinates, `θ = G y + G_d d + g₀`, with their described limits.
+//! Joints that follow coordinates, `θ = G y + G_d d + g₀`, with their limits in the description.
 
-/// A joint that follows coordinates, with its limits. Code that keeps the limits of coordinates also keeps
-/// these.
+/// A joint that follows coordinates y and driven joints d, `θ = G y + G_d d + g₀`, with its limits. Code that
+/// keeps the limits of coordinates also keeps the limits of these joints.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DependentJoint<const N: usize> {
     /// Name of the joint.
     pub name: &'static str,
-    /// G: motion per unit of motion of each coordinate.
+    /// Ratios G: motion of the joint per unit of motion of each coordinate.
     pub ratios: [f64; N],
-    /// G_d: motion per unit of motion of each driven joint; empty without driven joints.
+    /// Ratios G_d: motion of the joint per unit of motion of each driven joint; empty for a robot without
+    /// driven joints.
     pub driven_ratios: &'static [f64],
-    /// g₀: position if all followed joints are at 0 [rad or m].
+    /// Offset g₀: position of the joint if all joints that it follows are at 0 [rad or m].
     pub offset: f64,
     /// Lowest and highest position [rad or m].
     pub position: [f64; 2],
@@ -19,9 +20,9 @@ pub struct DependentJoint<const N: usize> {
 }
 
 impl<const N: usize> DependentJoint<N> {
-    /// Position and velocity from those of the coordinates and of the driven joints
-    /// ([`Dynamics::driven_motion`](super::Dynamics::driven_motion)); NaN if it follows a driven joint with
-    /// unknown motion.
+    /// Position and velocity of the joint from those of the coordinates and of the driven joints
+    /// ([`Dynamics::driven_motion`](super::Dynamics::driven_motion)). NaN if the joint follows a driven joint
+    /// with unknown motion.
     #[must_use]
     pub fn motion(&self, y: &[f64; N], v: &[f64; N], driven: &[[f64; 3]]) -> [f64; 2] {
         let mut motion = [self.offset, 0.0];
@@ -48,7 +49,8 @@ impl<const N: usize> DependentJoint<N> {
         count(self.driven_ratios) > 0
     }
 
-    /// The followed coordinate, if the joint follows only one and no driven joint.
+    /// Index of the followed coordinate if the joint follows only this coordinate and no driven joint; `None`
+    /// otherwise.
     #[must_use]
     pub fn followed_alone(&self) -> Option<usize> {
         if self.follows_driven_joints() || count(&self.ratios) != 1 {
@@ -63,19 +65,20 @@ impl<const N: usize> DependentJoint<N> {
         !self.follows_driven_joints() && count(&self.ratios) > 1
     }
 
-    /// Whether its position has a limit.
+    /// Whether the position of the joint has a limit.
     #[must_use]
     pub const fn has_position_limit(&self) -> bool {
         self.position[0] != f64::NEG_INFINITY || self.position[1] != f64::INFINITY
     }
 
-    /// Whether its speed has a limit.
+    /// Whether the speed of the joint has a limit.
     #[must_use]
     pub const fn has_velocity_limit(&self) -> bool {
         self.velocity != f64::INFINITY
     }
 
-    /// Limits of the coordinate that it follows alone, by which it keeps its own: of position and speed.
+    /// Index of the only followed coordinate, and the limits of its position and speed that keep the limits
+    /// of this joint; `None` if the joint follows several coordinates or a driven joint.
     fn limits_of_followed(&self) -> Option<(usize, [f64; 2], f64)> {
         let i = self.followed_alone()?;
         let ratio = self.ratios[i];
@@ -95,7 +98,8 @@ const fn count(ratios: &[f64]) -> usize {
     found
 }
 
-/// Narrows the limits of coordinates so that each joint that follows a single coordinate keeps its own limits.
+/// Narrows the limits of coordinates so that each joint that follows a single coordinate keeps its own
+/// limits.
 pub(super) fn narrowed<const N: usize>(
     joints: &[DependentJoint<N>],
     positions: &mut [[f64; 2]; N],
@@ -107,7 +111,7 @@ pub(super) fn narrowed<const N: usize>(
     }
 }
 
-/// Number of rows for joints, see [`LimitRows`].
+/// Number of rows for the limits of joints, see [`LimitRows`].
 pub const fn count_rows<const N: usize>(joints: &[DependentJoint<N>]) -> usize {
     let (mut i, mut rows) = (0, 0);
     while i < joints.len() {
@@ -119,9 +123,9 @@ pub const fn count_rows<const N: usize>(joints: &[DependentJoint<N>]) -> usize {
     rows
 }
 
-/// The number NR of rows that keep limits of sums: `lower ≤ G y + g₀ ≤ upper` and `|G ẏ| ≤ limit` of joints which follow several
-/// coordinates, and `|u + C ẏ| ≤ limit` of motors. [`dynamics!`](crate::dynamics!) implements it, so that predictive controllers
-/// have all of these rows.
+/// The number NR of rows that limit sums: `lower ≤ G y + g₀ ≤ upper` and `|G ẏ| ≤ limit` for joints that
+/// follow several coordinates, and `|u + c ẏ| ≤ limit` for motors. [`dynamics!`](crate::dynamics!) implements
+/// this trait, so that predictive controllers have all of these rows.
 #[diagnostic::on_unimplemented(
     note = "a robot written by hand must give the number of rows that limit sums (followers of several \
             coordinates, torque–speed lines): `impl LimitRows<0> for Robot {{}}`"
@@ -164,13 +168,15 @@ pub const fn dependent_joints<const N: usize, const K: usize>(
     joints
 }
 
-/// `DEPENDENT_JOINT_NAMES` of a module without followers.
+/// Value of `DEPENDENT_JOINT_NAMES` for a module without joints that follow others.
 pub const NO_NAMES: [&str; 0] = [];
-/// Rows of `DEPENDENT_JOINT_RATIOS` and `DEPENDENT_DRIVEN_RATIOS` of a module without them.
+/// Value of `DEPENDENT_JOINT_RATIOS`, `DEPENDENT_DRIVEN_RATIOS` and `TORQUE_SPEED_SLOPES` for a module
+/// without these constants.
 pub const NO_ROWS: [[f64; 0]; 0] = [];
-/// `DEPENDENT_JOINT_OFFSETS` and `DEPENDENT_VELOCITY_LIMITS` of a module without followers.
+/// Value of `DEPENDENT_JOINT_OFFSETS`, `DEPENDENT_VELOCITY_LIMITS` and `TORQUE_SPEED_LIMITS` for a module
+/// without these constants.
 pub const NO_NUMBERS: [f64; 0] = [];
-/// `DEPENDENT_POSITION_LIMITS` of a module without followers.
+/// Value of `DEPENDENT_POSITION_LIMITS` for a module without joints that follow others.
 pub const NO_RANGES: [[f64; 2]; 0] = [];
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
-//! Part of [`dynamics!`](crate::dynamics!) for followers and torque–speed lines.
+//! Parts of [`dynamics!`](crate::dynamics!) for joints that follow others, torque–speed lines and driven
+//! joints.
 
-/// The joints that follow, which most modules do not have.
+/// Joints of a module that follow others. Most modules do not have these constants.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! dependent_joints_of {
@@ -25,7 +26,7 @@ macro_rules! dependent_joints_of {
     }};
 }
 
-/// The torque–speed lines of the motors, which most modules do not have.
+/// Torque–speed lines of the motors of a module. Most modules do not have these constants.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! torque_speed_lines_of {
@@ -45,7 +46,7 @@ macro_rules! torque_speed_lines_of {
     }};
 }
 
-/// The motion of the driven joints that a robot holds, if it has some.
+/// Implements `driven_motion` for a type with the field `driven`.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! driven_motion_of {

@@ -1,24 +1,23 @@
-//! Robots with driven joints at one instant of their motion.
+//! Robots with driven joints (joints with a prescribed motion) at one time.
 
-/// A robot with `K` driven joints at one instant of their motion. [`dynamics!`](crate::dynamics!) implements it for modules
-/// with driven joints.
+/// A robot with `K` driven joints (joints with a prescribed motion) at one time.
+/// [`dynamics!`](crate::dynamics!) implements this trait for modules with driven joints.
 ///
-/// Such a robot is [`Dynamics`](super::Dynamics) only at this instant. At other times
-/// ([`Dynamics::at_time`](super::Dynamics::at_time)) results are NaN unless the driven joints are at rest,
-/// because one instant does not determine the motion. `DrivenRobot` of `gelenk-runtime` knows the motion over
-/// time.
+/// The type is [`Dynamics`](super::Dynamics) only at this time, because one time does not determine the
+/// motion. At other times ([`Dynamics::at_time`](super::Dynamics::at_time)) results are NaN unless the driven
+/// joints are at rest. `DrivenRobot` of `gelenk-runtime` adds the motion over time.
 pub trait DrivenJoints<const K: usize>: Copy {
-    /// Names of the driven joints: the module's `DRIVEN_NAMES`.
+    /// Names of the driven joints, which are `DRIVEN_NAMES` of the module.
     fn driven_names(&self) -> [&'static str; K];
 
-    /// The robot at another instant.
+    /// The robot with other positions, velocities and accelerations of the driven joints.
     ///
     /// - `driven`: position [rad or m], velocity and acceleration of each driven joint
     #[must_use]
     fn with_driven(&self, driven: &[[f64; 3]; K]) -> Self;
 }
 
-/// Position, velocity and acceleration that nobody has said.
+/// Unknown position, velocity and acceleration.
 const UNKNOWN: [f64; 3] = [f64::NAN; 3];
 
 /// Driven joints with unknown motion.
@@ -27,14 +26,14 @@ pub const fn unknown<const K: usize>() -> [[f64; 3]; K] {
     [UNKNOWN; K]
 }
 
-/// Driven joints at other times, known from one instant: joints at rest stay at rest, the motion of others is
-/// unknown.
+/// Driven joints at another time, from their motion at one time. Joints at rest remain at rest. The motion of
+/// other joints is unknown.
 #[must_use]
 pub fn at_rest_or_unknown<const K: usize>(driven: &[[f64; 3]; K]) -> [[f64; 3]; K] {
     driven.map(|joint| if joint[1] == 0.0 && joint[2] == 0.0 { joint } else { UNKNOWN })
 }
 
-/// The trait of the type that stands in for `Driven` in a module without driven joints.
+/// Trait of the type that replaces `Driven` in a module without driven joints.
 #[diagnostic::on_unimplemented(
     message = "the module has driven joints, so the type must hold their motion",
     label = "write `struct Name {{ driven }} = module`, or with free parameters `struct Name {{ driven, \

@@ -1,10 +1,11 @@
-//! Generated friction functions, with or without the coordinates as an argument.
+//! Generated functions of the friction torques, with or without the positions as an argument.
 //!
 //! A module has `friction_torques(v)`, or `friction_torques(y, v)` if a friction law depends on the position.
-//! The macro [`dynamics!`](crate::dynamics!) cannot distinguish them; the compiler selects the implementation
-//! that fits the function.
+//! The macro [`dynamics!`](crate::dynamics!) cannot distinguish these functions. The compiler selects the
+//! implementation for the type of the function.
 
-/// A generated `friction_torques`. `Arguments` tells the implementations apart and is inferred.
+/// A generated function `friction_torques`. The type `Arguments` distinguishes the implementations and is
+/// inferred.
 #[diagnostic::on_unimplemented(
     message = "the module has no `friction_torques` as a function of velocities, or of positions and velocities",
     label = "generate it with friction_torques",
@@ -33,7 +34,8 @@ where
     }
 }
 
-/// A generated `friction_torques` of a module with free parameters `P`; or with driven joints, whose motion then is `P`.
+/// A generated function `friction_torques` of a module with free parameters `P`, or of a module with driven
+/// joints. In the second case `P` is the motion of the driven joints.
 #[diagnostic::on_unimplemented(
     message = "the module has no `friction_torques` as a function of velocities, or of positions and velocities",
     label = "generate it with friction_torques",
@@ -41,7 +43,7 @@ where
             `struct Name = module`"
 )]
 pub trait FrictionLawWithParameters<Arguments, P, const N: usize, const NY: usize> {
-    /// Friction torques [N m or N] at positions `y` and velocities `v`.
+    /// Friction torques [N m or N] at positions `y` and velocities `v`, with parameters or driven joints `p`.
     fn torques(&self, y: &[f64; NY], v: &[f64; N], p: &P) -> [f64; N];
 }
 
@@ -66,13 +68,14 @@ where
     }
 }
 
-/// A generated `friction_torques` of a module with driven joints and free parameters `P`.
+/// A generated function `friction_torques` of a module with driven joints and free parameters `P`.
 #[diagnostic::on_unimplemented(
     message = "the module has no `friction_torques` as a function of velocities, or of positions and velocities",
     label = "generate it with friction_torques"
 )]
 pub trait FrictionLawWithDriven<Arguments, D, P, const N: usize, const NY: usize> {
-    /// Friction torques [N m or N] at positions `y`, velocities `v` and driven joints `d`.
+    /// Friction torques [N m or N] at positions `y` and velocities `v`, with driven joints `d` and parameters
+    /// `p`.
     fn torques(&self, y: &[f64; NY], v: &[f64; N], d: &D, p: &P) -> [f64; N];
 }
 

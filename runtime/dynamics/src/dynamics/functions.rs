@@ -1,28 +1,29 @@
-//! Access of the macro [`dynamics!`](crate::dynamics!) to the functions of a module that exist.
+//! Access of the macro [`dynamics!`](crate::dynamics!) to the functions that a module has.
 //!
-//! A macro cannot test whether a module has a function. The compiler resolves a name to the import of an
-//! inner block from the module, or else to the import of the enclosing block, which is [`Missing`] under the
-//! function's name. [`OrElse`] then calls the function or its replacement.
+//! A macro cannot test whether a module has a function. Instead the macro writes two nested blocks. The inner
+//! block imports everything from the module, the outer block imports [`Missing`] under the name of the
+//! function. The compiler resolves the name to the function if the module has it, and to [`Missing`]
+//! otherwise. [`OrElse`] then calls the function or its replacement.
 
 use super::types::OfResults;
 
-/// Represents a function that a module lacks.
+/// Represents a function that a module does not have.
 #[derive(Debug, Clone, Copy)]
 pub struct Missing;
 
-/// Number of Runge–Kutta steps per period for modules that do not define it.
+/// Number of Runge–Kutta steps per period for modules without the constant `SUBSTEPS`.
 pub const NO_SUBSTEPS: usize = 1;
 
-/// A function of a module, or [`Missing`]. `A` are its arguments, `R` is its result or a type converted from
-/// it.
+/// A function of a module, or [`Missing`]. `A` is the type of its arguments, `R` the type of its result.
 pub trait OrElse<A, R> {
-    /// Result of the function, or `otherwise`.
+    /// Result of the function, or of `otherwise` if the function is missing.
     fn or_else(&self, arguments: A, otherwise: impl FnOnce() -> R) -> R;
 }
 
-/// [`OrElse`] for results that are converted to a type of the runtime.
+/// A function of a module, or [`Missing`], whose result is converted to a type `R` of the runtime. `A` is the
+/// type of its arguments.
 pub trait MadeOrElse<A, R> {
-    /// Converts the function's results, or calls `otherwise`.
+    /// Converts the result of the function, or calls `otherwise` if the function is missing.
     fn made_or_else(&self, arguments: A, otherwise: impl FnOnce() -> R) -> R;
 }
 
@@ -40,7 +41,7 @@ impl<A, R> MadeOrElse<A, R> for Missing {
     }
 }
 
-/// A function that a module must have, because nothing takes its place.
+/// A function that a module must have, because it has no default.
 ///
 /// ```compile_fail,E0277
 /// mod arm {
@@ -63,7 +64,7 @@ pub trait Required<A, T> {
     fn result(&self, arguments: A) -> T;
 }
 
-/// The traits for functions of each number of arguments.
+/// Implements the traits for functions of each number of arguments.
 macro_rules! functions {
     ($($argument:ident: $type:ident),*) => {
         impl<F: Fn($($type),*) -> R, $($type,)* R> OrElse<($($type,)*), R> for F {
@@ -96,7 +97,7 @@ functions!(a: A, b: B, c: C);
 functions!(a: A, b: B, c: C, d: D);
 functions!(a: A, b: B, c: C, d: D, e: E);
 
-/// Whether a module has a function.
+/// Whether the list `functions` of a module contains the function `name`.
 #[must_use]
 pub const fn has(functions: &[&str], name: &str) -> bool {
     let mut k = 0;
@@ -121,7 +122,7 @@ const fn is_same(a: &[u8], b: &[u8]) -> bool {
 #[derive(Debug, Clone, Copy)]
 pub struct HasDerivatives<const B: bool>;
 
-/// Implemented if it has.
+/// Implemented if a module has the functions that a trait requires.
 ///
 /// ```compile_fail,E0277
 /// mod arm {
@@ -136,8 +137,8 @@ pub struct HasDerivatives<const B: bool>;
 /// gelenk_dynamics::dynamics!(struct Arm = arm: Differentiable);
 /// ```
 ///
-/// Without `: Differentiable` it compiles. The lifetime keeps the compiler from judging the bound before the
-/// trait is asked for.
+/// The macro compiles without `: Differentiable`. The lifetime has the effect that the compiler checks the
+/// bound only when the trait is used.
 #[diagnostic::on_unimplemented(
     message = "the module has no derivatives",
     label = "generate it with inverse_dynamics_derivatives and linearize",

@@ -1,13 +1,15 @@
-//! Generated input matrices, with or without the coordinates as an argument, and ranges of inputs.
+//! Generated functions of the input matrix, with or without the positions as an argument, and ranges of
+//! inputs.
 //!
 //! A module has `input_matrix()`, or `input_matrix(y)` if inputs act at frames. The macro
-//! [`dynamics!`](crate::dynamics!) cannot distinguish them; the compiler selects the implementation that fits
-//! the function.
+//! [`dynamics!`](crate::dynamics!) cannot distinguish these functions. The compiler selects the
+//! implementation for the type of the function.
 
 use super::friction_law::Coordinates;
 use super::functions::Missing;
 
-/// A generated `input_matrix`. `Arguments` tells the implementations apart and is inferred.
+/// A generated function `input_matrix`. The type `Arguments` distinguishes the implementations and is
+/// inferred.
 #[diagnostic::on_unimplemented(
     message = "the module has no `input_matrix`",
     label = "generate it with input_matrix",
@@ -15,7 +17,7 @@ use super::functions::Missing;
             `struct Name = module`"
 )]
 pub trait InputMatrix<Arguments, const N: usize, const M: usize, const NY: usize> {
-    /// B at positions `y`.
+    /// Input matrix B at positions `y`.
     fn at(&self, y: &[f64; NY]) -> [[f64; M]; N];
 }
 
@@ -37,7 +39,8 @@ impl<F: Fn(&[f64; NY]) -> [[f64; M]; N], const N: usize, const M: usize, const N
     }
 }
 
-/// A generated `input_matrix` of a module with free parameters `P`; or with driven joints, whose motion then is `P`.
+/// A generated function `input_matrix` of a module with free parameters `P`, or of a module with driven
+/// joints. In the second case `P` is the motion of the driven joints.
 #[diagnostic::on_unimplemented(
     message = "the module has no `input_matrix`",
     label = "generate it with input_matrix",
@@ -45,7 +48,7 @@ impl<F: Fn(&[f64; NY]) -> [[f64; M]; N], const N: usize, const M: usize, const N
             `struct Name = module`"
 )]
 pub trait InputMatrixWithParameters<Arguments, P, const N: usize, const M: usize, const NY: usize> {
-    /// B at positions `y`.
+    /// Input matrix B at positions `y`, with parameters or driven joints `p`.
     fn at(&self, y: &[f64; NY], p: &P) -> [[f64; M]; N];
 }
 
@@ -69,7 +72,7 @@ where
     }
 }
 
-/// Input matrices of robots with driven joints and constant gear ratios.
+/// Implementation for robots with driven joints and constant gear ratios.
 impl<F: Fn() -> [[f64; M]; N], P, const N: usize, const M: usize, const NY: usize>
     InputMatrixWithParameters<((),), P, N, M, NY> for F
 {
@@ -79,13 +82,13 @@ impl<F: Fn() -> [[f64; M]; N], P, const N: usize, const M: usize, const NY: usiz
     }
 }
 
-/// A generated `input_matrix` of a module with driven joints and free parameters `P`.
+/// A generated function `input_matrix` of a module with driven joints and free parameters `P`.
 #[diagnostic::on_unimplemented(
     message = "the module has no `input_matrix`",
     label = "generate it with input_matrix"
 )]
 pub trait InputMatrixWithDriven<Arguments, D, P, const N: usize, const M: usize, const NY: usize> {
-    /// B at positions `y` and driven joints `d`.
+    /// Input matrix B at positions `y`, with driven joints `d` and parameters `p`.
     fn at(&self, y: &[f64; NY], d: &D, p: &P) -> [[f64; M]; N];
 }
 
@@ -110,9 +113,9 @@ where
     }
 }
 
-/// `INPUT_RANGES` of the module, or [`Missing`] if its limits are only magnitudes.
+/// `INPUT_RANGES` of a module, or [`Missing`] if the limits of its inputs are symmetric.
 pub trait InputRanges<const M: usize> {
-    /// Ranges cut off at these magnitudes.
+    /// Ranges of the inputs, limited to these magnitudes.
     fn within(&self, magnitudes: [f64; M]) -> [[f64; 2]; M];
 }
 
@@ -131,5 +134,5 @@ impl<const M: usize> InputRanges<M> for Missing {
     }
 }
 
-/// Number of drives for modules that do not define it: all inputs are drives.
+/// Number of drives for modules without the constant `DRIVES`, whose inputs are all drives.
 pub const ALL_DRIVES: usize = usize::MAX;

@@ -1,9 +1,9 @@
-//! Linearization at many points: over the lanes of a module that has them.
+//! Linearization at many points, eight at a time if the module has a function for this.
 
 use super::functions::Missing;
 use super::types::Linearization;
 
-/// States per call of a function over lanes.
+/// Number of states in one call of a function for several states (lanes).
 pub(super) const LANES: usize = 8;
 
 /// A point at which a robot is linearized.
@@ -11,49 +11,50 @@ pub(super) const LANES: usize = 8;
 pub struct Point<const N: usize, const M: usize, const NY: usize = N> {
     /// Time (s), for robots with driven joints.
     pub time: f64,
-    /// y.
+    /// Positions y [rad or m].
     pub positions: [f64; NY],
-    /// ẏ.
+    /// Velocities ẏ [rad/s or m/s].
     pub velocities: [f64; N],
-    /// u.
+    /// Inputs u [N m, N or A].
     pub inputs: [f64; M],
 }
 
-/// Instructions that functions over lanes may use. Only a caller who knows the processor makes others than [`Self::ANY`]:
-/// `gelenk_runtime::lanes::instructions()`.
+/// Vector instructions that functions for eight states may use. `gelenk_runtime::lanes::instructions()`
+/// returns the instructions of the processor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Instructions(usize);
 
 impl Instructions {
-    /// Those of the target.
+    /// The instructions that the compiler uses for the target.
     pub const ANY: Self = Self(0);
 
-    /// AVX2.
+    /// The instructions AVX2.
     ///
     /// # Safety
-    /// The processor must have it.
+    /// The processor must have AVX2.
     #[must_use]
     pub const unsafe fn avx2() -> Self {
         Self(1)
     }
 
-    /// AVX-512, with F, BW, DQ and VL.
+    /// The instructions AVX-512 F, BW, DQ and VL.
     ///
     /// # Safety
-    /// The processor must have it.
+    /// The processor must have these instructions.
     #[must_use]
     pub const unsafe fn avx512() -> Self {
         Self(2)
     }
 }
 
-/// Stands for the type of a module without functions over lanes.
+/// Represents the type `Lanes` of a module without functions for eight states.
 #[derive(Debug, Clone, Copy)]
 pub struct NoLanes(pub [f64; LANES]);
 
-/// The table `LINEARIZE_LANES` of a module, or [`Missing`]: the forms of `linearize` over lanes L. P are free parameters.
+/// The table `LINEARIZE_LANES` of a module, or [`Missing`]. The table contains the versions of `linearize`
+/// for eight states, whose numbers have the type L. P is the type of the free parameters.
 pub trait LinearizeLanes<L, P, const N: usize, const M: usize, const NY: usize> {
-    /// Linearizes at up to eight points; false if the module cannot.
+    /// Linearizes at up to eight points. Returns false if the module has no function for this.
     fn linearize(
         &self,
         instructions: Instructions,
@@ -77,7 +78,7 @@ impl<L, P, const N: usize, const M: usize, const NY: usize> LinearizeLanes<L, P,
     }
 }
 
-/// One number to each result.
+/// Writes one number to each result.
 #[inline]
 fn scatter<T>(numbers: &[f64; LANES], results: &mut [T], entry: impl Fn(&mut T) -> &mut f64) {
     for (number, result) in numbers.iter().zip(results) {
@@ -87,7 +88,8 @@ fn scatter<T>(numbers: &[f64; LANES], results: &mut [T], entry: impl Fn(&mut T) 
 
 type Square<L, const N: usize> = [[L; N]; N];
 
-/// The trait for tables of functions with and without parameters, with and without the drift of robots with quaternions.
+/// Implements the trait for tables of functions with and without parameters, and with and without the drift
+/// of robots with quaternions.
 macro_rules! tables {
     ($ny:ident $(, const $more:ident)?; [$($p:ident: $type:ident)?]; [$($drift:ident)?]) => {
         impl<L: Copy, $($type,)? const N: usize, const M: usize $(, const $more: usize)?>

@@ -1,16 +1,17 @@
-//! Load-dependent friction `|τ_l| s₁`, in addition to the friction s₀ of the velocity.
+//! Load-dependent friction `|τ_l| s₁`, in addition to the friction s₀ that depends on the velocity.
 //!
 //! The load τ_l is the force of a joint's drive without friction. The drive exerts `s₀ + τ_l + |τ_l| s₁`
-//! (Hamon, Gautier and Garrec 2010), which increases with the load if |s₁| < 1.
+//! (Hamon, Gautier and Garrec 2010). This force increases with the load if |s₁| < 1.
 
-/// Load-dependent friction `|τ_l| s₁` [N m or N].
+/// Load-dependent friction `|τ_l| s₁` [N m or N] for the load τ_l and the friction `share` s₁ per unit of
+/// load.
 #[must_use]
 pub fn under_load(load: f64, share: f64) -> f64 {
     if share == 0.0 { 0.0 } else { load.abs() * share }
 }
 
-/// Load of a joint from the drive's force minus the friction of the velocity, w: `τ_l = w / (1 + s₁ sign w)`,
-/// the unique solution of `w = τ_l + |τ_l| s₁` if |s₁| < 1; otherwise NaN.
+/// Load τ_l of a joint from w, which is the drive's force minus the friction s₀: `τ_l = w / (1 + s₁ sign w)`.
+/// This is the unique solution of `w = τ_l + |τ_l| s₁` if |s₁| < 1. Otherwise the result is NaN.
 #[must_use]
 pub fn load(exerted: f64, share: f64) -> f64 {
     if share == 0.0 {

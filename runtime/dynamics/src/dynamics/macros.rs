@@ -1,8 +1,8 @@
-//! Macros that make a generated module a type with its traits.
+//! The macro that wraps a generated module as a type with traits.
 
-/// Makes a type of a generated module that implements [`Dynamics`](crate::dynamics::Dynamics), and
-/// [`Differentiable`](crate::dynamics::Differentiable) and [`Discretizable`](crate::dynamics::Discretizable)
-/// if the module has derivatives.
+/// Wraps a generated module as a type that implements [`Dynamics`](crate::dynamics::Dynamics). If the module
+/// has derivatives, the type also implements [`Differentiable`](crate::dynamics::Differentiable) and
+/// [`Discretizable`](crate::dynamics::Discretizable).
 ///
 /// ```
 /// use gelenk_dynamics::dynamics::Dynamics;
@@ -13,20 +13,22 @@
 /// assert_eq!(PowerCube.gravity_forces(&[0.0, 0.0]), [0.0, 0.0]);
 /// ```
 ///
-/// Every method calls the module's function of that name. Where the module was generated without it, the
-/// method computes the same from others: six functions of [`Dynamics`](crate::dynamics::Dynamics), and for
-/// derivatives two of [`Differentiable`](crate::dynamics::Differentiable), have nothing to take their place.
-/// Limits and the names of joints and inputs are the module's constants.
+/// Every method calls the function of the module with the same name. If the module was generated without this
+/// function, the method computes the same result from other functions. Six functions of
+/// [`Dynamics`](crate::dynamics::Dynamics), and two of [`Differentiable`](crate::dynamics::Differentiable)
+/// for derivatives, have no replacement. Limits and the names of joints and inputs are constants of the
+/// module.
 ///
-/// Traits behind the module's name are checked, so that the message stands here and not where they are used
-/// first:
+/// Traits can be listed after the module. They are checked at this place, so that an error message points
+/// here and not to the first use of a trait:
 ///
 /// ```
 /// gelenk_dynamics::dynamics!(pub struct Ur5 = gelenk_generated::ur5: Differentiable + Discretizable);
 /// ```
 ///
-/// `Discretizable []` takes no function over a sample time from the module: the trait's own bodies discretize what the
-/// derivatives give, with one Runge–Kutta step a period whatever `substeps` of the description says.
+/// With `Discretizable []`, the type uses no discrete-time functions of the module. The default methods of
+/// the trait then discretize the derivatives, with one Runge–Kutta step per period, independently of
+/// `substeps` in the description.
 ///
 /// ```
 /// use gelenk_dynamics::dynamics::Discretizable;
@@ -37,7 +39,8 @@
 /// assert_eq!((<Fine as Discretizable<2, 2>>::SUBSTEPS, <Coarse as Discretizable<2, 2>>::SUBSTEPS), (8, 1));
 /// ```
 ///
-/// A module with free parameters is wrapped with them; the type then has a field `parameters`, and `Default`:
+/// A module with free parameters needs `{ parameters }`. The type then has a field `parameters`, and
+/// implements `Default`:
 ///
 /// ```
 /// use gelenk_dynamics::dynamics::Dynamics;
@@ -50,10 +53,11 @@
 /// assert!(effort(&heavier) > effort(&Pendulum::default()));
 /// ```
 ///
-/// A module with driven joints is wrapped with their motion at one instant, `{ driven }`, or `{ driven, parameters }`. The
-/// type has a field `driven` with position, velocity and acceleration of each, and is the robot at this instant; its
-/// `Default` has NaN there, because no motion is a default. It is [`Discretizable`](crate::dynamics::Discretizable), and
-/// goes into plants and predictive controllers, with a motion over time: `gelenk-runtime` has `DrivenRobot` for this.
+/// A module with driven joints needs `{ driven }` or `{ driven, parameters }`. The type then has a field
+/// `driven` with position, velocity and acceleration of each driven joint, and is the robot at one time. Its
+/// `Default` has NaN in this field, because there is no default motion. `DrivenRobot` of `gelenk-runtime`
+/// adds a motion over time. It is [`Discretizable`](crate::dynamics::Discretizable), and can be used in
+/// plants and predictive controllers.
 ///
 /// ```
 /// use gelenk_dynamics::dynamics::Dynamics;

@@ -4,10 +4,10 @@ use super::names::Named;
 use core::fmt;
 use gelenk_kernels::manifold;
 
-/// `NY` of a module without this constant: each position entry has a velocity.
+/// Value of `NY` for a module without this constant, in which each position entry has a velocity.
 pub const NO_POSITIONS: usize = usize::MAX;
 
-/// `JOINT_POSITIONS` of a module without this constant.
+/// Value of `JOINT_POSITIONS` for a module without this constant.
 pub const NO_WIDTHS: [usize; 0] = [];
 
 /// Number of position entries of a robot with `n` velocities.
@@ -21,30 +21,31 @@ pub const fn positions_of(positions: usize, n: usize) -> usize {
 pub struct QuaternionJoint {
     /// Name of the joint.
     pub name: &'static str,
-    /// First position entry.
+    /// Index of the first position entry.
     pub position: usize,
-    /// First velocity entry.
+    /// Index of the first velocity entry.
     pub velocity: usize,
-    /// True for a floating joint: its position in the parent's frame precedes the quaternion, and its linear
-    /// velocity precedes the angular velocity. False for a spherical joint.
+    /// Whether the joint is floating. Its position in the parent's frame then precedes the quaternion, and
+    /// its linear velocity precedes the angular velocity. Otherwise the joint is spherical.
     pub is_floating: bool,
 }
 
 impl QuaternionJoint {
-    /// First entry of the quaternion.
+    /// Index of the first entry of the quaternion.
     #[must_use]
     pub const fn quaternion(&self) -> usize {
         if self.is_floating { self.position + 3 } else { self.position }
     }
 
-    /// First entry of the angular velocity.
+    /// Index of the first entry of the angular velocity.
     #[must_use]
     pub const fn angular_velocity(&self) -> usize {
         if self.is_floating { self.velocity + 3 } else { self.velocity }
     }
 }
 
-/// Velocity entries in `0..n` of joints without quaternions, each with its position entry.
+/// Indices of the velocity entries in `0..n` of joints without quaternions, each with the index of its
+/// position entry.
 ///
 /// - `joints`: joints with quaternions, in order
 pub fn plain_entries(joints: &[QuaternionJoint], n: usize) -> impl Iterator<Item = (usize, usize)> {
@@ -56,7 +57,7 @@ pub fn plain_entries(joints: &[QuaternionJoint], n: usize) -> impl Iterator<Item
     })
 }
 
-/// Positions by velocity entry for joints without quaternions; 0 for others.
+/// One position for each velocity entry. The positions for joints with quaternions are 0.
 ///
 /// - `joints`: joints with quaternions, in order
 #[inline]
@@ -74,7 +75,8 @@ pub fn plain_positions<const N: usize, const NY: usize>(
     positions
 }
 
-/// Rates ẏ = T(y) v of the positions: linear velocities are rotated to the parent's frame, `q̇ = ½ q (ω, 0)`.
+/// Rates ẏ = T(y) v of the positions. Linear velocities are rotated to the parent's frame. A quaternion q has
+/// the rate `q̇ = ½ q (ω, 0)`.
 ///
 /// - `joints`: joints with quaternions, in order
 pub fn position_rates<const N: usize, const NY: usize>(
@@ -108,7 +110,7 @@ fn quaternion_rate([x, y, z, w]: &[f64; 4], [a, b, c]: &[f64; 3]) -> [f64; 4] {
     ]
 }
 
-/// The vector in the parent's axes.
+/// A vector of the body's frame in the parent's axes.
 fn turned([x, y, z, w]: &[f64; 4], [a, b, c]: &[f64; 3]) -> [f64; 3] {
     let [d, e, f] = [2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)];
     [a + w * d + (y * f - z * e), b + w * e + (z * d - x * f), c + w * f + (x * e - y * d)]
@@ -136,7 +138,7 @@ pub const fn count_quaternions(widths: &[usize]) -> usize {
     count
 }
 
-/// Joints with a quaternion. Evaluated by the compiler, so panics are compile errors.
+/// Joints with a quaternion. The compiler evaluates this function, so its panics are compile errors.
 #[must_use]
 pub const fn quaternion_joints<const C: usize>(
     names: &[&'static str],
@@ -160,7 +162,7 @@ pub const fn quaternion_joints<const C: usize>(
     joints
 }
 
-/// A quaternion in a state that is not an attitude.
+/// A quaternion in the positions is not an attitude.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AttitudeError {
     /// Name of the joint.
@@ -169,7 +171,8 @@ pub struct AttitudeError {
     pub quaternion: [f64; 4],
 }
 
-/// Largest deviation of a quaternion's length from 1; written states have enough digits for it.
+/// Largest deviation of the length of a quaternion from 1. Positions that were written as text have enough
+/// digits for it.
 pub const UNIT_LENGTH: f64 = 1e-6;
 
 impl fmt::Display for AttitudeError {
@@ -190,7 +193,11 @@ fn length(q: &[f64; 4]) -> f64 {
     gelenk_kernels::math::sqrt(q.iter().map(|q| q * q).sum())
 }
 
-/// Tells which quaternion is zero, not finite or not of unit length to [`UNIT_LENGTH`].
+/// Checks that all quaternions are attitudes.
+///
+/// # Errors
+/// [`AttitudeError`] for the first quaternion that is zero, not finite, or not of unit length to
+/// [`UNIT_LENGTH`].
 pub(super) fn check(joints: &[QuaternionJoint], y: &[f64]) -> Result<(), AttitudeError> {
     for joint in joints {
         let quaternion = entries(y, joint.quaternion());
@@ -203,8 +210,8 @@ pub(super) fn check(joints: &[QuaternionJoint], y: &[f64]) -> Result<(), Attitud
     Ok(())
 }
 
-/// Returns the array unchanged. Does not compile for robots with quaternions: default methods that call it only hold
-/// for arms.
+/// Returns the array unchanged. Does not compile for robots with quaternions, because default methods that
+/// call this function are only correct for arms.
 #[inline]
 pub(super) fn same<const A: usize, const B: usize>(entries: &[f64; A]) -> &[f64; B] {
     const {
@@ -213,7 +220,8 @@ pub(super) fn same<const A: usize, const B: usize>(entries: &[f64; A]) -> &[f64;
     entries.first_chunk().unwrap_or(const { &[f64::NAN; B] })
 }
 
-/// `y + d` if `widths` is empty, else `y ⊕ d`; the other functions are analogous.
+/// Computes `y ⊕ d`, which is `y + d` if `widths` is empty. The functions below treat empty `widths` in the
+/// same way.
 #[inline]
 pub fn integrate<const J: usize, const N: usize, const NY: usize>(
     widths: &[usize; J],
@@ -227,7 +235,7 @@ pub fn integrate<const J: usize, const N: usize, const NY: usize>(
     manifold::integrate(widths, y, d)
 }
 
-/// `to ⊖ from`.
+/// Computes `to ⊖ from`.
 #[inline]
 pub fn difference<const J: usize, const N: usize, const NY: usize>(
     widths: &[usize; J],
@@ -241,7 +249,7 @@ pub fn difference<const J: usize, const N: usize, const NY: usize>(
     manifold::difference(widths, from, to)
 }
 
-/// Derivatives of `y ⊕ d`.
+/// Derivatives of `y ⊕ d` with respect to y and d.
 #[inline]
 pub fn integrate_derivatives<const J: usize, const N: usize>(
     widths: &[usize; J],
@@ -250,7 +258,7 @@ pub fn integrate_derivatives<const J: usize, const N: usize>(
     if J == 0 { (diagonal(1.0), diagonal(1.0)) } else { manifold::integrate_derivatives(widths, d) }
 }
 
-/// Derivatives of `to ⊖ from`.
+/// Derivatives of `to ⊖ from` with respect to `to` and `from`.
 #[inline]
 pub fn difference_derivatives<const J: usize, const N: usize>(
     widths: &[usize; J],
@@ -259,19 +267,19 @@ pub fn difference_derivatives<const J: usize, const N: usize>(
     if J == 0 { (diagonal(1.0), diagonal(-1.0)) } else { manifold::difference_derivatives(widths, d) }
 }
 
-/// `ad_a b`.
+/// Lie bracket `ad_a b`.
 #[inline]
 pub fn bracket<const J: usize, const N: usize>(widths: &[usize; J], a: &[f64; N], b: &[f64; N]) -> [f64; N] {
     if J == 0 { [0.0; N] } else { manifold::bracket(widths, a, b) }
 }
 
-/// Normalizes all quaternions.
+/// Normalizes all quaternions. Returns false if a quaternion is zero or not finite.
 #[inline]
 pub fn normalize<const J: usize, const NY: usize>(widths: &[usize; J], y: &mut [f64; NY]) -> bool {
     manifold::normalize(widths, y)
 }
 
-/// Zero positions, with identity quaternions.
+/// Zero positions with identity quaternions.
 #[inline]
 pub fn neutral<const J: usize, const NY: usize>(widths: &[usize; J]) -> [f64; NY] {
     manifold::neutral(widths)

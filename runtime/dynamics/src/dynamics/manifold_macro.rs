@@ -1,6 +1,6 @@
-//! Part of [`dynamics!`](crate::dynamics!) for positions.
+//! Part of [`dynamics!`](crate::dynamics!) for positions and quaternions.
 
-/// Methods of [`Dynamics`](crate::dynamics::Dynamics) about positions.
+/// Implements the methods of [`Dynamics`](crate::dynamics::Dynamics) that concern positions.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! dynamics_on_manifold {

@@ -1,7 +1,7 @@
 //! The linear system of a step of the implicit midpoint rule.
 
-/// Right-hand sides; overwritten by the derivatives of the velocity change by positions, velocities and inputs, and
-/// by the change of the residual.
+/// Right-hand sides of the linear system. The solution overwrites them by the derivatives of the velocity
+/// change with respect to positions, velocities and inputs, and by the velocity change due to the residual.
 pub(super) struct Columns<const N: usize, const M: usize> {
     pub by_y: [[f64; N]; N],
     pub by_v: [[f64; N]; N],
@@ -36,7 +36,7 @@ impl<const N: usize, const M: usize> Columns<N, M> {
     }
 }
 
-/// Whole rows, which the compiler makes vectors of.
+/// Subtracts whole rows, which the compiler vectorizes.
 #[inline]
 fn subtract<const N: usize, const C: usize>(rows: &mut [[f64; C]; N], i: usize, factor: f64, k: usize) {
     let other = rows[k];
@@ -75,7 +75,7 @@ pub(super) fn solve<const N: usize, const M: usize>(matrix: &mut [[f64; N]; N], 
     }
 }
 
-/// `a b`
+/// Product `a b`.
 #[inline]
 pub(super) fn times<const N: usize, const C: usize>(a: &[[f64; N]; N], b: &[[f64; C]; N]) -> [[f64; C]; N] {
     let mut result = [[0.0; C]; N];

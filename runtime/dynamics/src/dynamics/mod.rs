@@ -1,8 +1,8 @@
-//! Interface between generated modules and generic code: [`Dynamics`], [`Differentiable`], [`Discretizable`],
-//! and macros that wrap a module in one line.
+//! Interface between generated modules and generic code: the traits [`Dynamics`], [`Differentiable`] and
+//! [`Discretizable`], and macros that wrap a module in one line.
 //!
 //! Generated files have no dependencies, so they cannot implement a trait. [`dynamics!`](crate::dynamics!)
-//! implements it; every method only calls the generated function.
+//! implements the traits. Every method only calls the generated function.
 
 mod at_rest;
 #[doc(hidden)]

@@ -2,10 +2,10 @@
 
 use core::fmt;
 
-/// Most digits of a number.
+/// Largest number of digits of a number.
 const WIDTH: usize = 20;
 
-/// "1", "2", …, made at compile time for each length.
+/// The names "1", "2", …, which the compiler computes for each length.
 struct Numbers<const L: usize>;
 
 impl<const L: usize> Numbers<L> {
@@ -43,12 +43,13 @@ impl<const L: usize> Numbers<L> {
     };
 }
 
-/// Names of unnamed joints: their numbers, from 1.
+/// Names of joints or inputs without names, which are their numbers from 1.
 pub fn numbered<const L: usize>() -> [&'static str; L] {
     Numbers::<L>::NAMES
 }
 
-/// Returns the names of the velocities as names of the positions. Does not compile for robots with quaternions.
+/// Returns the names of the velocities as names of the positions. Does not compile for robots with
+/// quaternions.
 pub(super) fn names_of_arms<'a, const N: usize, const NY: usize>(
     names: &'a [&'static str; N],
 ) -> &'a [&'static str; NY] {
@@ -56,8 +57,8 @@ pub(super) fn names_of_arms<'a, const N: usize, const NY: usize>(
     names.first_chunk().unwrap_or(const { &[""; NY] })
 }
 
-/// A name in a message: unchanged if it is one word, otherwise quoted and escaped. Names come from
-/// descriptions and may contain any characters.
+/// A name in a message. A single word is written unchanged, other names are quoted and escaped. Names come
+/// from descriptions and may contain any characters.
 pub struct Named<'a>(pub &'a str);
 
 impl fmt::Display for Named<'_> {

@@ -1,6 +1,6 @@
 //! Error message of [`dynamics!`](crate::dynamics!) for missing free parameters.
 
-/// The trait of the type that stands in for `Parameters` in a module without free parameters.
+/// Trait of the type that replaces `Parameters` in a module without free parameters.
 #[diagnostic::on_unimplemented(
     message = "the module has free parameters, so the type must hold them",
     label = "write `struct Name {{ parameters }} = module`"

@@ -1,26 +1,27 @@
-//! Torque–speed lines of motors: `|u + C ẏ| ≤ limit`.
+//! Torque–speed lines of motors: `|u + c ẏ| ≤ limit`.
 
-/// Torque–speed line of the motor of an input: the available torque decreases with the speed.
+/// Torque–speed line `|u + c ẏ| ≤ limit` of the motor of an input u. The available torque decreases with the
+/// speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TorqueSpeedLine<const N: usize> {
     /// Name of the input.
     pub name: &'static str,
     /// Index of the input.
     pub input: usize,
-    /// C: torque lost per velocity, in the unit of the input.
+    /// Slopes c: loss of torque per velocity of each coordinate, in the unit of the input.
     pub slopes: [f64; N],
     /// Largest input at rest, in the unit of the input.
     pub limit: f64,
 }
 
 impl<const N: usize> TorqueSpeedLine<N> {
-    /// `u + C ẏ`, which must be within ±[`Self::limit`].
+    /// The value `u + c ẏ`, which must be within ±[`Self::limit`].
     #[must_use]
     pub fn value(&self, input: f64, velocities: &[f64; N]) -> f64 {
         input + self.slopes.iter().zip(velocities).map(|(slope, v)| slope * v).sum::<f64>()
     }
 
-    /// Lowest and highest input at these velocities. Above the no-load speed both have the same sign: the
+    /// Lowest and highest input at these velocities. Above the no-load speed both have the same sign, so the
     /// motor brakes.
     #[must_use]
     pub fn range(&self, velocities: &[f64; N]) -> [f64; 2] {
@@ -29,8 +30,8 @@ impl<const N: usize> TorqueSpeedLine<N> {
     }
 }
 
-/// Number of torque–speed lines in a module's `TORQUE_SPEED_LIMITS`, which are infinite for inputs without
-/// one.
+/// Number of torque–speed lines in `TORQUE_SPEED_LIMITS` of a module. An infinite limit belongs to an input
+/// without a line.
 pub const fn count_lines(limits: &[f64]) -> usize {
     let (mut i, mut lines) = (0, 0);
     while i < limits.len() {
@@ -44,7 +45,7 @@ pub const fn count_lines(limits: &[f64]) -> usize {
 
 /// Converts the constants of a module to its K lines.
 ///
-/// - `slopes`: rows, one per input, stored one after the other
+/// - `slopes`: one row for each input, stored one after the other
 pub const fn torque_speed_lines<const N: usize, const K: usize>(
     names: &[&'static str],
     slopes: &[f64],

@@ -10,32 +10,33 @@ use super::types::{
     Discretization, ForceDerivatives, ForceDerivativesAndMass, InputLimits, Limits, Linearization, Step,
 };
 
-/// Equations of motion `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u` of a robot with `N` coordinates and `M` inputs; `q
-/// = gravity + springs − friction`. Load-dependent friction is an additional term
+/// Equations of motion `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u` of a robot with `N` coordinates and `M` inputs,
+/// where q = gravity + springs − friction. Load-dependent friction is an additional term
 /// ([`Dynamics::load_friction`]).
 ///
-/// Arrays are indexed by coordinate or input in the order of the module's `JOINT_NAMES` and `INPUT_NAMES`;
-/// matrices are row-major; units are rad or m, s, N m or N. `y`, `v`, `a`, `u` are coordinates, velocities,
-/// accelerations and inputs.
+/// The arguments `y`, `v`, `a`, `u` are coordinates, velocities, accelerations and inputs. Arrays have one
+/// entry for each coordinate or input, in the order of `JOINT_NAMES` and `INPUT_NAMES` of the module.
+/// Matrices have their rows first. Units are rad or m, s, N m or N.
 ///
-/// Methods with a body combine other methods, for modules generated without these functions. Functions of the
-/// module are faster, because they share work.
+/// Methods with a body combine other methods, for modules that were generated without the function of this
+/// name. The functions of a module are faster, because they share intermediate results.
 ///
 /// # Robots with quaternions
 ///
-/// A floating or spherical joint has a quaternion x, y, z, w among its positions: `NY` position entries, `N`
-/// velocities, `ẏ = T(y) v`. If NY = N (the default), v is ẏ. Otherwise:
+/// A floating or spherical joint has a quaternion x, y, z, w among its positions. The robot then has `NY`
+/// position entries and `N` velocities v, with `ẏ = T(y) v`. If NY = N (the default), v is ẏ. Otherwise:
 ///
-/// - y has NY entries, all other arrays have N. v replaces ẏ, v̇ replaces ÿ. The velocities of a floating joint are
-///   (linear, angular), the velocity of a spherical joint is angular, both in the frame of the body.
+/// - y has NY entries, all other arrays have N entries. v replaces ẏ, and v̇ replaces ÿ. The velocities of a
+///   floating joint are its linear and its angular velocity, the velocity of a spherical joint is its angular
+///   velocity. Both are in the frame of the body.
 /// - `y ⊕ d` ([`Self::integrate`]) and `y₂ ⊖ y₁` ([`Self::difference`]) replace sums and differences. Every
-///   derivative by y has N columns, for small motions along ⊕.
+///   derivative with respect to y has N columns, for small motions along ⊕.
 /// - Quaternions must have unit length, see [`Self::check_attitudes`].
-/// - [`Self::joint_names`] names velocities, [`Self::position_names`] positions. Limits belong to velocity entries;
-///   position limits of joints with a quaternion are infinite.
+/// - [`Self::joint_names`] are the names of the velocities, [`Self::position_names`] those of the positions.
+///   Limits belong to velocity entries. Position limits of joints with a quaternion are infinite.
 ///
-/// The default methods on positions hold for arms only, for example `y + d`. For robots with quaternions they do not
-/// compile: implement these methods, or use [`dynamics!`](crate::dynamics!).
+/// The default methods on positions are only correct for arms, for example `y + d`. For robots with
+/// quaternions they do not compile. Then implement these methods, or use [`dynamics!`](crate::dynamics!).
 ///
 /// ```compile_fail,E0080
 /// use gelenk_dynamics::dynamics::{Dynamics, Limits};
@@ -57,13 +58,13 @@ use super::types::{
 /// let _ = Body.integrate(&[0.0; 7], &[0.0; 6]);
 /// ```
 pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
-    /// Names of the coordinates for messages and logs: the module's `JOINT_NAMES`, or "1", "2", … without
-    /// them. For robots with quaternions they are the names of the velocities.
+    /// Names of the coordinates for messages and logs: `JOINT_NAMES` of the module, or "1", "2", … by
+    /// default. For robots with quaternions they are the names of the velocities.
     fn joint_names(&self) -> [&'static str; N] {
         numbered()
     }
 
-    /// Names of the position entries; equal to [`Self::joint_names`] without quaternions.
+    /// Names of the position entries. For robots without quaternions they are equal to [`Self::joint_names`].
     fn position_names(&self) -> [&'static str; NY] {
         *names_of_arms(&self.joint_names())
     }
@@ -74,40 +75,40 @@ pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
         &[]
     }
 
-    /// Checks that the quaternions of positions are attitudes.
+    /// Checks that the quaternions in the positions y are attitudes.
     ///
     /// # Errors
-    /// The first quaternion that is zero, not finite, or whose length differs from 1 by more than
-    /// [`UNIT_LENGTH`](super::UNIT_LENGTH).
+    /// [`AttitudeError`] for the first quaternion that is zero, not finite, or whose length differs from 1 by
+    /// more than [`UNIT_LENGTH`](super::UNIT_LENGTH).
     fn check_attitudes(&self, y: &[f64; NY]) -> Result<(), AttitudeError> {
         manifold::check(self.quaternion_joints(), y)
     }
 
-    /// Zero positions, with identity quaternions.
+    /// Positions 0, with identity quaternions.
     fn neutral(&self) -> [f64; NY] {
         const { assert!(NY == N, "a quaternion of length 0 is not an attitude") }
         [0.0; NY]
     }
 
-    /// `y ⊕ d`: positions after moving with the velocities d for one second; `X exp(d)` on SE(3) for a
-    /// floating joint. Quaternions of the result have unit length to 1e-15.
+    /// Positions `y ⊕ d` after a motion with the velocities d for one second. For a floating joint this is
+    /// `X exp(d)` on SE(3). Quaternions of the result have unit length to 1e-15.
     fn integrate(&self, y: &[f64; NY], d: &[f64; N]) -> [f64; NY] {
         manifold::integrate(&NO_WIDTHS, y, d)
     }
 
-    /// `to ⊖ from`: velocities that move from one to the other in one second by the shortest rotation. Both
+    /// Velocities `to ⊖ from` that move from `from` to `to` in one second by the shortest rotation. Both
     /// signs of a quaternion are the same attitude.
     fn difference(&self, from: &[f64; NY], to: &[f64; NY]) -> [f64; N] {
         manifold::difference(&NO_WIDTHS, from, to)
     }
 
-    /// Derivatives of `y ⊕ d` by y and by d, both along ⊕ at the result.
+    /// Derivatives of `y ⊕ d` with respect to y and to d, both along ⊕ at the result.
     fn integrate_derivatives(&self, _: &[f64; NY], d: &[f64; N]) -> ([[f64; N]; N], [[f64; N]; N]) {
         const { assert!(NY == N, "only for arms they are the identity") }
         manifold::integrate_derivatives(&NO_WIDTHS, d)
     }
 
-    /// Derivatives of `d = to ⊖ from` by `to` and by `from`, both along ⊕.
+    /// Derivatives of `d = to ⊖ from` with respect to `to` and to `from`, both along ⊕.
     fn difference_derivatives(&self, d: &[f64; N]) -> ([[f64; N]; N], [[f64; N]; N]) {
         const { assert!(NY == N, "only for arms they are the identity") }
         manifold::difference_derivatives(&NO_WIDTHS, d)
@@ -119,8 +120,8 @@ pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
         manifold::bracket(&NO_WIDTHS, a, b)
     }
 
-    /// Normalizes all quaternions. Returns false if one is zero or not finite; it is then set to the
-    /// identity.
+    /// Normalizes all quaternions. Returns false if a quaternion is zero or not finite. This quaternion is
+    /// then set to the identity.
     #[must_use]
     fn normalize(&self, y: &mut [f64; NY]) -> bool {
         const { assert!(NY == N, "only arms have no quaternions") }
@@ -130,8 +131,8 @@ pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
     /// Calls `f` with the robot at `time` (s). The default is for robots with time-independent equations.
     ///
     /// The equations of robots with driven joints depend on time, because the motion of these joints is
-    /// prescribed. Plants, predictive controllers and control laws call this method. Wrappers of a robot must
-    /// forward it.
+    /// prescribed. Plants, predictive controllers and control laws call this method. A type that wraps a
+    /// robot must forward it.
     #[inline]
     fn at_time<R>(&self, time: f64, f: impl FnOnce(&Self) -> R) -> R
     where
@@ -141,35 +142,35 @@ pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
         f(self)
     }
 
-    /// Position, velocity and acceleration of each driven joint; empty without driven joints or if their
-    /// motion is unknown.
+    /// Position, velocity and acceleration of each driven joint; empty for robots without driven joints, or
+    /// if their motion is unknown.
     #[inline]
     fn driven_motion(&self) -> &[[f64; 3]] {
         &[]
     }
 
-    /// Names of the inputs: the module's `INPUT_NAMES`; "1", "2", … if there are none.
+    /// Names of the inputs: `INPUT_NAMES` of the module, or "1", "2", … by default.
     fn input_names(&self) -> [&'static str; M] {
         numbered()
     }
 
-    /// Described limits of joints and inputs; [`Self::input_limits`] combines them.
+    /// Limits of joints and inputs in the description. [`Self::input_limits`] combines them.
     fn limits(&self) -> Limits<N, M>;
 
     /// Mass matrix `M(y)`, symmetric and positive definite.
     fn mass_matrix(&self, y: &[f64; NY]) -> [[f64; N]; N];
 
-    /// Coriolis, centrifugal and gyroscopic forces `k(y, ẏ)`, on the left-hand side.
+    /// Coriolis, centrifugal and gyroscopic forces `k(y, ẏ)`, on the left-hand side of the equations.
     fn coriolis_forces(&self, y: &[f64; NY], v: &[f64; N]) -> [f64; N];
 
-    /// Generalized forces of gravity, a part of q.
+    /// Generalized forces of gravity, which are a part of q.
     fn gravity_forces(&self, y: &[f64; NY]) -> [f64; N];
 
-    /// Generalized forces of springs and dampers, a part of q.
+    /// Generalized forces of springs and dampers, which are a part of q.
     fn spring_forces(&self, y: &[f64; NY], v: &[f64; N]) -> [f64; N];
 
-    /// Joint friction `τ(y, ẏ)`, positive for positive velocity; q contains −τ. Most laws depend only on
-    /// velocities.
+    /// Joint friction `τ(y, ẏ)`, positive for positive velocity. q contains −τ. Most friction laws depend
+    /// only on velocities.
     fn friction_torques(&self, y: &[f64; NY], v: &[f64; N]) -> [f64; N];
 
     /// Uncertainty of the friction as inputs: `B⁺ diag(σ)`, with the standard deviation σ of the friction of each joint at
@@ -179,42 +180,42 @@ pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
         [[0.0; N]; M]
     }
 
-    /// Load-dependent friction `s₁(y, ẏ)`, without unit: friction per unit of the load τ_l. The load is the
-    /// force of a joint's drive without friction, `M ÿ + k − gravity − springs`. The total friction is `τ +
-    /// |τ_l| s₁`, see [`load`](super::load) and [`under_load`](super::under_load). It is zero for most
-    /// robots; otherwise `M ÿ + k = q + B u − |τ_l| s₁`.
+    /// Load-dependent friction `s₁(y, ẏ)`, which is friction per unit of the load τ_l, without unit. The load
+    /// is the force of a joint's drive without friction, `M ÿ + k − gravity − springs`. The total friction is
+    /// `τ + |τ_l| s₁`, see [`load`](super::load) and [`under_load`](super::under_load). For most robots s₁ is
+    /// zero. With s₁ the equations are `M ÿ + k = q + B u − |τ_l| s₁`.
     fn load_friction(&self, y: &[f64; NY], v: &[f64; N]) -> [f64; N] {
         defaults::load_friction(self, y, v)
     }
 
-    /// Pairs of coordinates i, j: friction at i, including load-dependent friction, may be discontinuous at a
-    /// sign change of velocity j, as with an exact `sign`. This is the module's `FRICTION_JUMPS`. The size of
-    /// the jump depends on positions and free parameters.
+    /// Pairs of coordinates i, j for which friction at i, including load-dependent friction, may be
+    /// discontinuous at a sign change of velocity j, as with an exact `sign`. The pairs are `FRICTION_JUMPS`
+    /// of the module. The size of the jump depends on positions and free parameters.
     fn friction_jumps(&self) -> &'static [[usize; 2]];
 
-    /// Joint friction just before and after rest, `[τ(y, 0−), τ(y, 0+)]` of each joint. The values differ for
-    /// pairs in [`Self::friction_jumps`] whose jump is not zero at these positions; see
+    /// Joint friction just before and just after rest, `[τ(y, 0−), τ(y, 0+)]` of each joint. Both values
+    /// differ for pairs in [`Self::friction_jumps`] whose jump is not zero at these positions, see
     /// [`jumps`](super::jumps).
     fn friction_at_rest(&self, y: &[f64; NY]) -> [[f64; 2]; N] {
         either_side(self.friction_jumps(), |v| self.friction_torques(y, v))
     }
 
-    /// Load-dependent friction just before and after rest, `[s₁(y, 0−), s₁(y, 0+)]` of each joint; see
+    /// Load-dependent friction just before and just after rest, `[s₁(y, 0−), s₁(y, 0+)]` of each joint, see
     /// [`Self::friction_at_rest`].
     fn load_friction_at_rest(&self, y: &[f64; NY]) -> [[f64; 2]; N] {
         either_side(self.friction_jumps(), |v| self.load_friction(y, v))
     }
 
-    /// Input matrix `B(y)`. The columns of drives, the first [`Self::drives`] ones, are constant and contain
-    /// the gear ratios. The others belong to inputs at frames, for example cylinders or propellers.
+    /// Input matrix `B(y)`. The first columns, one for each of the [`Self::drives`], are constant and contain
+    /// the gear ratios. The other columns belong to inputs at frames, for example cylinders or propellers.
     fn input_matrix(&self, y: &[f64; NY]) -> [[f64; M]; N];
 
-    /// Number of inputs that are drives of joints; they precede the other inputs.
+    /// Number of inputs that are drives of joints. They precede the other inputs.
     fn drives(&self) -> usize {
         M
     }
 
-    /// Constant columns of B for drives; the columns of other inputs are zero.
+    /// Input matrix with the constant columns of the drives. The columns of other inputs are zero.
     fn drive_matrix(&self) -> [[f64; M]; N] {
         let mut matrix = self.input_matrix(&self.neutral());
         for row in &mut matrix {
@@ -223,9 +224,9 @@ pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
         matrix
     }
 
-    /// Bounds of the inputs that keep the limits of motors and joints, used by the control loop and
-    /// predictive controllers, see [`Limits::at_inputs`]. The effort of a joint limits its drives; inputs at
-    /// frames have only their own limits.
+    /// Bounds of the inputs that keep the limits of motors and joints, see [`Limits::at_inputs`]. The control
+    /// loop and predictive controllers use them. The effort of a joint limits its drives. Inputs at frames
+    /// only have their own limits.
     fn input_limits(&self) -> InputLimits<M> {
         self.limits().at_inputs(&self.drive_matrix())
     }
@@ -240,7 +241,7 @@ pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
         defaults::bias_forces(self, y, v)
     }
 
-    /// M, k and q at once.
+    /// Mass matrix M, forces k and forces q.
     fn equations_of_motion(&self, y: &[f64; NY], v: &[f64; N]) -> ([[f64; N]; N], [f64; N], [f64; N]) {
         defaults::equations_of_motion(self, y, v)
     }
@@ -250,13 +251,13 @@ pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
         defaults::inverse_dynamics(self, y, v, a)
     }
 
-    /// Accelerations `ÿ = M⁻¹ (q + B u − k)`, with load-dependent friction subtracted from q; NaN if M is not
+    /// Accelerations `ÿ = M⁻¹ (q + B u − k)`, with load-dependent friction subtracted from q. NaN if M is not
     /// positive definite.
     fn forward_dynamics(&self, y: &[f64; NY], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
         defaults::forward_dynamics(self, y, v, u)
     }
 
-    /// Kinetic energy `½ ẏᵀ M ẏ` in J.
+    /// Kinetic energy `½ ẏᵀ M ẏ` (J).
     fn kinetic_energy(&self, y: &[f64; NY], v: &[f64; N]) -> f64 {
         defaults::kinetic_energy(self, y, v)
     }
@@ -264,12 +265,12 @@ pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
 
 /// Analytic derivatives of the equations of motion.
 pub trait Differentiable<const N: usize, const M: usize, const NY: usize = N>: Dynamics<N, M, NY> {
-    /// Inverse dynamics with derivatives by coordinates and by velocities; row i belongs to force i. The
-    /// derivative by accelerations is the mass matrix; with load-dependent friction its rows are multiplied
-    /// by `1 + s₁ sign τ_l`.
+    /// Inverse dynamics with derivatives with respect to coordinates and velocities. Row i of a derivative
+    /// belongs to force i. The derivative with respect to accelerations is the mass matrix. With
+    /// load-dependent friction its row i is multiplied by `1 + s₁ sign τ_l` of joint i.
     fn inverse_dynamics_derivatives(&self, y: &[f64; NY], v: &[f64; N], a: &[f64; N]) -> ForceDerivatives<N>;
 
-    /// [`Self::inverse_dynamics_derivatives`] with ∂forces/∂ÿ.
+    /// Inverse dynamics with derivatives as in [`Self::inverse_dynamics_derivatives`], and ∂forces/∂ÿ.
     fn inverse_dynamics_derivatives_and_mass_matrix(
         &self,
         y: &[f64; NY],
@@ -287,11 +288,12 @@ pub trait Differentiable<const N: usize, const M: usize, const NY: usize = N>: D
         defaults::input_forces_derivatives(self, y, u)
     }
 
-    /// Linearization of the forward dynamics about a state and an input.
+    /// Linearization of the forward dynamics around a state and an input.
     fn linearize(&self, y: &[f64; NY], v: &[f64; N], u: &[f64; M]) -> Linearization<N, M, NY>;
 
-    /// [`Self::linearize`] at each of the points, with the same bits: over eight points at once where the module has
-    /// `linearize_lanes`, and else one by one. What is longer of `points` and `results` is not read or written.
+    /// Linearizes at each of the points. The results have the same bits as those of [`Self::linearize`]. If
+    /// the module has `linearize_lanes`, eight points are computed at once. Additional elements of the longer
+    /// one of `points` and `results` are ignored.
     fn linearize_along(
         &self,
         instructions: Instructions,
@@ -304,19 +306,21 @@ pub trait Differentiable<const N: usize, const M: usize, const NY: usize = N>: D
         defaults::linearize_one_by_one(self, points, results);
     }
 
-    /// `D = −ad_v` in `δ̇ = D δ + v − v̄`, the rotation of small deviations δ from a motion with the
-    /// velocities v̄, see [`Linearization`]. Zero for arms.
+    /// Matrix `D = −ad_v` in `δ̇ = D δ + v − v̄`. It describes the rotation of small deviations δ from a
+    /// motion with the velocities v̄, see [`Linearization`]. Zero for arms.
     fn drift(&self, v: &[f64; N]) -> [[f64; N]; N] {
         if NY == N { [[0.0; N]; N] } else { manifold::drift(|a, b| self.bracket(a, b), v) }
     }
 }
 
-/// Length of a state `x = (y, ẏ)`: `NX = 2 N`, which stable Rust cannot express as a type.
-/// [`dynamics!`](crate::dynamics!) implements it, so `LtvMpc::new(arm, motion, options)` infers all sizes.
+/// The length `NX = 2 N` of a state `x = (y, ẏ)`, which stable Rust cannot express as a type.
+/// [`dynamics!`](crate::dynamics!) implements this trait, so `LtvMpc::new(arm, motion, options)` infers all
+/// sizes.
 pub trait PhaseSpace<const NX: usize> {}
 
-/// All traits of a model that predictive controllers need, for generic code. It is implemented for modules
-/// with derivatives wrapped by [`dynamics!`](crate::dynamics!), and for handwritten robots with these traits.
+/// All traits of a model that predictive controllers need, for generic code. The trait is implemented for
+/// modules with derivatives that [`dynamics!`](crate::dynamics!) wraps, and for handwritten robots with these
+/// traits.
 pub trait Predictable<
     const N: usize,
     const M: usize,
@@ -334,49 +338,52 @@ where
 {
 }
 
-/// The robot in discrete time. Periods are in s; inputs are held over them.
+/// The robot in discrete time. Periods are in s. Inputs are constant in a period.
 ///
-/// All methods have a body, built from [`Differentiable::linearize`] and [`Dynamics::forward_dynamics`];
-/// generated modules have the same functions.
+/// All methods have a body, which uses [`Differentiable::linearize`] and [`Dynamics::forward_dynamics`].
+/// Generated modules have functions of the same names.
 #[diagnostic::on_unimplemented(
     note = "a robot with driven joints needs their motion over time: use `DrivenRobot::new(robot, motion)` of gelenk-runtime"
 )]
 pub trait Discretizable<const N: usize, const M: usize, const NY: usize = N>:
     Differentiable<N, M, NY>
 {
-    /// Runge–Kutta steps per period of [`Self::step`]. The method is stable if `period / SUBSTEPS` times the
-    /// fastest rate of the robot [1/s] is below 2.7. Steep friction at standstill makes this rate large.
+    /// Number of Runge–Kutta steps per period of [`Self::step`]. The method is stable if `period / SUBSTEPS`
+    /// times the fastest rate of the robot [1/s] is below 2.7. Steep friction at rest makes this rate large.
     const SUBSTEPS: usize = 1;
 
     /// Exact zero-order hold of the linearization at `(y, ẏ, u)`: `x⁺ = A_d x + B_d u + c_d`. For robots with
     /// quaternions x is (δ, v), see [`Linearization::discretize_with`].
     ///
-    /// Scaling and squaring (Higham, *Functions of Matrices*, 2008, section 10.3): a Taylor polynomial of
-    /// degree 17 over 1/64 of a part of the period, six doublings, and repetitions of this part. The part is
-    /// the whole period if ν · period ≤ 80, and is halved for each further factor of two, at most 18 times.
-    /// With a = ‖∂ÿ/∂y‖ and b = ‖∂ÿ/∂ẏ‖, the largest row sums of magnitudes, no mode of the robot is faster
-    /// than ν = (b + √(b² + 4a))/2. If 24 halvings are not enough, for ν · period > 2e7, every entry of the
-    /// result is +∞, see [`Discretization::is_finite`].
+    /// The method is scaling and squaring (Higham, *Functions of Matrices*, 2008, section 10.3). With a =
+    /// ‖∂ÿ/∂y‖ and b = ‖∂ÿ/∂ẏ‖, the largest row sums of magnitudes, no mode of the robot is faster than ν =
+    /// (b + √(b² + 4a))/2. The period is halved h times until ν t ≤ 1.25 for the remaining time t. A Taylor
+    /// polynomial of degree 17 gives the integral of exp(A t) over this time. Up to six doublings of the
+    /// integral, and for h > 6 another h − 6 doublings of the step, lead back to the period. If 24 halvings
+    /// are not enough, for ν · period > 2e7, every entry of the result is +∞, see
+    /// [`Discretization::is_finite`].
     ///
-    /// The truncation error is below 1e-15 relative. Rounding is below 1e-12 of the largest entry of each
-    /// block; diagonal blocks count as at least 1.
+    /// The relative truncation error is below 1e-15. The rounding error is below 1e-12 of the largest entry
+    /// of each block. For diagonal blocks this entry counts as at least 1.
     fn discretize(&self, y: &[f64; NY], v: &[f64; N], u: &[f64; M], period: f64) -> Discretization<N, M, NY> {
         defaults::discretize(self, y, v, u, period)
     }
 
-    /// State of the nonlinear robot after a period: [`Self::SUBSTEPS`] steps of the classical Runge–Kutta
-    /// method of order 4; for robots with quaternions its form on manifolds (Runge–Kutta–Munthe-Kaas).
+    /// State of the nonlinear robot after a period, by [`Self::SUBSTEPS`] steps of the classical Runge–Kutta
+    /// method of order 4. For robots with quaternions it is the form of this method on manifolds
+    /// (Runge–Kutta–Munthe-Kaas).
     fn step(&self, y: &[f64; NY], v: &[f64; N], u: &[f64; M], period: f64) -> ([f64; NY], [f64; N]) {
         defaults::step(self, y, v, u, period)
     }
 
-    /// [`Self::step`] with the exact derivatives of its result, by the chain rule over the stages.
+    /// State after a period as from [`Self::step`], with the exact derivatives of the result by the chain
+    /// rule over the stages.
     fn step_derivatives(&self, y: &[f64; NY], v: &[f64; N], u: &[f64; M], period: f64) -> Step<N, M, NY> {
         defaults::step_derivatives(self, y, v, u, period)
     }
 
-    /// One Newton step of the implicit midpoint rule over a period T, starting at the accelerations `a`, with
-    /// derivatives at this point:
+    /// One Newton step of the implicit midpoint rule over a period T that starts at the accelerations `a`,
+    /// with derivatives at this point:
     ///
     /// ```text
     ///     v_m = v + T/2 a,   y_m = y ⊕ T/2 v_m,   r = f(y_m, v_m, a) − B(y_m) u
@@ -385,22 +392,23 @@ pub trait Discretizable<const N: usize, const M: usize, const NY: usize = N>:
     ///     δy⁺ = P δy + T/2 Q (δv + δv⁺)
     /// ```
     ///
-    /// where P, Q are the derivatives of `y ⊕ T v_m` by y and by the displacement, and P_h, Q_h those of `y ⊕
-    /// T/2 v_m`; for arms all four are the identity. The result is `v + T a` and `y ⊕ T v_m` with the
-    /// correction by r. If r is zero, the result is a step of the rule and the derivatives are exact;
-    /// otherwise their error is proportional to r.
+    /// P and Q are the derivatives of `y ⊕ T v_m` with respect to y and to the displacement, P_h and Q_h
+    /// those of `y ⊕ T/2 v_m`. For arms all four are the identity. The result is `v + T a` and `y ⊕ T v_m`
+    /// with the correction by r. If r is zero, the result is a step of the rule and the derivatives are
+    /// exact. Otherwise their error is proportional to r.
     ///
-    /// The rule has order 2 and is A-stable: the result is bounded if the robot is stable. It is not
-    /// L-stable: velocities that friction stops within much less than T alternate in sign from step to step.
-    /// For a robot with driven joints the equations are those at its time, best at the middle of the period.
+    /// The rule has order 2 and is A-stable: the result is bounded if the robot is stable. The rule is not
+    /// L-stable: a velocity that friction stops within much less than T alternates in sign from step to step.
+    /// For a robot with driven joints the equations are those at the robot's time, which should be the middle
+    /// of the period.
     ///
-    /// Cost: one call each of [`Differentiable::inverse_dynamics_derivatives_and_mass_matrix`],
+    /// A step costs one call each of [`Differentiable::inverse_dynamics_derivatives_and_mass_matrix`],
     /// [`Differentiable::input_forces_derivatives`] and [`Dynamics::input_matrix`], and one factorization of
-    /// N × N with 2 N + M + 1 right-hand sides. Neither M⁻¹ nor the forward dynamics is computed. Entries are
-    /// not finite if the matrix on the left is singular.
+    /// an N × N matrix with 2 N + M + 1 right-hand sides. Neither M⁻¹ nor the forward dynamics is computed.
+    /// Entries are not finite if the matrix on the left-hand side is singular.
     ///
-    /// Source: Hairer, Lubich, Wanner, *Geometric Numerical Integration*, 2006, section I.1 (the rule) and VI.4 (its
-    /// derivatives are the rule for the variational equation).
+    /// Source: Hairer, Lubich, Wanner, *Geometric Numerical Integration*, 2006, section I.1 (the rule) and
+    /// section VI.4 (its derivatives are the rule for the variational equation).
     fn midpoint_step(
         &self,
         y: &[f64; NY],

@@ -5,36 +5,36 @@ use super::solve::product;
 use super::torque_speed::TorqueSpeedLine;
 use gelenk_kernels::discrete_time;
 
-/// Inverse dynamics with derivatives.
+/// Forces of the inverse dynamics, with derivatives. Row i of a derivative belongs to force i.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ForceDerivatives<const N: usize> {
-    /// The forces `M ÿ + k − q`.
+    /// Forces `M ÿ + k − q` [N m or N].
     pub forces: [f64; N],
-    /// ∂forces/∂y.
+    /// Derivative ∂forces/∂y.
     pub by_coordinates: [[f64; N]; N],
-    /// ∂forces/∂ẏ.
+    /// Derivative ∂forces/∂ẏ.
     pub by_velocities: [[f64; N]; N],
 }
 
-/// Inverse dynamics with derivatives by coordinates, velocities and accelerations.
+/// Inverse dynamics with derivatives with respect to coordinates and velocities, and ∂forces/∂ÿ.
 pub type ForceDerivativesAndMass<const N: usize> = (ForceDerivatives<N>, [[f64; N]; N]);
 
-/// Accelerations as an affine function of state and input: the lower halves of A, B_x and c of
+/// Accelerations as an affine function of state and input. The blocks are the lower halves of A, B_x and c in
 /// `ẋ = A x + B_x u + c`. The upper halves are `[0 I]`, 0 and 0.
 ///
-/// For a robot with quaternions (NY ≠ N) these are derivatives along ⊕ at the positions ȳ and velocities v̄
-/// of the linearization: `v̇ = A_y δ + A_v v + B_x u + c` for `y = ȳ ⊕ δ`, so `c = v̇ − A_v v̄ − B_x ū`.
+/// For a robot with quaternions (NY ≠ N) the blocks are derivatives along ⊕ at the positions ȳ and velocities
+/// v̄ of the linearization: `v̇ = A_y δ + A_v v + B_x u + c` for `y = ȳ ⊕ δ`, so `c = v̇ − A_v v̄ − B_x ū`.
 /// Small deviations δ from the motion with the velocities v̄ satisfy `δ̇ = D δ + v − v̄` with `D = −ad_v̄`
 /// ([`Differentiable::drift`](super::Differentiable::drift)), so A is `[D I; A_y A_v]`. For arms D is zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Linearization<const N: usize, const M: usize, const NY: usize = N> {
-    /// ∂ÿ/∂y.
+    /// Block A_y = ∂ÿ/∂y.
     pub by_coordinates: [[f64; N]; N],
-    /// ∂ÿ/∂ẏ.
+    /// Block A_v = ∂ÿ/∂ẏ.
     pub by_velocities: [[f64; N]; N],
-    /// ∂ÿ/∂u.
+    /// Block B_x = ∂ÿ/∂u.
     pub by_inputs: [[f64; M]; N],
-    /// Affine remainder: ÿ if y, ẏ and u are zero.
+    /// Affine remainder c, which is ÿ if y, ẏ and u are zero.
     pub affine: [f64; N],
 }
 
@@ -50,7 +50,7 @@ impl<const N: usize, const M: usize> Linearization<N, M> {
         })
     }
 
-    /// Exact solution over a period (s) with constant inputs: zero-order hold. The error is that of
+    /// Exact solution (zero-order hold) over a period (s) with constant inputs. The error is that of
     /// [`Discretizable::discretize`](super::Discretizable::discretize).
     #[must_use]
     pub fn discretize(&self, period: f64) -> Discretization<N, M> {
@@ -59,7 +59,7 @@ impl<const N: usize, const M: usize> Linearization<N, M> {
 }
 
 impl<const N: usize, const M: usize, const NY: usize> Linearization<N, M, NY> {
-    /// All blocks zero.
+    /// Linearization whose blocks are all zero.
     pub const ZERO: Self = Self {
         by_coordinates: [[0.0; N]; N],
         by_velocities: [[0.0; N]; N],
@@ -70,9 +70,9 @@ impl<const N: usize, const M: usize, const NY: usize> Linearization<N, M, NY> {
     /// Exact solution of `δ̇ = D δ + v`, `v̇ = A_y δ + A_v v + B_x u + c` over a period (s) with constant
     /// inputs, for `x = (δ, v)` and the drift D = −ad_v̄ of a robot with quaternions.
     ///
-    /// δ is the displacement from ȳ at the beginning. Since `D v̄ = 0`, `δ − v̄ t` is the deviation from the
-    /// motion with the velocities v̄. Derivatives of δ⁺ are along ⊕ at the final position of the linear
-    /// robot.
+    /// Here δ is the displacement from ȳ at the beginning. Because `D v̄ = 0`, `δ − v̄ t` is the deviation
+    /// from the motion with the velocities v̄. Derivatives of δ⁺ are along ⊕ at the final position of the
+    /// linear robot.
     #[must_use]
     pub fn discretize_with(&self, drift: &[[f64; N]; N], period: f64) -> Discretization<N, M, NY> {
         let linear = (self.by_coordinates, self.by_velocities, self.by_inputs, self.affine, *drift);
@@ -88,21 +88,21 @@ impl<const N: usize, const M: usize, const NY: usize> Linearization<N, M, NY> {
     }
 }
 
-/// Blocks of `x⁺ = A_d x + B_d u + c_d` over a sample time with constant inputs and `x = (y, ẏ)`; for a robot
-/// with quaternions (NY ≠ N) `x = (δ, v)`, see [`Linearization::discretize_with`].
+/// Blocks of `x⁺ = A_d x + B_d u + c_d` over a period with constant inputs and the state `x = (y, ẏ)`. For a
+/// robot with quaternions (NY ≠ N) `x = (δ, v)`, see [`Linearization::discretize_with`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Discretization<const N: usize, const M: usize, const NY: usize = N> {
-    /// A_d by blocks: `[[∂y⁺/∂y, ∂y⁺/∂ẏ], [∂ẏ⁺/∂y, ∂ẏ⁺/∂ẏ]]`.
+    /// Blocks of A_d: `[[∂y⁺/∂y, ∂y⁺/∂ẏ], [∂ẏ⁺/∂y, ∂ẏ⁺/∂ẏ]]`.
     pub state: [[[[f64; N]; N]; 2]; 2],
-    /// B_d by blocks: `[∂y⁺/∂u, ∂ẏ⁺/∂u]`.
+    /// Blocks of B_d: `[∂y⁺/∂u, ∂ẏ⁺/∂u]`.
     pub input: [[[f64; M]; N]; 2],
-    /// c_d: affine remainder of y⁺ and ẏ⁺.
+    /// Blocks of c_d, which are the affine remainders of y⁺ and ẏ⁺.
     pub affine: [[f64; N]; 2],
 }
 
 impl<const N: usize, const M: usize, const NY: usize> Discretization<N, M, NY> {
     /// Whether every entry is finite. Entries are infinite if the robot is too fast for the period, and NaN
-    /// if its linearization was not finite.
+    /// if its linearization is not finite.
     #[must_use]
     pub fn is_finite(&self) -> bool {
         let state = self.state.as_flattened().as_flattened().as_flattened();
@@ -111,8 +111,8 @@ impl<const N: usize, const M: usize, const NY: usize> Discretization<N, M, NY> {
         state.iter().chain(input).chain(affine).all(|entry| entry.is_finite())
     }
 
-    /// Displacement from ȳ and velocities after a sample time, from the displacement d; for arms coordinates
-    /// and velocities.
+    /// Displacement from ȳ and velocities after a period, from the displacement `d` and the velocities `v`
+    /// before the period. For arms the displacements are the coordinates.
     #[must_use]
     pub fn displaced(&self, d: &[f64; N], v: &[f64; N], u: &[f64; M]) -> ([f64; N], [f64; N]) {
         let half = |h: usize| {
@@ -128,23 +128,24 @@ impl<const N: usize, const M: usize, const NY: usize> Discretization<N, M, NY> {
 }
 
 impl<const N: usize, const M: usize> Discretization<N, M> {
-    /// Coordinates and velocities after a sample time.
+    /// Coordinates and velocities after a period.
     #[must_use]
     pub fn step(&self, y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> ([f64; N], [f64; N]) {
         self.displaced(y, v, u)
     }
 }
 
-/// A step of the nonlinear robot with sensitivities; derivatives of and by positions are along ⊕.
+/// A step of the nonlinear robot with sensitivities. Derivatives of positions and with respect to positions
+/// are along ⊕.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step<const N: usize, const M: usize, const NY: usize = N> {
-    /// y⁺.
+    /// Positions y⁺ after the step.
     pub coordinates: [f64; NY],
-    /// ẏ⁺.
+    /// Velocities ẏ⁺ after the step.
     pub velocities: [f64; N],
-    /// Derivatives by the state: `[[∂y⁺/∂y, ∂y⁺/∂ẏ], [∂ẏ⁺/∂y, ∂ẏ⁺/∂ẏ]]`.
+    /// Derivatives with respect to the state: `[[∂y⁺/∂y, ∂y⁺/∂ẏ], [∂ẏ⁺/∂y, ∂ẏ⁺/∂ẏ]]`.
     pub state: [[[[f64; N]; N]; 2]; 2],
-    /// Derivatives by the inputs: `[∂y⁺/∂u, ∂ẏ⁺/∂u]`.
+    /// Derivatives with respect to the inputs: `[∂y⁺/∂u, ∂ẏ⁺/∂u]`.
     pub input: [[[f64; M]; N]; 2],
 }
 
@@ -159,31 +160,32 @@ impl<const N: usize, const M: usize, const NY: usize> Step<N, M, NY> {
     }
 }
 
-/// Limits of joints and inputs; infinite if not described.
+/// Limits of joints and inputs. A limit that the description does not have is infinite.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits<const N: usize, const M: usize> {
-    /// Lowest and highest position [rad or m].
+    /// Lowest and highest positions [rad or m].
     pub position: [[f64; 2]; N],
-    /// Highest speed [rad/s or m/s].
+    /// Largest speeds [rad/s or m/s].
     pub velocity: [f64; N],
-    /// Nominal force at the joint [N m or N].
+    /// Largest continuous forces at the joints [N m or N].
     pub effort: [f64; N],
-    /// Peak force at the joint [N m or N].
+    /// Largest short-time forces at the joints [N m or N].
     pub peak_effort: [f64; N],
-    /// Lowest and highest input that the motor bears continuously; limits of efforts also apply, see
-    /// [`Self::at_inputs`]. 0 is between them.
+    /// Lowest and highest inputs that the motors can produce continuously. 0 is between them. The limits of
+    /// efforts apply in addition, see [`Self::at_inputs`].
     pub input: [[f64; 2]; M],
-    /// Lowest and highest input that the motor bears for a short time; limits of peak efforts also apply.
+    /// Lowest and highest inputs that the motors can produce for a short time. The limits of peak efforts
+    /// apply in addition.
     pub peak_input: [[f64; 2]; M],
-    /// Followers of coordinates with their limits.
+    /// Joints that follow coordinates, with their limits.
     pub dependent: &'static [DependentJoint<N>],
-    /// Torque–speed lines of the inputs' motors.
+    /// Torque–speed lines of the motors of the inputs.
     pub torque_speed: &'static [TorqueSpeedLine<N>],
 }
 
 impl<const N: usize, const M: usize> Limits<N, M> {
-    /// The limits, with positions and speeds of coordinates narrowed by followers of a single coordinate.
-    /// Followers of several coordinates are not included.
+    /// The limits, with positions and speeds of coordinates narrowed by the limits of joints that follow a
+    /// single coordinate. Joints that follow several coordinates have no effect.
     #[must_use]
     pub fn narrowed(&self) -> Self {
         let mut limits = *self;
@@ -191,18 +193,18 @@ impl<const N: usize, const M: usize> Limits<N, M> {
         limits
     }
 
-    /// Bounds of the inputs that keep the limits of motors and the efforts of joints, from B (row-major).
-    /// With motor_j the larger magnitude of input j's limits:
+    /// Bounds of the inputs that keep the limits of motors and the efforts of joints, for an input matrix B
+    /// with its rows first. motor_j is the larger magnitude of the limits of input j:
     ///
     /// ```text
     ///     c_j = min(motor_j, min_i effort_i / |B_ij|)          input j alone
     ///     ū_j = c_j · min(1, min_i effort_i / Σ_l |B_il| c_l)    over the joints i that input j acts on together with others
     /// ```
     ///
-    /// The result are the limits of input j cut off at ±ū_j, so that `|u_j| ≤ ū_j` for all j implies `|(B
-    /// u)_i| ≤ effort_i` for all i, whatever the signs. If every joint has its own input, `ū_j = min(motor_j,
-    /// effort_i / |ratio|)`. If several inputs act on a joint the bound is conservative: opposing inputs
-    /// could be larger.
+    /// The result are the limits of input j, narrowed to ±ū_j. Then `|u_j| ≤ ū_j` for all j implies
+    /// `|(B u)_i| ≤ effort_i` for all i, for all signs. If every joint has its own input,
+    /// `ū_j = min(motor_j, effort_i / |ratio|)`. If several inputs act on a joint the bound is conservative:
+    /// opposing inputs could be larger.
     ///
     /// NaN limits give NaN, which controllers reject.
     #[must_use]
@@ -214,12 +216,13 @@ impl<const N: usize, const M: usize> Limits<N, M> {
     }
 }
 
-/// Lowest and highest inputs that keep the limits of motors and joints; infinite if not described.
+/// Lowest and highest inputs that keep the limits of motors and joints. A limit that the description does not
+/// have is infinite.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InputLimits<const M: usize> {
-    /// Continuous limits of motors and joints, in the units of the inputs.
+    /// Continuous limits of motors and joints [N m, N or A].
     pub nominal: [[f64; 2]; M],
-    /// Short-time limits.
+    /// Short-time limits of motors and joints [N m, N or A].
     pub peak: [[f64; 2]; M],
 }
 
@@ -254,17 +257,17 @@ fn within_efforts<const N: usize, const M: usize>(
     })
 }
 
-/// The larger number; NaN if either is none.
+/// The larger number; NaN if a number is NaN.
 fn larger(a: f64, b: f64) -> f64 {
     -smaller(-a, -b)
 }
 
-/// The smaller number; NaN if either is none.
+/// The smaller number; NaN if a number is NaN.
 fn smaller(a: f64, b: f64) -> f64 {
     if a.is_nan() || b.is_nan() { f64::NAN } else { a.min(b) }
 }
 
-/// Conversion of the results `T` of a module's function.
+/// Conversion from the results `T` of a function of a module.
 pub trait OfResults<T> {
     /// Converts the results.
     fn of(results: T) -> Self;
@@ -300,7 +303,7 @@ impl<const N: usize, const M: usize> OfResults<discrete_time::Linear<N, M>> for 
     }
 }
 
-/// D is left out: `drift` computes it from the velocities.
+/// Omits the drift D, which `drift` computes from the velocities.
 impl<const N: usize, const M: usize, const NY: usize> OfResults<discrete_time::LinearOnManifold<N, M>>
     for Linearization<N, M, NY>
 {

@@ -1,4 +1,4 @@
-//! Positions, speeds and efforts of joints against their described limits.
+//! Comparison of positions, speeds and efforts of joints with their described limits.
 
 use super::super::log::{Recording, are_minutes, is_seen, unit_value};
 use super::super::numeric::statistics::span;
@@ -22,22 +22,22 @@ const BEYOND: Rule = Rule::note("beyond-limits");
 /// Fixture: `degrees` in `codegen/tests/findings/arm.rs`.
 const FAR_BEYOND: Rule = Rule::error("far-beyond-limits");
 
-/// Units that columns may be in, as `--columns` calls them.
+/// Units in which columns may be recorded, with the names that `--columns` takes.
 const ANGLES: &[&str] = &["deg", "mrad"];
 const LENGTHS: &[&str] = &["cm", "mm", "um"];
 const TORQUES: &[&str] = &["Ncm", "mNm"];
 
-/// Values beyond the limits: of each quantity the joint that exceeds them most, with the column and the switch that states the likely
-/// unit. Values far beyond are errors.
+/// Findings about values beyond their limits: for each quantity the joint that exceeds its limits most, with the column and
+/// the switch for the likely unit. Values far beyond the limits are errors.
 ///
-/// - `prepared`: rows are joints
+/// - `prepared`: runs with one column for each joint
 pub(crate) fn beyond(robot: &dyn Robot, recording: &Recording, prepared: &[PreparedRun]) -> Vec<Finding> {
     let names = robot.joint_names();
     let exact = rows_of(&robot.quaternion_joints(), names.len());
     let joints = (0..names.len()).filter(|joint| !exact[*joint]).collect();
     let log = Log { robot, recording, prepared, joints, names, limits: robot.limits() };
     let positions = log.positions();
-    // Positions in another unit have speeds in another unit.
+    // If positions are in another unit, the speeds are, too.
     let is_far = positions.as_ref().is_some_and(|finding| finding.severity == Severity::Error);
     let speeds = if is_far { None } else { log.speeds() };
     let own = [positions, speeds, log.efforts()].into_iter().flatten();
@@ -49,13 +49,13 @@ struct Range<'a> {
     joint: &'a str,
     /// Values of each run.
     values: Vec<Vec<f64>>,
-    /// The quantity, and where its values are from.
+    /// The quantity and the column of its values.
     what: String,
     unit: String,
     limits: [f64; 2],
-    /// Values beyond a limit by less are within it.
+    /// Amount by which values may exceed a limit without a finding.
     tolerance: f64,
-    /// Factor beyond a limit that is an error.
+    /// Factor beyond a limit from which the finding is an error.
     far: f64,
 }
 
@@ -63,7 +63,7 @@ struct Log<'a> {
     robot: &'a dyn Robot,
     recording: &'a Recording,
     prepared: &'a [PreparedRun],
-    /// Those whose limits count.
+    /// Indices of the joints whose limits are checked.
     joints: Vec<usize>,
     names: Vec<String>,
     limits: Vec<JointLimits>,
@@ -159,7 +159,7 @@ impl Log<'_> {
         })
     }
 
-    /// A joint that follows others, which are judged by limits of their own.
+    /// Findings about a joint that follows other joints. Its values are computed from those joints.
     fn follower(&self, joint: &FollowerLimits) -> Vec<Finding> {
         let values = |columns: &[Vec<f64>], offset: f64| -> Vec<f64> {
             let count = columns.first().map_or(0, Vec::len);
@@ -182,9 +182,9 @@ impl Log<'_> {
             .collect()
     }
 
-    /// The finding about the joint that exceeds its limits most.
+    /// The finding about the joint that exceeds its limits most; `None` if no joint exceeds its limits.
     ///
-    /// - `help`: by how many times the limit is exceeded, and the unit
+    /// - `help`: gives a remedy from the factor by which the limit is exceeded and the unit
     fn worst<'r>(
         &self,
         ranges: impl Iterator<Item = Range<'r>>,
@@ -192,7 +192,7 @@ impl Log<'_> {
     ) -> Option<Finding> {
         let mut all: Vec<(Excess, Range)> =
             ranges.filter_map(|range| Some((range.excess(&range.values.concat())?, range))).collect();
-        // The first of equal ones stays first.
+        // The sort is stable, so that the first of equal joints stays first.
         all.sort_by(|a, b| b.0.times.total_cmp(&a.0.times));
         let (Excess { low, high, times }, range) = all.first()?;
         let is_far = *times > range.far;
@@ -216,7 +216,7 @@ impl Log<'_> {
         );
         let rule = if is_far { FAR_BEYOND } else { BEYOND };
         let found = rule.found(message).joint(range.joint).with("times the limit", *times, "");
-        // A switch for one run would change the others.
+        // A switch for one run would change the other runs, too.
         let alone = run.map(|_| "--columns holds for all logs: bring this one to the units of the others");
         let accept = "or correct the description's limits; --accept-poor takes the values as they are";
         let remedy = help(*times, &range.unit).into_iter().chain(alone.filter(|_| is_far).map(str::to_owned));
@@ -225,7 +225,7 @@ impl Log<'_> {
     }
 }
 
-/// The least and the largest value without the outermost ones, beyond limits, and how many times the larger limit they are.
+/// The least and the largest value without outliers, if they are beyond limits, and their ratio to the larger limit.
 struct Excess {
     low: f64,
     high: f64,
@@ -250,14 +250,15 @@ impl Range<'static> {
         Self::new(limits, levels::ROUNDED_POSITIONS.get() * range, levels::FAR_AWAY.get())
     }
 
-    /// Magnitudes up to a limit.
+    /// The range of values with magnitudes up to a limit.
     fn within(limit: f64) -> Self {
         Self::new([-limit, limit], levels::ROUNDED.get() * limit, levels::FAR.get())
     }
 }
 
 impl Range<'_> {
-    /// How values exceed the limits. A limit of 0 is one that nobody entered: nothing is far beyond it.
+    /// Excess of values over the limits; `None` if they are within the limits. A limit of 0 is an entry that was not filled
+    /// in, so that no value is far beyond it.
     fn excess(&self, values: &[f64]) -> Option<Excess> {
         let [low, high] = span(values.iter().copied().filter(|x| x.is_finite()).collect())?;
         let [least, most] = self.limits;
@@ -268,12 +269,14 @@ impl Range<'_> {
     }
 }
 
-/// ` (column `q1`)`
+/// Text that names a column: ` (column q1)`.
 fn in_column(of: &str, column: Option<&String>) -> String {
     column.map_or_else(String::new, |column| format!(" ({of} {column})"))
 }
 
-/// The largest unit in which values of this share of their limit are within it, and use a part of it that can be seen.
+/// The largest unit with which values are within their limit and use a noticeable part of it; `None` if there is none.
+///
+/// - `share`: ratio of the values to their limit
 fn likely(share: f64, units: &'static [&'static str]) -> Option<&'static str> {
     let fits = |name: &&&str| unit_value(name).is_some_and(|value| is_seen(share * value));
     units.iter().find(fits).copied()

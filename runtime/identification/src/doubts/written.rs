@@ -1,5 +1,5 @@
-//! How well a joint's force is explained by the description that is written: by its friction law, which need not have the
-//! terms of the common estimate, and without the offsets of the sensors, which are not written.
+//! Quality of the written description for each joint. Its friction law may have other terms than the common estimate, and
+//! offsets of the sensors are not written.
 
 use super::super::error::Result;
 use super::super::estimation::{Estimate, JointEstimate};
@@ -28,10 +28,12 @@ const TOO_FEW_TERMS: Rule = Rule::warning("too-few-terms");
 /// Fixture: `codegen/tests/external_arm/offsets.rs`.
 const OFFSET: Rule = Rule::warning("offset-not-written");
 
-/// Gives a joint the numbers of its law, and the law a warning where it explains much less than the estimate's own terms.
+/// Sets the numbers of a joint's fit to those of its friction law. Adds a warning to the law if it explains much less than
+/// the estimate's own terms.
 ///
-/// The held-out error is the larger one of the estimate's and the law's: neither knows the left-out data, and the law's is
-/// next to bodies that do. Offsets of the runs are left out of all of them.
+/// The held-out error becomes the larger one of two: that of the estimate and that of the law. Both are computed without the
+/// held-out data, but the law is fitted to forces minus those of bodies that were fitted to all data. Offsets of the runs
+/// are not part of these errors.
 pub(crate) fn judge(joint: &mut JointEstimate, law: &mut FrictionResult) {
     let total = joint.sigma.powi(2) / (1.0 - joint.r_squared);
     let of_friction = law.residual.powi(2) / (1.0 - law.r_squared);
@@ -64,11 +66,11 @@ pub(crate) struct Written<'a> {
 }
 
 impl Written<'_> {
-    /// Friction as it is written, through the filter of the efforts: the law with its constant, or the described friction.
-    /// Friction under load is not in it.
+    /// Written friction of the joint after the filter of the efforts: the law with its constant, or the described friction
+    /// without a law. Friction under load is not included.
     ///
     /// # Errors
-    /// As [`super::super::result::FrictionLaw::torques`].
+    /// The errors are those of [`super::super::result::FrictionLaw::torques`].
     pub(crate) fn friction(&self, law: Option<&FrictionResult>, velocities: &[f64]) -> Result<Vec<f64>> {
         let sharp = match law {
             Some(result) => result.law.torques(velocities)?,
@@ -78,10 +80,11 @@ impl Written<'_> {
         Ok(self.filter.apply(&sharp).into_iter().map(|torque| torque + level).collect())
     }
 
-    /// Finds the constant of a law, predicts the joint's force in the fitted runs, and gives the joint the numbers of this prediction.
+    /// Finds the constant of a law, predicts the joint's force in the fitted runs, and sets the numbers of the joint's fit
+    /// to those of this prediction.
     ///
     /// # Errors
-    /// As [`Self::friction`].
+    /// The errors are those of [`Self::friction`].
     pub(crate) fn predict(
         &self,
         estimate: &mut Estimate,
@@ -131,7 +134,7 @@ impl Written<'_> {
         runs.iter().enumerate().map(of_run).collect()
     }
 
-    /// The joint's numbers without the offsets that are left; a warning if these cost much.
+    /// Sets the numbers of the joint's fit to those without the remaining offsets. Returns a warning if the offsets matter.
     fn leave_out_offsets(
         &self,
         estimate: &mut Estimate,
@@ -171,7 +174,7 @@ impl Written<'_> {
     }
 }
 
-/// Mean error of each recording, parts of which share an offset.
+/// Mean error of each recording. The parts of a recording share an offset.
 fn by_recording(runs: &[PreparedRun], errors: &[Vec<f64>]) -> Vec<f64> {
     let mut all: Vec<(&str, Vec<f64>)> = Vec::new();
     for (run, errors) in runs.iter().zip(errors).filter(|(_, errors)| !errors.is_empty()) {
@@ -183,9 +186,10 @@ fn by_recording(runs: &[PreparedRun], errors: &[Vec<f64>]) -> Vec<f64> {
     all.iter().map(|(_, errors)| mean(errors)).collect()
 }
 
-/// The mean c of the offsets of n ≥ 2 recordings, if |c| > √((t s/√n)² + (t' e)²) with their standard deviation s, the standard
-/// error e of the residuals' mean, which are correlated, and Student's t. The rest of the description is that with which c was
-/// found, so that its errors do not count here. They count in the interval.
+/// The constant c of a law, as the mean of the offsets of n ≥ 2 recordings; `None` if |c| ≤ √((t s/√n)² + (t' e)²). Here s
+/// is the standard deviation of the offsets, e the standard error of the mean of the residuals (which are correlated), and t
+/// and t' are quantiles of Student's t. The other values are those with which c was found, so that their errors do not count
+/// in this test. They count in the interval.
 ///
 /// - `freedom`: degrees of freedom of the estimate
 fn repeated(
@@ -216,7 +220,7 @@ fn repeated(
     })
 }
 
-/// The samples of each run among those of all.
+/// The samples of each run as a range of the samples of all runs.
 fn ranges(runs: &[Vec<f64>]) -> Vec<Range<usize>> {
     let mut start = 0;
     let range = |run: &Vec<f64>| {
@@ -226,8 +230,10 @@ fn ranges(runs: &[Vec<f64>]) -> Vec<Range<usize>> {
     runs.iter().map(range).collect()
 }
 
-/// - `recordings`: how many there are
-/// - `with_offsets`: R² on held-out data
+/// The warning about offsets that are not written.
+///
+/// - `recordings`: number of recordings
+/// - `with_offsets`: R² on held-out data with offsets
 fn not_written(joint: &JointEstimate, recordings: usize, with_offsets: f64) -> Finding {
     let ends = [f64::min, f64::max].map(|of| joint.offsets.iter().copied().reduce(of).unwrap_or_default());
     let [low, high] = ends.map(|end| plain(end, 3));

@@ -43,17 +43,18 @@ pub(super) struct Checked<'a> {
     pub(super) correlation_time: f64,
     /// Joints whose efforts are not used.
     pub(super) left_out: &'a [usize],
-    /// Whether friction under load is part of the fit, or the rigid forces are without gravity and no loads.
+    /// Whether the check for friction under load is left out: this friction is part of the fit, or the rigid forces are
+    /// without gravity and so are not the loads of the gears.
     pub(super) loads_are_known: bool,
 }
 
-/// Whether a finding is of a residual that follows the acceleration.
+/// Whether a finding says that the residual follows the acceleration.
 pub(super) fn is_of_acceleration(finding: &Finding) -> bool {
     finding.code == ACCELERATION.code
 }
 
 impl Checked<'_> {
-    /// Doubts about each moving joint, and which joints do not move.
+    /// Doubts about each moving joint, and findings about joints without a measured effort or without motion.
     pub(super) fn findings(&self) -> Vec<Finding> {
         let of = |joint: usize| {
             if self.robot.unmeasured()[joint] || self.left_out.contains(&joint) {
@@ -78,8 +79,8 @@ impl Checked<'_> {
         doubts.map(|doubt| doubt.of(self.robot.subject(joint))).collect()
     }
 
-    /// Sizes of the rigid force as estimated and as described, and of the measured one, each without its mean in a run, which an
-    /// offset may take.
+    /// Root sums of squares of the estimated rigid force, the described rigid force and the measured force of a joint. The
+    /// mean of each run is removed first, because an offset may explain it.
     fn sizes(&self, joint: usize) -> Sizes {
         let squares = |forces: &Vec<f64>| {
             let mean = mean(forces);
@@ -89,19 +90,20 @@ impl Checked<'_> {
         [&self.forces.rigid, &self.forces.described, &self.forces.measured].map(|of| size(of))
     }
 
-    /// Whether the forces of a joint are several times the described ones or a fraction of them.
+    /// Whether the rigid forces of a joint are several times the described ones or a fraction of them.
     pub(super) fn has_other_unit(&self) -> bool {
         let known = self.layout.known_efforts();
         (0..self.layout.joints).any(|joint| known[joint] && unit_doubt(self.sizes(joint)).is_some())
     }
 
-    /// The factor between estimated and described forces of the robot as a whole.
+    /// The factor between estimated and described forces of the robot as a whole; `None` if no joint gives one.
     pub(super) fn common_ratio(&self) -> Option<CommonRatio> {
         let sizes: Vec<Sizes> = (0..self.layout.joints).map(|joint| self.sizes(joint)).collect();
         common_ratio(self.robot, self.layout.effort, &self.layout.known_efforts(), &sizes)
     }
 
-    /// The delay of a joint's effort \[s\] that its residual shows: a torque that comes late by d is `τ(t − d) ≈ τ − d τ̇`.
+    /// The delay of a joint's effort \[s\] that its residual shows; `None` if the residual does not follow the rate of the
+    /// force. A torque that is late by d is `τ(t − d) ≈ τ − d τ̇`.
     pub(super) fn delay(&self, joint: usize) -> Option<f64> {
         let slope = |run: usize, i: usize| {
             let (p, t) = (self.predicted(run, joint), &self.runs[run].times);
@@ -134,7 +136,8 @@ impl Checked<'_> {
         })
     }
 
-    /// Friction that grows with the load leaves `(|τ_l| − mean) sign(v)`; Coulomb friction has taken the mean.
+    /// Finding about friction that grows with the load. It leaves the residual `(|τ_l| − mean) sign(v)`, because the Coulomb
+    /// term explains the mean of the load's magnitude |τ_l|.
     fn load(&self, joint: usize) -> Option<Finding> {
         // A joint with a quaternion has no gear.
         if self.loads_are_known || self.layout.exact[joint] || !self.robot.own_inputs()[joint] {
@@ -162,7 +165,8 @@ impl Checked<'_> {
             && share > levels::BY_CHANCE.get() * self.correlation_time / total as f64
     }
 
-    /// Factor of a quantity in a joint's residual, and the share of the variance that it explains.
+    /// Factor of a quantity in a joint's residual by linear regression, and the share of the residual's variance that it
+    /// explains; `None` if the quantity is constant or the residual is zero.
     fn explained(&self, joint: usize, quantity: &dyn Fn(usize, usize) -> f64) -> Option<(f64, f64)> {
         let mut sums = [0.0; 6];
         for (run, i) in self.forces.moving(self.layout, self.runs, joint) {
@@ -178,7 +182,7 @@ impl Checked<'_> {
     }
 }
 
-/// A joint whose effort no log tells.
+/// The finding about a joint without a usable effort in the logs.
 pub(super) fn no_effort(robot: &dyn Robot, joint: usize) -> Finding {
     let message = "it has no measured effort, or a current while it rests: its friction, drive and offset stay as described, and \
                    its body is known from the efforts of other joints alone";

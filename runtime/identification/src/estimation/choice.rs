@@ -1,5 +1,5 @@
-//! Choice of the model by its error on held-out data: widths of Coulomb friction, optional terms, offsets, and the
-//! weight of the description.
+//! Choice of the model by the error on held-out data: widths of Coulomb friction, optional terms, offsets, and the weight of
+//! the description.
 
 use super::super::error::Result;
 use super::super::inertial::PER_BODY;
@@ -19,7 +19,7 @@ const WEIGHTS: usize = 23;
 
 const LESS_TRUST_STEPS: usize = 2;
 
-/// A choice, and its candidates.
+/// A chosen model, its weights, and the values that were fitted with them.
 pub(super) struct Chosen<'a> {
     pub(super) model: Model,
     pub(super) weighting: Weighting,
@@ -43,11 +43,13 @@ fn grid() -> impl Iterator<Item = f64> {
     (0..WEIGHTS).map(|i| levels::LEAST_WEIGHT.get() * 10_f64.powf(0.5 * i as f64))
 }
 
-/// Chooses in turn: widths and offsets, then optional terms, then the weight of the description.
-/// Bounds of what can exist hold at the end: they cost more than all choices, and hardly change one.
+/// Chooses the model in this order: widths and offsets, then optional terms, then the weight of the description. The
+/// constraints of physically possible bodies hold only in the last fit, because they cost more time than all choices and
+/// hardly change a choice.
 ///
 /// # Errors
-/// Sums without a solution.
+/// The errors are those of [`gains`] and of [`super::fit::fit`]: the equations have no solution, or the gains do not
+/// converge.
 pub(super) fn choose<'a>(
     layout: &'a Layout,
     sums: &'a Sums,
@@ -108,7 +110,8 @@ impl Chosen<'_> {
         Ok(())
     }
 
-    /// The weight with the least error, or the largest one that is not worse by more than a standard error.
+    /// Chooses the weight λ of the description: the one with the least held-out error if `least` is set, otherwise the
+    /// largest one whose error exceeds the least by at most one standard error.
     pub(super) fn choose_weight(&mut self, prior: &Prior, least: bool) -> Result<()> {
         let mut errors = Vec::with_capacity(WEIGHTS);
         for description in grid() {
@@ -125,8 +128,8 @@ impl Chosen<'_> {
         Ok(())
     }
 
-    /// A body that the data contradict is trusted less, where that lowers the error by more than a standard error:
-    /// exporters write dummies, and tools are forgotten.
+    /// Reduces the weight of a described body if this lowers the held-out error by more than one standard error: exporters
+    /// write dummy bodies, and descriptions omit tools.
     pub(super) fn choose_trust(&mut self, prior: &Prior) -> Result<()> {
         let mut best = self.held_out(prior)?;
         for body in &prior.bodies {
@@ -146,8 +149,8 @@ impl Chosen<'_> {
         Ok(())
     }
 
-    /// The steepest Coulomb term, as friction reverses at rest, or a wider one that lowers the error by more than
-    /// a standard error.
+    /// Chooses the width of each joint's Coulomb term: the steepest term, because friction reverses at rest, or a wider one
+    /// that lowers the held-out error by more than one standard error.
     fn choose_widths(&mut self, prior: &Prior) -> Result<()> {
         let mut best = self.held_out(prior)?;
         for joint in self.centred.layout.rubbing() {
@@ -164,7 +167,7 @@ impl Chosen<'_> {
         Ok(())
     }
 
-    /// A term is taken where it lowers the error by more than a standard error.
+    /// Adds a term to a joint if it lowers the held-out error by more than one standard error.
     fn choose_terms(&mut self, prior: &Prior, terms: &[usize], loads: &[bool]) -> Result<()> {
         let mut best = self.held_out(prior)?;
         for joint in self.centred.layout.rubbing() {
@@ -189,7 +192,7 @@ impl Chosen<'_> {
         Ok(())
     }
 
-    /// Whether the joint moves both ways enough to tell v from |v|.
+    /// Whether the joint moves enough in both directions to separate the terms v and |v|.
     fn both_directions(&self, joint: usize) -> bool {
         let first = self.centred.layout.first_term(joint);
         let place = |term: usize| first + term;
@@ -200,8 +203,8 @@ impl Chosen<'_> {
         cosine.abs() < MOST_ALIKE
     }
 
-    /// Whether reflected inertia comes out positive: friction that lags behind the speed makes it negative, and
-    /// no robot has that. A share of the load is positive too, and less than one.
+    /// Whether the reflected inertia of the fitted model is positive and its share of the load lies between 0 and 1.
+    /// Friction that lags behind the speed makes the inertia negative, which no robot has.
     fn can_exist(&self, model: &Model, joint: usize, prior: &Prior) -> Result<bool> {
         let all = &self.centred.all;
         let solved = super::fit::fit(&self.centred, all, model, prior, &self.weighting, &self.values)?;
@@ -213,7 +216,7 @@ impl Chosen<'_> {
 }
 
 impl<'a> Chosen<'a> {
-    /// The same choice with other sums: the fit, reweighted.
+    /// The same choice, fitted to other sums with new weights.
     pub(super) fn with_sums<'b>(&self, sums: &'b Sums, prior: &Prior) -> Result<Chosen<'b>>
     where
         'a: 'b,
@@ -223,7 +226,7 @@ impl<'a> Chosen<'a> {
         Ok(other)
     }
 
-    /// The same choice and weights over other sums, not fitted yet.
+    /// The same choice and weights for other sums, not fitted yet.
     pub(super) fn over<'b>(&self, sums: &'b Sums) -> Chosen<'b>
     where
         'a: 'b,
@@ -231,9 +234,9 @@ impl<'a> Chosen<'a> {
         self.with_more(self.centred.layout, sums, 1.0)
     }
 
-    /// The same choice with further parameters, not fitted yet.
+    /// The same choice with more inertial parameters, not fitted yet.
     ///
-    /// - `trust`: in their zeros
+    /// - `trust`: factor of the weight that holds each additional parameter at zero
     pub(super) fn with_more<'b>(&self, layout: &'b Layout, sums: &'b Sums, trust: f64) -> Chosen<'b> {
         let mut weighting = self.weighting.clone();
         weighting.trust.resize(layout.parameters, trust);
@@ -246,7 +249,7 @@ impl<'a> Chosen<'a> {
         }
     }
 
-    /// Offsets count against zero by their spread and the deviations of the residuals.
+    /// Sets the weight of zero for each offset, from the spread of the offset and the deviation of the residuals.
     fn weigh_offsets(&mut self, layout: &'a Layout, sums: &'a Sums, prior: &Prior) {
         let deviations = self.weighting.sigma.iter().zip(&self.values.gains).map(|(s, gain)| s * gain);
         let zeros = prior.joints.iter().zip(deviations).map(|(joint, s)| joint.samples_of_offset(s));
@@ -255,8 +258,8 @@ impl<'a> Chosen<'a> {
         self.centred = Centred::new(layout, sums, self.model.offsets, zeros);
     }
 
-    /// A larger spread of a joint's offsets, if it lowers the error by more than a standard error. Parts of one run would not
-    /// judge it: an offset passes for friction in each of them, if the joint moves in one direction.
+    /// Allows a joint a larger spread of its offsets if this lowers the held-out error by more than one standard error. This
+    /// needs several runs: in each part of a single run an offset acts like friction if the joint moves in one direction.
     fn choose_spreads(&mut self, layout: &'a Layout, sums: &'a Sums, prior: &Prior) -> Result<()> {
         let mut best = self.held_out(prior)?;
         for joint in layout.rubbing() {
@@ -272,7 +275,8 @@ impl<'a> Chosen<'a> {
         Ok(())
     }
 
-    /// Offsets for each run, if there are several and they lower the error by more than a standard error.
+    /// Chooses an offset for each run if there are several runs and this lowers the held-out error by more than one standard
+    /// error.
     fn choose_offsets(&mut self, layout: &'a Layout, sums: &'a Sums, prior: &Prior) -> Result<()> {
         if sums.by_run(0, None).len() < 2 {
             return Ok(());

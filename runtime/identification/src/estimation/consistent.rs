@@ -1,4 +1,4 @@
-//! The fit over bodies that can exist.
+//! The fit with constraints of physically possible bodies.
 
 use super::super::error::Result;
 use super::super::inertial::consistent::{ConsistentProblem, MARGIN, solve};
@@ -7,8 +7,12 @@ use super::layout::{ARMATURE, Layout};
 use super::prior::Prior;
 use nalgebra::{DMatrix, DVector};
 
-/// The minimum of `½ xᵀ A x − gᵀ x` where the description plus x has positive pseudo-inertias, and rotor
-/// inertias, reflected inertias and shares of the load that are not negative. `free` is the minimum without these bounds.
+/// The minimum of `½ xᵀ A x − gᵀ x` over the active unknowns x, with constraints: the described bodies plus x have positive
+/// definite pseudo-inertias, and rotor inertias, reflected inertias and shares of the load are not negative.
+///
+/// - `regularized`: A
+/// - `linear`: g
+/// - `free`: minimum without these constraints
 pub(super) fn bounded(
     layout: &Layout,
     prior: &Prior,
@@ -33,7 +37,7 @@ pub(super) fn bounded(
     Ok(solve(&problem)?.parameters - described)
 }
 
-/// Places of rotor inertias, reflected inertias and shares of the load among the active unknowns.
+/// Indices of rotor inertias, reflected inertias and shares of the load among the active unknowns.
 fn nonnegative(layout: &Layout, prior: &Prior, active: &[usize]) -> Vec<usize> {
     let bodies = PER_BODY * prior.bodies.len();
     let of_joint = |j: usize| (ARMATURE..layout.terms).map(move |term| layout.term(j, term));

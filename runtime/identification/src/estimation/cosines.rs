@@ -1,22 +1,24 @@
 //! Variance of the sum of a correlated series of vectors, with exact small-sample quantiles.
 //!
-//! The series is projected on K slow cosines. Where the series' spectrum is flat over the frequencies of these
-//! cosines, the projections are independent, each with the variance of the sum: their mean square estimates it with
-//! exactly K degrees of freedom (equal-weighted cosines; Müller 2007; Sun 2013; Lazarus, Lewis, Stock, Watson 2018).
-//! So Student's t and Fisher's F hold in short logs too, where a sum over lags with normal quantiles is too sure.
+//! The series is projected on K slow cosines. If the spectrum of the series is flat over the frequencies of these cosines,
+//! the projections are independent and each has the variance of the sum. Their mean square then estimates this variance with
+//! exactly K degrees of freedom (equal-weighted cosines; Müller 2007; Sun 2013; Lazarus, Lewis, Stock, Watson 2018). So
+//! Student's t and Fisher's F also hold for short logs, for which a sum over lags with normal quantiles gives too small
+//! intervals.
 
 use super::levels;
 use nalgebra::DMatrix;
 use std::f64::consts::PI;
 
-/// Number of cosines for a series that is `correlation_times` long and has `blocks` elements.
+/// Number K of cosines for a series with a length of `correlation_times` correlation times and `blocks` elements.
 pub(super) fn count(correlation_times: f64, blocks: usize) -> usize {
     let wanted = levels::COSINES.get() * correlation_times.max(1.0).powf(2.0 / 3.0);
     (wanted as usize).min(blocks / 2)
 }
 
-/// Projections of the series, whose elements are columns, on the first K cosines, as columns: the mean of their
-/// squares is the variance of the sum.
+/// Projections of the series on the first K cosines, as columns. The mean of their squares is the variance of the sum.
+///
+/// - `series`: elements of the series, as columns
 pub(super) fn projections(series: &DMatrix<f64>, cosines: usize) -> DMatrix<f64> {
     let blocks = series.ncols();
     let cosine =

@@ -1,8 +1,8 @@
-//! Delays of the efforts that are not known: a first fit, and its results for the last one.
+//! Unknown delays of the efforts: a first fit, and its results for the last fit.
 //!
-//! The column of a delay is the rate of an effort. Noise stands in measured rates, which makes a delay and its error come out too
-//! small. So a first fit takes these, and the last one the rates of the forces that the first one predicts, over efforts from which
-//! its delays are taken off.
+//! The column of a delay is the rate of an effort. Measured rates contain noise, which makes the estimated delay and its
+//! error too small. So only the first fit uses measured rates. The last fit uses the rates of the forces that the first fit
+//! predicts, and efforts without the delays of the first fit.
 
 use super::super::numeric::shifted::slope;
 use super::super::run::PreparedRun;
@@ -12,17 +12,17 @@ use super::residuals::Forces;
 
 /// Results of the first fit that the last fit needs.
 pub(super) struct FirstFit {
-    /// Delays by their numbers \[s\].
+    /// Delays of the first fit, by the number of the delay \[s\].
     pub(super) delays: Vec<f64>,
-    /// Rates of the efforts at the joints, `[run][joint][sample]`, for gains of one; empty if a joint's efforts have
-    /// several delays.
+    /// Rates of the efforts at the joints without noise, `[run][joint][sample]`, in units of the effort per second; empty
+    /// for a joint whose efforts have several delays.
     pub(super) rates: Vec<Vec<Vec<f64>>>,
-    /// The runs without the delays.
+    /// The runs without the delays of the first fit.
     pub(super) runs: Vec<PreparedRun>,
 }
 
 impl FirstFit {
-    /// - `values`, `forces`: of the first fit
+    /// - `values`, `forces`: results of the first fit
     pub(super) fn new(layout: &Layout, runs: &[PreparedRun], values: &Values, forces: &Forces) -> Self {
         let left = |number: usize| values.unknowns[layout.delay(number)];
         let delays: Vec<f64> = (0..layout.delay_count()).map(left).collect();

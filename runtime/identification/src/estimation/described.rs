@@ -1,5 +1,4 @@
-//! Compares the forces that the bodies need, as the efforts show them, with those of the described bodies. No body is
-//! estimated.
+//! Comparison of the rigid-body forces in the efforts with the forces of the described bodies. No body is estimated.
 
 use super::super::pose::rows_of;
 use super::super::robot::Robot;
@@ -9,10 +8,10 @@ use super::normal::with_ridge;
 use super::unit::{CommonRatio, Sizes, common_ratio};
 use nalgebra::{DMatrix, DVector};
 
-/// Columns of a joint: the described force, an offset, viscous and Coulomb friction.
+/// Columns of the regression of a joint: the described force, an offset, viscous friction and Coulomb friction.
 const COLUMNS: usize = 4;
-/// The factor of the robot as a whole.
-/// Currents say nothing here unless all motor constants are described.
+/// The factor between measured and described rigid-body forces for the robot as a whole; `None` if no joint gives one, or if
+/// the efforts are currents and a motor constant is not described.
 pub(crate) fn described_ratio(robot: &dyn Robot, runs: &[PreparedRun]) -> Option<CommonRatio> {
     let (joints, effort) = (robot.joint_names().len(), runs.first()?.effort);
     if effort == Effort::Current && robot.described_currents().contains(&false) {
@@ -38,7 +37,7 @@ fn is_finite(sums: &DMatrix<f64>) -> bool {
     sums.iter().all(|x| x.is_finite())
 }
 
-/// Adds the products of the columns and of the measured force of each joint, rests left out.
+/// Adds the products of the columns and of the measured force of each joint, without the samples at rest.
 fn add(robot: &dyn Robot, run: &PreparedRun, fastest: &[f64], sums: &mut [DMatrix<f64>]) {
     let matrix = robot.input_matrix();
     let mut forces = vec![0.0; sums.len()];
@@ -56,7 +55,7 @@ fn add(robot: &dyn Robot, run: &PreparedRun, fastest: &[f64], sums: &mut [DMatri
     }
 }
 
-/// Root sums of squares of the force that the efforts ask for, of the described one, and of the measured one.
+/// Root sums of squares of a joint's rigid force by regression, of the described one, and of the measured force.
 fn sizes(sums: &DMatrix<f64>) -> Sizes {
     let normal = with_ridge(sums.view((0, 0), (COLUMNS, COLUMNS)).into_owned());
     let right = sums.view((0, COLUMNS), (COLUMNS, 1)).into_owned();

@@ -1,4 +1,4 @@
-//! The pipeline from runs to an estimate.
+//! The steps from runs to an estimate.
 
 use super::super::error::{IdentificationError, Result, require_finite};
 use super::super::robot::Robot;
@@ -41,27 +41,48 @@ const UNSETTLED: Rule = Rule::warning("load-shares-unsettled");
 /// Fixture: `codegen/tests/external_arm/doubts.rs`.
 const LEFT_OUT: Rule = Rule::warning("joint-left-out");
 
-/// Inertial parameters, friction, offsets and gains of a robot from its runs.
+/// Estimates inertial parameters, friction, offsets and gains of a robot from its runs.
 ///
-/// For each joint j the fit explains the measured force, with weights 1/σⱼ² that follow from the residuals:
+/// For each joint j the fit explains the measured force, with weights 1/σⱼ² from the variance σⱼ² of the joint's residual e:
 ///
 /// `K z = W(y, ẏ, ÿ) π + s + v φ₁ + tanh(k v) φ₂ [+ |v| φ₃ + ÿ φ₄] + o + e`
 ///
-/// z is the measured effort times B; K the drive's gain, which is one except for currents, for which it is estimated first, relative to
-/// the described masses; s the description's non-inertial forces; o the offset. π is held near the description along directions
-/// that the data do not determine: `λ` times the squared distance from the described bodies is added, with the largest λ
-/// whose held-out error exceeds the best by at most one standard error.
+/// - z: measured effort, times the input matrix B if efforts are inputs or currents
+/// - K: gain of the drive. It is one except for currents without a described motor constant, whose gain is estimated first,
+///   relative to the described masses.
+/// - W π: regressor of the robot times its inertial parameters
+/// - s: forces in the description that are not inertial, as those of springs
+/// - v: velocity of the joint, the entry j of ẏ
+/// - φ: friction and reflected inertia. The terms in brackets are optional.
+/// - o: offset
 ///
-/// If [`EstimationSettings::load_friction`] is set, the friction of a joint may also contain `|τ_l| s₁ tanh(k v)`, with the load
-/// `τ_l = M ÿ + k − q` from the values of the previous pass; passes repeat until s₁ settles.
+/// The parameters π are held near the description along directions that the data do not determine: `λ` times the squared
+/// distance from the described bodies is added to the sum of squares, with the largest λ whose held-out error exceeds the
+/// least by at most one standard error.
+///
+/// If [`EstimationSettings::load_friction`] is set, the friction of a joint may also contain `|τ_l| s₁ tanh(k v)`. The load
+/// `τ_l = M ÿ + k − q` is computed from the values of the previous pass. Passes are repeated until s₁ settles.
 ///
 /// `progress` receives a sentence at each stage.
 ///
+/// An effort that is NaN in all samples counts as not measured, and its joint keeps the described values. A joint whose fit
+/// explains too little is left out with a warning if no remedy is known and other joints remain.
+///
 /// # Errors
-/// Data of the wrong shape or not finite (efforts that are NaN throughout count as not measured: their joints keep the described
-/// values), data without any measured effort, settings out of range, and a fit that explains less of a moving joint
-/// than [`EstimationSettings::least_r_squared`] on held-out data, if a remedy is known or no other joint remains; otherwise the
-/// joint is left out with a warning. Friction under load that is requested although no joint has an input of its own.
+/// - [`Shape`](IdentificationError::Shape), [`NotFinite`](IdentificationError::NotFinite),
+///   [`TooFewSamples`](IdentificationError::TooFewSamples): runs of a wrong shape, with values that are not finite, or with
+///   fewer than three samples
+/// - [`Empty`](IdentificationError::Empty): no runs, or no measured effort
+/// - [`Setting`](IdentificationError::Setting): a setting out of its range
+/// - [`File`](IdentificationError::File): efforts of several kinds; inputs at frames, or currents of joints with several
+///   inputs; friction under load that is requested although no moving joint has an input of its own
+/// - [`Unexplained`](IdentificationError::Unexplained): a moving joint with a lower R² on held-out data than
+///   [`EstimationSettings::least_r_squared`], if a remedy is known or no other joint remains
+/// - [`Found`](IdentificationError::Found): another explanation of the data, such as other gravity or another unit, that is
+///   clearly better
+/// - [`NoSolution`](IdentificationError::NoSolution), [`Overflow`](IdentificationError::Overflow),
+///   [`NotConverged`](IdentificationError::NotConverged): equations that are singular or overflow, or gains that do not
+///   converge
 pub fn estimate(
     robot: &dyn Robot,
     runs: &[PreparedRun],
@@ -88,7 +109,8 @@ pub fn estimate(
     }
 }
 
-/// The joint whose effort no hypothesis explains, and the text about it.
+/// The joint whose effort no hypothesis explains, and the finding that it is left out; `None` if the error has another
+/// reason.
 fn untold(robot: &dyn Robot, error: &IdentificationError) -> Option<(usize, Finding)> {
     let IdentificationError::Unexplained { subject, r_squared, least, reasons } = error else { return None };
     let (reason, remedy) = match reasons.iter().find(|reason| is_driving(reason)) {
@@ -105,14 +127,14 @@ fn untold(robot: &dyn Robot, error: &IdentificationError) -> Option<(usize, Find
     Some((joint, Finding { remedy, ..finding }))
 }
 
-/// Whether another joint moves whose effort is used.
+/// Whether another joint moves and has a usable effort.
 fn has_others(robot: &dyn Robot, runs: &[PreparedRun], settings: &EstimationSettings, joint: usize) -> bool {
     let without = [&settings.without[..], &[joint]].concat();
     layout_of(robot, runs, &EstimationSettings { without, ..settings.clone() }, (None, false))
         .is_ok_and(|layout| layout.rubbing().next().is_some())
 }
 
-/// The estimate of all joints but those that are left out.
+/// The estimate of all joints except the ones that `settings.without` leaves out.
 fn estimate_of(
     robot: &dyn Robot,
     runs: &[PreparedRun],
@@ -126,7 +148,8 @@ fn estimate_of(
     pass(robot, runs, settings, (&layout, None), progress).map(|(found, _)| found)
 }
 
-/// - `steepness`: factors of the Coulomb terms of each joint; and whether there is a term under load
+/// - `steepness`: factors k of the Coulomb terms tanh(k v) of each joint
+/// - `loads`: whether there is a term of friction under load
 fn layout_of(
     robot: &dyn Robot,
     runs: &[PreparedRun],
@@ -148,10 +171,10 @@ fn under_load(
     progress: &mut dyn FnMut(&str),
 ) -> Result<Estimate> {
     let layout = layout_of(robot, runs, settings, (settings.steepness.as_deref(), false))?;
-    // What the load adds may be most of the residual.
+    // Friction under load may be most of the residual, so that a poor fit is accepted here.
     let first = EstimationSettings { accept_poor: true, ..settings.clone() };
     let (mut found, steepness) = pass(robot, runs, &first, (&layout, None), progress)?;
-    // The load's term changes sign like the Coulomb term.
+    // The term of friction under load changes sign as the Coulomb term does.
     let layout = layout_of(robot, runs, settings, (Some(&steepness), true))?;
     for number in 1..=PASSES {
         let loads = Loads::new(robot, &layout, &found)?;
@@ -169,7 +192,7 @@ fn under_load(
     Ok(found)
 }
 
-/// The estimate with given loads, and the factors of its Coulomb terms.
+/// The estimate with given loads, and the factors k of its Coulomb terms.
 fn pass(
     robot: &dyn Robot,
     runs: &[PreparedRun],
@@ -217,18 +240,19 @@ fn pass(
     Ok((task.finish(&first, &chosen, &outlier, progress)?, steepness))
 }
 
-/// Values, offsets and deviations that weights of samples are made of.
+/// Values, offsets and robust deviations, which determine the weights of the samples.
 type Robust<'a> = (&'a Values, &'a RunOffsets, &'a [f64]);
 
 impl Task<'_> {
-    /// Sums of samples in which the joints move, and without those near stops where gains are to be found.
+    /// Sums over the samples in which the joints move. If gains are to be found, there are also sums without the samples
+    /// near stops.
     pub(super) fn sums(&self, robust: Option<Robust>) -> Sums {
         let away = self.layout.known_gains.contains(&false).then(|| runs_away_from_stops(self)).flatten();
         let away = away.map(|runs| Box::new(Task { runs: &runs, ..self.clone() }.weighted(robust)));
         Sums { away, ..self.weighted(robust) }
     }
 
-    /// Sums of samples in which the joints move.
+    /// Sums over the samples in which the joints move.
     pub(super) fn weighted(&self, robust: Option<Robust>) -> Sums {
         let factors: Vec<DVector<f64>> = robust.map_or(Vec::new(), |(values, ..)| {
             (0..self.layout.joints).map(|j| residual_vector(self.layout, values, j)).collect()
@@ -241,7 +265,7 @@ impl Task<'_> {
         })
     }
 
-    /// The first fit of unknown delays; `None` if they are known.
+    /// The first fit with unknown delays; `None` if the delays are known.
     fn first_fit(&self, sums: &Sums) -> Result<Option<FirstFit>> {
         if self.layout.delays.is_empty() {
             return Ok(None);
@@ -255,9 +279,10 @@ impl Task<'_> {
         sum(&mut self.rows(), self.layout, self.runs, &self.pieces, weights)
     }
 
-    /// R² of each joint on held-out data with the samples at rest, which the fit leaves out; `None` if no joint rests.
+    /// R² of each joint on held-out data including the samples at rest, which the fit leaves out; `None` if no joint rests.
     ///
-    /// - `judged`: the fit to the sums of moving samples, and its errors
+    /// - `judged`: fit to the sums of moving samples
+    /// - `errors`: held-out errors of this fit
     fn with_rest(&self, judged: &Chosen, errors: &HeldOut) -> Option<Vec<f64>> {
         let rests = |run: &PreparedRun| run.resting.iter().flatten().any(|rests| *rests);
         if !self.runs.iter().any(rests) {
@@ -276,8 +301,9 @@ impl Task<'_> {
         Some((0..self.layout.joints).map(share).collect())
     }
 
-    /// The task with the compensation of gravity that the data ask for, and its sums. Offsets of runs would take up what bodies
-    /// weigh beyond a compensation: both are judged with common ones.
+    /// The task with the kind of gravity compensation that the data ask for, and its sums. The comparison uses a common
+    /// offset of all runs (unless the settings give one), because offsets of single runs would explain the weight that is
+    /// not compensated.
     fn with_its_compensation(self, progress: &mut dyn FnMut(&str)) -> Result<(Self, Sums)> {
         let sums = self.sums(None);
         if self.gravity != Gravity::Compensated {
@@ -289,7 +315,7 @@ impl Task<'_> {
             let offsets = self.settings.offsets.or(Some(Offsets::Common));
             let own = self.choose_with(&sums, offsets)?;
             let mut other = as_described.choose_with(&other_sums, offsets)?;
-            // Errors can be compared where they are in the same units.
+            // Errors can be compared only in the same units.
             other.weighting.sigma.clone_from(&own.weighting.sigma);
             let (excess, deviation) = other.held_out(self.prior)?.excess(&own.held_out(self.prior)?);
             excess < -deviation
@@ -303,7 +329,7 @@ impl Task<'_> {
         Ok((as_described, other_sums))
     }
 
-    /// How offsets are estimated, if that is decided.
+    /// The kind of offsets, if it is already decided; otherwise `None`.
     fn offsets(&self) -> Option<Offsets> {
         let weighs = self.gravity == Gravity::CompensatedAsDescribed;
         self.settings.offsets.or(weighs.then_some(Offsets::Common))
@@ -323,7 +349,11 @@ impl Task<'_> {
         choose(self.layout, sums, self.prior, freedom)
     }
 
-    /// Intervals, doubts and predictions of the last fit. `plain` holds the sums in which every sample counts.
+    /// Intervals, doubts and predictions of the last fit.
+    ///
+    /// - `plain`: sums in which every sample has the weight one
+    /// - `last`: the choice of the last fit
+    /// - `outlier`: robust deviation of each joint
     fn finish(
         &self,
         plain: &Sums,
@@ -385,10 +415,13 @@ impl Task<'_> {
 
     /// Doubts about the fit.
     ///
-    /// - `judged`: the fit to the sums of moving samples, and its errors; `forces`: with their correlation time
+    /// - `judged`: fit to the sums of moving samples, and its held-out errors
+    /// - `held_out`: R² of each joint on held-out data
+    /// - `forces`: forces of the last fit, with the correlation time of the residuals
     ///
     /// # Errors
-    /// A fit that explains too little, and efforts whose unit is wrong for the whole robot.
+    /// [`IdentificationError::Found`] if another explanation is clearly better or if the unit is wrong for the whole robot,
+    /// and [`IdentificationError::Unexplained`] if the fit explains too little.
     fn doubts(
         &self,
         judged: (&Chosen, &HeldOut),
@@ -438,7 +471,7 @@ impl Task<'_> {
         require_explained(self.robot, self.layout, self.settings, (held_out, &doubts.of_joints), reasons)
     }
 
-    /// Samples after which the residual of each joint forgets.
+    /// Correlation time of the residual of each joint [samples].
     fn correlation_times(&self, forces: &Forces) -> Vec<f64> {
         let time = |j: usize| {
             let of_run = |(run, forces): (&PreparedRun, &Vec<Vec<f64>>)| {
@@ -462,7 +495,7 @@ impl Chosen<'_> {
         offsets_of(&self.centred, &self.values)
     }
 
-    /// R² of each joint for given residual sums, centred over the runs that share an offset.
+    /// R² of each joint for given residual sums of squares, centred over the runs that share an offset.
     pub(super) fn centred_r_squared(&self, rss: &[f64]) -> Vec<f64> {
         let share = |(joint, rss): (usize, &f64)| {
             let variation = self.centred.variation(joint);

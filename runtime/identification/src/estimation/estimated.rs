@@ -1,5 +1,5 @@
-//! Results of an estimate, whether it was made from samples or from sums: parameters, friction terms and gains with their
-//! intervals, and the choices in words.
+//! Results of an estimate from samples or from sums: parameters, friction terms and gains with their intervals, and findings
+//! about the choices.
 
 use super::super::error::{IdentificationError, Result};
 use super::super::inertial::PER_BODY;
@@ -49,7 +49,7 @@ const CONTRADICTED: Rule = Rule::note("body-contradicted");
 /// Fixture: `estimation/tests/currents.rs`.
 const MOTOR_CONSTANT: Rule = Rule::warning("motor-constant-unknown");
 
-/// The last fit, and its inputs.
+/// The last fit and its inputs.
 pub(super) struct Estimated<'a> {
     pub(super) robot: &'a dyn Robot,
     pub(super) settings: &'a EstimationSettings,
@@ -59,28 +59,28 @@ pub(super) struct Estimated<'a> {
     pub(super) chosen: &'a Chosen<'a>,
     pub(super) solved: &'a Solved,
     pub(super) covariance: &'a Covariance,
-    /// Change of each unknown without the samples near rests and reversals.
+    /// Change of each unknown if the samples near rests and reversals are left out.
     pub(super) margin: &'a DVector<f64>,
-    /// Delays that were taken off the efforts before the fit, by their numbers \[s\].
+    /// Delays that were removed from the efforts before the fit, by the number of the delay \[s\].
     pub(super) delays: &'a [f64],
 }
 
-/// How well a joint's force is explained.
+/// Quality of the fit of a joint's force.
 pub(super) struct JointFit {
     pub(super) offsets: Vec<f64>,
     pub(super) offset_errors: Vec<f64>,
-    /// Residual sum of squares, and over how many samples.
+    /// Residual sum of squares, over `samples` samples.
     pub(super) squares: f64,
     pub(super) samples: usize,
     pub(super) r_squared: f64,
     pub(super) held_out_r_squared: f64,
     pub(super) held_out_with_rest: f64,
-    /// Share of the samples in which it rests.
+    /// Share of the samples in which the joint rests.
     pub(super) rest: f64,
 }
 
 impl Estimated<'_> {
-    /// The estimate without forces.
+    /// The estimate without the forces along the runs.
     pub(super) fn estimate(&self, fits: Vec<JointFit>, mut findings: Vec<Finding>) -> Estimate {
         findings.extend(self.untold_gains());
         let joints = self.robot.joint_names().into_iter().zip(fits).enumerate();
@@ -108,14 +108,16 @@ impl Estimated<'_> {
         }
     }
 
-    /// A value for each inertial parameter, by its number and its described value.
+    /// A value for each inertial parameter.
+    ///
+    /// - `of`: gives the value from the index and the described value of a parameter
     pub(super) fn parameters(&self, of: impl Fn(usize, f64) -> Uncertain) -> Vec<Uncertain> {
         self.robot.parameters().into_iter().enumerate().map(|(i, described)| of(i, described)).collect()
     }
 
-    /// How the offsets of forces are estimated.
+    /// Findings about the kind of offsets.
     ///
-    /// - `measured`: those of measured forces
+    /// - `measured`: offsets of measured forces
     pub(super) fn offsets_found(&self, measured: Offsets) -> impl Iterator<Item = Finding> {
         let said = match measured {
             Offsets::None => "forces have no offset",
@@ -147,7 +149,8 @@ impl Estimated<'_> {
         Sensitivity { joints: (0..layout.joints).filter(|j| layout.moves[*j]).map(joint).collect() }
     }
 
-    /// Covariance of the inertial parameters, scaled to the reported standard errors; zero if the data may not change them.
+    /// Covariance of the inertial parameters, scaled to the reported standard errors; zero for parameters that the data may
+    /// not change.
     fn parameter_covariance(&self) -> DMatrix<f64> {
         let count = self.layout.parameters;
         let active = self.solved.active.iter().enumerate().take_while(|(_, global)| **global < count);
@@ -167,20 +170,20 @@ impl Estimated<'_> {
         covariance
     }
 
-    /// Covariance of the coefficients of a joint's terms.
+    /// Covariance of the coefficients of a joint's friction terms.
     fn terms_covariance(&self, joint: usize) -> DMatrix<f64> {
         let unknowns = self.term_unknowns(joint);
         let of = |i: usize, k: usize| self.covariance.of(self.solved, unknowns[i], unknowns[k]);
         DMatrix::from_fn(unknowns.len(), unknowns.len(), of)
     }
 
-    /// Changes of the coefficients of a joint's terms without the samples near rests and reversals.
+    /// Changes of the coefficients of a joint's friction terms if the samples near rests and reversals are left out.
     fn terms_margins(&self, joint: usize) -> DVector<f64> {
         let margins = self.term_unknowns(joint).into_iter().map(|global| self.margin[global]);
         DVector::from_vec(margins.collect())
     }
 
-    /// Remaining delays, by their numbers.
+    /// The finding about the remaining delays; `None` if the delays are known.
     fn delays_found(&self) -> Option<Finding> {
         let mut numbers = self.layout.delays.clone();
         numbers.sort_unstable();
@@ -197,7 +200,7 @@ impl Estimated<'_> {
         })
     }
 
-    /// Remainder of one delay, by its number.
+    /// Remaining delay with a number, including the one that was removed after the first fit.
     fn delay(&self, number: usize) -> Uncertain {
         let before = self.delays.get(number).copied().unwrap_or(0.0);
         self.uncertain(self.layout.delay(number), before)
@@ -208,7 +211,7 @@ impl Estimated<'_> {
         self.layout.delays.iter().map(|number| self.delay(*number)).collect()
     }
 
-    /// How much the description weighs, and which of its bodies the data contradict.
+    /// Findings about the weight of the description, the bodies that the data contradict, and the delays.
     pub(super) fn choices(&self) -> impl Iterator<Item = Finding> {
         let names = self.robot.parameter_names();
         let all = self.solved.active.iter().filter(|&&global| global < names.len()).count();
@@ -227,7 +230,8 @@ impl Estimated<'_> {
         std::iter::once(WEIGHT.found(weight)).chain(doubted).chain(self.delays_found())
     }
 
-    /// An unknown beyond `base`. Student's interval is wider on both sides by its change without the samples near rests and reversals.
+    /// Value of an unknown plus `base`, with its interval. Student's interval is extended on both sides by the change of the
+    /// value if the samples near rests and reversals are left out.
     pub(super) fn uncertain(&self, global: usize, base: f64) -> Uncertain {
         let error = self.covariance.deviation(self.solved, global);
         let distance = self.margin[global].abs();
@@ -240,26 +244,28 @@ impl Estimated<'_> {
         }
     }
 
-    /// Student's interval. The settings are checked, and there is one degree of freedom.
+    /// Student's interval. The level was checked with the settings. At least one degree of freedom is assumed.
     pub(super) fn with_interval(&self, value: f64, standard_error: f64, freedom: usize) -> Uncertain {
         let quantile = quantile(self.settings.confidence, freedom.max(1) as f64).unwrap_or(f64::INFINITY);
         let half = quantile * standard_error;
         Uncertain { value, standard_error, interval: [value - half, value + half] }
     }
 
-    /// The friction terms of a joint that were chosen, with coefficients by their global numbers.
+    /// The chosen friction terms of a joint.
+    ///
+    /// - `of`: gives the coefficient from the index of the unknown
     pub(super) fn terms(&self, joint: usize, of: impl Fn(usize) -> Uncertain) -> Vec<EstimatedTerm> {
         let terms = self.bases(joint).into_iter();
         let term = |(basis, term)| EstimatedTerm { basis, coefficient: of(self.layout.term(joint, term)) };
         terms.map(term).collect()
     }
 
-    /// Global numbers of the friction terms of a joint that were chosen.
+    /// Indices of the unknowns of the chosen friction terms of a joint.
     pub(super) fn term_unknowns(&self, joint: usize) -> Vec<usize> {
         self.bases(joint).into_iter().map(|(_, term)| self.layout.term(joint, term)).collect()
     }
 
-    /// The friction terms of a joint that were chosen, with their places among the candidates.
+    /// The chosen friction terms of a joint, with their index among the candidates.
     fn bases(&self, joint: usize) -> Vec<(String, usize)> {
         let (layout, model) = (self.layout, &self.chosen.model);
         if !layout.rubbing().any(|rubbing| rubbing == joint) {
@@ -271,12 +277,12 @@ impl Estimated<'_> {
         bases
     }
 
-    /// Basis of a joint's Coulomb term.
+    /// Expression of a joint's Coulomb term.
     fn coulomb(&self, joint: usize) -> String {
         smooth_sign(self.layout.steepness[joint][self.chosen.model.coulomb[joint]])
     }
 
-    /// K_M, of which the logarithm has an interval.
+    /// Motor constant K_M. The interval is computed for its logarithm.
     fn gain(&self, joint: usize) -> Uncertain {
         let value = self.solved.values.gains[joint];
         let error = self.chosen.log_gains[(joint, joint)].max(0.0).sqrt();
@@ -287,7 +293,7 @@ impl Estimated<'_> {
         Uncertain { value, standard_error: value.abs() * error, interval }
     }
 
-    /// Joints whose gains are not known within a factor of 2.
+    /// Findings about joints whose gains are not known within a factor of 2.
     fn untold_gains(&self) -> Vec<Finding> {
         let untold = |joint: &usize| !self.gain(*joint).has_one_size();
         let finding = |joint: usize| {
@@ -333,25 +339,26 @@ impl Estimated<'_> {
 /// Fixture: `a_wrong_sign_and_forces_that_are_noise_are_refused` in `estimation/tests/simulated.rs`.
 const UNEXPLAINED: Rule = Rule::error("unexplained-effort");
 
-/// The usual reasons for a force that is not explained.
+/// The finding about a force that no hypothesis explains, with the usual reasons.
 pub(super) fn unexplained(robot: &dyn Robot, joint: usize) -> Finding {
     let remedy = "check sign, unit and assignment of the columns, that the robot moved freely, and how it is mounted (`gravity` of \
                   the description)";
     UNEXPLAINED.found("nothing that was tried explains its effort").of(robot.subject(joint)).help(remedy)
 }
 
-/// Whether a finding is that of [`unexplained`].
+/// Whether a finding is the one of [`unexplained`].
 pub(super) fn is_unexplained(finding: &Finding) -> bool {
     finding.code == UNEXPLAINED.code
 }
 
-/// Refuses a fit that explains too little of a moving joint, or another sign better.
+/// Refuses a fit that explains too little of a moving joint, or that is better with the other sign of an effort.
 ///
-/// - `held_out`: R² of each joint on held-out data; `doubts`: about the signs of their efforts
-/// - `reasons`: likely reasons for a joint
+/// - `held_out`: R² of each joint on held-out data
+/// - `doubts`: doubt about the sign of each joint's effort
+/// - `reasons`: gives the likely reasons for a joint
 ///
 /// # Errors
-/// [`IdentificationError::Unexplained`] with the first such joint.
+/// [`IdentificationError::Unexplained`] with the first joint of this kind.
 pub(super) fn require_explained(
     robot: &dyn Robot,
     layout: &Layout,
@@ -362,11 +369,11 @@ pub(super) fn require_explained(
     let least = settings.least_r_squared;
     let poor = |joint: &usize| {
         let r_squared = held_out[*joint];
-        // Where nothing acts on a joint with a quaternion there is nothing to explain.
+        // A joint with a quaternion on which no input acts has nothing to explain.
         let explains_nothing = r_squared.is_nan() && !layout.exact[*joint];
         layout.moves[*joint] && (r_squared < least || explains_nothing || doubts[*joint].is_some())
     };
-    // Another joint's fault makes joints poor too: a joint that is doubted itself goes first.
+    // A fault of another joint makes a joint poor, too. So a joint with a doubt of its own goes first.
     let doubted = (0..layout.joints).filter(&poor).find(|joint| doubts[*joint].is_some());
     let Some(joint) = doubted.or_else(|| (0..layout.joints).find(&poor)).filter(|_| !settings.accept_poor)
     else {

@@ -1,8 +1,8 @@
-//! Whether the effort of one joint has another factor than those of the others: a unit, a gear or a sensor of its own, or
-//! percent of a rated torque.
+//! Test whether the effort of one joint has a wrong factor: a unit, gear or sensor other than described, or percent of a
+//! rated torque.
 //!
-//! Bodies move several joints, so that efforts of other joints tell the factor of one. What a joint alone bears, as its
-//! friction, does not.
+//! A body loads several joints, so that the efforts of the other joints determine the factor of one. Forces that act on a
+//! single joint, as its friction, do not determine it.
 
 use super::super::error::Result;
 use super::super::run::Effort;
@@ -21,7 +21,7 @@ const TRIED: [f64; 12] = [0.05, 0.1, 0.2, 0.33, 0.5, 0.7, 1.4, 2.0, 3.0, 5.0, 10
 const FINE: f64 = 1.05;
 const STEPS: i32 = 8;
 
-/// The fit with another factor of one joint's effort, everything else as chosen.
+/// The chosen fit with another factor of one joint's effort.
 struct Factors<'a> {
     chosen: &'a Chosen<'a>,
     prior: &'a Prior,
@@ -34,12 +34,12 @@ impl Factors<'_> {
         start.gains[joint] *= factor;
         let mut errors =
             held_out(&self.chosen.centred, &self.model, self.prior, &self.chosen.weighting, &start)?;
-        // In the unit of the measured effort.
+        // The residual sum of squares is in the unit of the measured effort.
         errors.rss[joint] /= factor.powi(2);
         Ok(errors)
     }
 
-    /// The best of some factors with its error.
+    /// The factor with the least held-out error, and this error; `None` without factors.
     fn best(&self, joint: usize, factors: impl Iterator<Item = f64>) -> Result<Option<(f64, HeldOut)>> {
         let mut best: Option<(f64, HeldOut)> = None;
         for factor in factors {
@@ -52,13 +52,14 @@ impl Factors<'_> {
     }
 }
 
-/// Whether no joint is hardly explained.
+/// Whether every joint is explained well.
 fn explains(chosen: &Chosen, errors: &HeldOut) -> bool {
     let r_squared = chosen.centred_r_squared(&errors.rss);
     chosen.centred.layout.rubbing().all(|joint| r_squared[joint] >= levels::POOR.get())
 }
 
-/// The joint whose effort explains the data most clearly better with another factor, and a finding; `None` if none does.
+/// The joint whose effort with another factor improves the fit most, and a finding with the factor; `None` if no factor
+/// improves the fit clearly.
 pub(super) fn factor(chosen: &Chosen, prior: &Prior) -> Result<Option<(usize, Finding)>> {
     let layout = chosen.centred.layout;
     if layout.known_gains.contains(&false) {

@@ -1,4 +1,4 @@
-//! The weighted fit for a given choice of terms, and its error on data that it has not seen.
+//! The weighted fit for a given choice of terms, and its error on held-out data.
 
 use super::super::error::Result;
 use super::consistent::bounded;
@@ -7,7 +7,7 @@ use super::normal::{Centred, Model, Values, assemble, regularized, solve};
 use super::prior::Prior;
 use nalgebra::{DMatrix, DVector};
 
-/// Rounds of the joints' variances, which settle within a few.
+/// Most rounds of the joints' variances, which settle within a few.
 const ROUNDS: usize = 8;
 
 /// Weights of the fit.
@@ -17,12 +17,13 @@ pub(super) struct Weighting {
     pub(super) sigma: Vec<f64>,
     /// Weight λ of the distance from the description.
     pub(super) description: f64,
-    /// Factor of that distance for each inertial parameter, the same within a body.
+    /// Factor of this weight for each inertial parameter. It is the same for all parameters of a body.
     pub(super) trust: Vec<f64>,
 }
 
 impl Weighting {
-    /// `Λ = λ √t R √t` over the active unknowns: zero beyond the inertial parameters.
+    /// `Λ = λ √t R √t` over the active unknowns, with the metric R of the description and the factors t of [`Self::trust`];
+    /// zero for unknowns that are not inertial parameters.
     pub(super) fn metric(&self, prior: &Prior, active: &[usize]) -> DMatrix<f64> {
         let p = prior.held.len();
         let entry = |i: usize, k: usize| {
@@ -40,11 +41,12 @@ impl Weighting {
 pub(super) struct HeldOut {
     /// Sum over joints of RSS / σ², for each fold.
     pub(super) scores: Vec<f64>,
-    /// RSS of each joint over all folds.
+    /// RSS (residual sum of squares) of each joint over all folds.
     pub(super) rss: Vec<f64>,
-    /// Distance of friction and offsets from the description in units of the scores, in the mean over the folds' fits.
+    /// Weighted squared distance of friction and offsets from the description in units of the scores, averaged over the fits
+    /// of the folds.
     pub(super) distance: f64,
-    /// Values fitted without each fold.
+    /// Values that were fitted without each fold.
     pub(super) values: Vec<Values>,
 }
 
@@ -53,13 +55,14 @@ impl HeldOut {
         self.scores.iter().sum()
     }
 
-    /// As [`Self::excess`], with the distances from the description: what the data do not tell apart is as described.
+    /// Difference of the scores as in [`Self::excess`], plus the difference of the distances from the description. So a
+    /// quantity that the data do not determine stays as described.
     pub(super) fn excess_of_choice(&self, other: &Self) -> (f64, f64) {
         let (excess, deviation) = self.excess(other);
         (excess + self.distance - other.distance, deviation)
     }
 
-    /// Sum of the differences of the folds' scores from another's, and the standard error of this sum.
+    /// Sum over the folds of the differences of the scores from `other`, and the standard error of this sum.
     pub(super) fn excess(&self, other: &Self) -> (f64, f64) {
         let differences: Vec<f64> = self.scores.iter().zip(&other.scores).map(|(a, b)| a - b).collect();
         let n = differences.len() as f64;
@@ -69,22 +72,22 @@ impl HeldOut {
     }
 }
 
-/// Values, and the curvature at them.
+/// Values of the unknowns, and the equations at them.
 pub(super) struct Solved {
     pub(super) values: Values,
     pub(super) active: Vec<usize>,
-    /// `H + Λ`.
+    /// `H + Λ`: Hessian plus metric.
     pub(super) regularized: DMatrix<f64>,
-    /// Λ: the weights of described bodies and friction.
+    /// Λ: weights of described bodies and friction.
     pub(super) metric: DMatrix<f64>,
     /// The described values of the active unknowns.
     pub(super) mean: DVector<f64>,
-    /// Samples that count as one, by active unknown.
+    /// For each active unknown, the number of correlated samples that count as one independent sample.
     pub(super) time: DVector<f64>,
 }
 
 impl Solved {
-    /// How many of the active unknowns are inertial parameters.
+    /// Number of inertial parameters among the active unknowns.
     pub(super) fn bodies(&self, layout: &Layout) -> usize {
         self.active.iter().take_while(|&&global| global < layout.parameters).count()
     }
@@ -96,7 +99,7 @@ impl Solved {
         (bodies..self.active.len()).map(|i| self.metric[(i, i)] * distances[i].powi(2)).sum()
     }
 
-    /// Distances of the active unknowns from their described values.
+    /// Differences of the active unknowns from their described values.
     pub(super) fn distances(&self, values: &Values) -> DVector<f64> {
         let values = self.active.iter().map(|&global| values.unknowns[global]);
         DVector::from_iterator(self.active.len(), values) - &self.mean
@@ -108,8 +111,12 @@ pub(super) fn force_weights(weighting: &Weighting, gains: &[f64]) -> Vec<f64> {
     weighting.sigma.iter().zip(gains).map(|(sigma, gain)| (sigma * gain).powi(-2)).collect()
 }
 
-/// Minimizes `Σ ‖K z − rigid − W δ − Θ φ − o‖² / σ² + λ δᵀ R δ + T Σ (φ − φ₀)² / s²`, with the gains of `start`, and offsets
-/// that count `T σ² / s_o²` samples without force. T samples of a joint count as one.
+/// Minimizes `Σ ‖K z − rigid − W δ − Θ φ − o‖² / σ² + λ δᵀ R δ + T Σ (φ − φ₀)² / s²`.
+///
+/// The gains K are those of `start`. δ is the difference from the described inertial parameters, Θ has the columns of
+/// friction and φ their coefficients, with the described values φ₀ and standard deviations s. R is the metric of the
+/// description. T correlated samples of a joint count as one. Each offset o is weighted as `T σ² / s_o²` samples without
+/// force, with the offset's standard deviation s_o.
 pub(super) fn fit(
     centred: &Centred,
     products: &[DMatrix<f64>],
@@ -137,7 +144,7 @@ pub(super) fn fit(
     Ok(Solved { values, active, regularized, metric, mean: known.mean, time: known.time })
 }
 
-/// Errors over each fold of the values fitted to the others.
+/// Errors over each fold of the values that were fitted to the other folds.
 pub(super) fn held_out(
     centred: &Centred,
     model: &Model,
@@ -161,7 +168,7 @@ pub(super) fn held_out(
     Ok(found)
 }
 
-/// Standard deviations of the joints' residuals and the fit that they weight, in turn until both settle.
+/// Computes the standard deviations of the joints' residuals and the fit that they weight, in turn until both settle.
 pub(super) fn reweighted(
     centred: &Centred,
     model: &Model,
@@ -190,7 +197,7 @@ pub(super) fn deviations(centred: &Centred, values: &Values) -> Vec<f64> {
         let products = &centred.all[j];
         products[(products.nrows() - 1, products.nrows() - 1)]
     };
-    // A perfect fit would make its joint infinitely heavy: nothing is known better than 1e-6 of the effort.
+    // A perfect fit would give its joint an infinite weight. So the deviation is at least 1e-6 of the effort.
     let deviation = |j: usize| {
         if !centred.layout.measured[j] {
             return 1.0;

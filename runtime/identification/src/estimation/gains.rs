@@ -1,15 +1,20 @@
-//! Gains of drives where efforts are currents and no motor constants are described.
+//! Gains of drives if efforts are currents and no motor constants are described.
 //!
-//! Currents tell forces up to a factor: the scale of torque is that of the described bodies, and a gain is known as well as
-//! these are. With the measured effort z of a joint and its gain K,
+//! Currents determine forces up to a factor. The scale of torque comes from the described bodies, so a gain is known as well
+//! as these bodies are. The measured effort z of a joint with the gain K is
 //!
 //! `z = (f₀ + W δ + Θ φ + o) / K + e`
 //!
-//! Two things are known of the gains. First, the factor of the described force f₀ in z, by least squares next to friction, offset and
-//! inertia of the drive, is 1/K in the mean over the bodies' differences δ, whatever their size. Its relative error is that of
-//! these, `s² bᵀ M⁻¹ b` with the spread s of [`levels::BODIES`], their metric M and `b = Wᵀ f₀ / ‖f₀‖²`, and that of the jackknife
-//! over the folds. Second, joints move the same bodies, which tells ratios of gains: with free bodies the equations of all
-//! joints hold at the right ratios alone. So a joint that shows its inertia alone has a gain only if its bodies load other joints.
+//! with the described force f₀, the difference δ of the inertial parameters from the description, friction Θ φ, the offset o
+//! and the error e. There are two sources of information on the gains.
+//!
+//! First, least squares with f₀, friction, offset and inertia of the drive as columns gives the factor of f₀ in z. Its mean
+//! over all δ is 1/K, whatever the size of δ. The variance of its relative error is the sum of two parts: `s² bᵀ M⁻¹ b` with
+//! the spread s of [`levels::BODIES`], the metric M of the bodies and `b = Wᵀ f₀ / ‖f₀‖²`; and the variance by the jackknife
+//! over the folds.
+//!
+//! Second, joints move the same bodies, which determines ratios of gains: with free bodies the equations of all joints hold
+//! only for the right ratios. So a joint with only inertial forces has a known gain only if its bodies load other joints.
 
 use super::super::error::{IdentificationError, Result};
 use super::super::methods::margin::LEAST_SHARE;
@@ -24,23 +29,24 @@ use super::prior::Prior;
 use super::sums::Sums;
 use nalgebra::{DMatrix, DVector};
 
-/// Least share of the squares of the described force that friction and inertia must leave: less is rounding.
+/// Least share of the squares of the described force that must remain without friction and inertia. A smaller share is
+/// rounding.
 const LEAST: f64 = 1e-6;
-/// Longest step of ln K, most steps, and steps within which it is settled.
+/// Longest step of ln K, largest number of steps, and step below which the iteration has settled.
 const STEP: f64 = 1.0;
 const STEPS: u32 = 200;
 const SETTLED: f64 = 1e-4;
 
 /// Gains of all joints.
 pub(super) struct Gains {
-    /// One where the effort is a force, or not measured.
+    /// Gain of each joint; one if the effort is a force or was not measured.
     pub(super) values: Vec<f64>,
-    /// Covariance of their logarithms; zero if they are known.
+    /// Covariance of the logarithms of the gains; zero for known gains.
     pub(super) covariance: DMatrix<f64>,
 }
 
 /// # Errors
-/// Sums without a solution.
+/// The equations have no solution, or the iteration does not converge.
 pub(super) fn gains(centred: &Centred, prior: &Prior) -> Result<Gains> {
     let layout = centred.layout;
     let joints: Vec<usize> = layout.unknown_gains().collect();
@@ -61,17 +67,19 @@ pub(super) fn gains(centred: &Centred, prior: &Prior) -> Result<Gains> {
     Ok(found)
 }
 
-/// The factor of a joint's described force in its effort.
+/// The gain that follows from the factor of a joint's described force in its effort.
 struct Projection {
-    /// One over its absolute value, with the sign of the gain.
+    /// Inverse of the factor's absolute value, with the sign of the gain.
     gain: f64,
-    /// Influence on ln K of the bodies, in coordinates in which they are independent with the variance one, and of each fold; one entry
-    /// if the gain is unknown.
+    /// Influence on ln K of the bodies, in coordinates in which the bodies are independent with variance one, and of each
+    /// fold. The vector has a single entry if the gain is unknown.
     influence: DVector<f64>,
 }
 
 impl Projection {
-    /// - `root`: L⁻¹ of the metric `M = L Lᵀ`, with zeros for what is held; `all`: products of the joint; `without`: without each fold
+    /// - `root`: L⁻¹ of the metric `M = L Lᵀ`, with zeros for held parameters
+    /// - `all`: products of the joint
+    /// - `without`: products of the joint without each fold
     fn new(
         layout: &Layout,
         root: &DMatrix<f64>,
@@ -103,18 +111,19 @@ impl Projection {
         let mut influence =
             DVector::from_iterator(bodies.len() + folds.len(), bodies.iter().chain(&folds).copied());
         let error = influence.norm();
-        // The force is zero without one of the folds.
+        // The error is not finite if the described force is zero without one of the folds.
         if !error.is_finite() {
             return unknown;
         }
-        // The logarithm of a factor that is one standard deviation smaller; of one that may be zero nothing is known.
+        // This is the logarithm of a factor that is one standard deviation smaller. A factor that may be zero gives no
+        // information.
         let logarithm = (-(-error.min(1.0)).ln_1p()).min(levels::GAINS.get());
         influence *= logarithm / error;
         Self { gain: sign / own.abs(), influence }
     }
 }
 
-/// Products of a joint without the part that friction and the drive's inertia explain.
+/// Products of a joint without the part that friction and the inertia of the drive explain.
 fn without_friction(layout: &Layout, products: &DMatrix<f64>, joint: usize) -> DMatrix<f64> {
     let places: Vec<usize> = terms(layout, joint).map(|term| layout.first_term(joint) + term).collect();
     let rows = products.select_rows(&places);
@@ -122,13 +131,13 @@ fn without_friction(layout: &Layout, products: &DMatrix<f64>, joint: usize) -> D
     explained.map_or_else(|| products.clone(), |explained| products - rows.tr_mul(&explained))
 }
 
-/// All terms of a joint's friction, and its drive's inertia.
+/// Indices of all friction terms of a joint and of the inertia of its drive.
 fn terms(layout: &Layout, joint: usize) -> std::ops::Range<usize> {
     VISCOUS..if layout.takes_inertia[joint] { ARMATURE + 1 } else { ASYMMETRY + 1 }
 }
 
-/// Sign of a gain, by least squares of the effort over the described force and friction. It is that of the greater part: friction
-/// brakes, and the described force has the direction of the real one.
+/// Sign of a gain, by least squares of the effort over the described force and friction. The larger of two contributions
+/// decides: friction brakes, and the described force has the direction of the real one.
 fn sign(layout: &Layout, products: &DMatrix<f64>, joint: usize) -> f64 {
     let (first, effort) = (layout.first_term(joint), products.nrows() - 1);
     let (speed, force) = (first + VISCOUS, effort - 1);
@@ -143,34 +152,34 @@ fn sign(layout: &Layout, products: &DMatrix<f64>, joint: usize) -> f64 {
     if of_force * of_force.abs() + of_friction * of_friction.abs() < 0.0 { -1.0 } else { 1.0 }
 }
 
-/// The equations of all joints at given gains.
+/// The equations of all joints for the logarithms of the gains.
 struct Equations<'a> {
     centred: &'a Centred<'a>,
-    /// Products of each joint, and the same without each fold.
+    /// Products of each joint, for all data and without each fold.
     all: Vec<DMatrix<f64>>,
     without: Vec<Vec<DMatrix<f64>>>,
-    /// Samples of each joint that count as one.
+    /// For each joint, the number of correlated samples that count as one.
     times: Vec<f64>,
-    /// Joints whose gains are unknown, the information of projections about these, and the inverse of their logarithms' covariance.
+    /// Joints with unknown gains, the gains by the projections, and the inverse of the covariance of their logarithms.
     joints: &'a [usize],
     first: Vec<f64>,
     precision: DMatrix<f64>,
     active: Vec<usize>,
-    /// How many of the active unknowns are inertial parameters, and their metric.
+    /// Number of inertial parameters among the active unknowns, and their metric.
     bodies: usize,
     metric: DMatrix<f64>,
 }
 
-/// The best values at given gains, and how well they fit.
+/// The best values for given gains, and the quality of the fit.
 struct At {
     values: Values,
     /// Weights of the joints' equations in units of force.
     weights: Vec<f64>,
-    /// Negative logarithm of the likelihood, its negative gradient by ln K, and its curvature.
+    /// Negative logarithm of the likelihood, its negative gradient with respect to ln K, and its curvature.
     objective: f64,
     score: DVector<f64>,
     curvature: DMatrix<f64>,
-    /// Derivatives of the active unknowns by ln K of each unknown gain.
+    /// Derivatives of the active unknowns with respect to ln K of each unknown gain.
     slopes: DMatrix<f64>,
 }
 
@@ -189,7 +198,7 @@ impl<'a> Equations<'a> {
         let projections: Vec<Projection> = joints.iter().map(project).collect();
         let covariance = DMatrix::from_fn(joints.len(), joints.len(), |i, k| {
             let [one, other] = [&projections[i].influence, &projections[k].influence];
-            // Of what is unknown, influences by bodies are none.
+            // If a gain is unknown, its projection has no influences by bodies.
             let shares = one.len() == other.len() && one.len() > 1;
             if i == k || shares { one.dot(other) } else { 0.0 }
         });
@@ -203,12 +212,12 @@ impl<'a> Equations<'a> {
         Ok(Self { centred, all, without, times, joints, first, precision, active, bodies, metric })
     }
 
-    /// Newton's method with shorter steps if the objective would rise. Between the steps the logarithms of the residuals' standard
-    /// deviations go half of the way to their new values, later less: with all of it they go back and forth for ever in one of
-    /// four logs of simulated arms, with half of it in one of fifty.
+    /// Newton's method, with shorter steps if the objective would rise. Between the steps the logarithms of the residuals'
+    /// standard deviations go half of the way to their new values, and less of it in later steps. Full steps do not converge
+    /// in one of four logs of simulated arms, and half steps in one of fifty.
     ///
     /// # Errors
-    /// No convergence.
+    /// [`IdentificationError::NotConverged`]
     fn solved(&self) -> Result<At> {
         let mut logs = DVector::zeros(self.joints.len());
         let values = Values { unknowns: DVector::zeros(self.centred.layout.len()), gains: self.gains(&logs) };
@@ -250,7 +259,7 @@ impl<'a> Equations<'a> {
     }
 
     /// - `sigma`: standard deviations of the joints' residuals in units of their efforts
-    /// - `logs`: logarithms of the gains over their first values
+    /// - `logs`: logarithms of the gains divided by their first values
     fn at(&self, sigma: &[f64], logs: &DVector<f64>) -> Result<At> {
         let (layout, n, count) = (self.centred.layout, self.active.len(), logs.len());
         let mut values = Values { unknowns: DVector::zeros(layout.len()), gains: self.gains(logs) };
@@ -259,7 +268,7 @@ impl<'a> Equations<'a> {
         let normal = assemble(layout, &self.all, &self.active, &weights, &values.gains);
         let mut stiffness = DMatrix::zeros(n, n);
         stiffness.view_mut((0, 0), (self.bodies, self.bodies)).copy_from(&self.metric);
-        // Terms of friction resemble each other.
+        // The terms of friction are nearly collinear.
         (self.bodies..n).for_each(|i| stiffness[(i, i)] = RIDGE * normal.hessian[(i, i)]);
         let factor = Factor::new(&regularized(&normal, &stiffness))?;
         let x = factor.solve(&DMatrix::from_column_slice(n, 1, normal.linear.as_slice()));
@@ -283,12 +292,12 @@ impl<'a> Equations<'a> {
         Ok(At { values, weights, objective, score, curvature, slopes })
     }
 
-    /// Columns of a joint in the active unknowns, as factors of its sums.
+    /// Columns of a joint for the active unknowns, as factors of the columns of its sums.
     fn columns(&self, gains: &[f64], joint: usize) -> DMatrix<f64> {
         selection((self.centred.layout, joint, gains[joint]), &self.active)
     }
 
-    /// Force of a joint without its delay, as factors of its sums.
+    /// Force of a joint without its delay, as factors of the columns of its sums.
     fn force(&self, values: &Values, joint: usize) -> DVector<f64> {
         let layout = self.centred.layout;
         let mut force = force_vector(layout, values, joint);
@@ -297,8 +306,8 @@ impl<'a> Equations<'a> {
         force
     }
 
-    /// Covariance of the logarithms of the gains: `C⁻¹ (S + P) C⁻¹` with the precision P of the projections, and the variance S
-    /// of the score between the folds.
+    /// Covariance of the logarithms of the gains: `C⁻¹ (S + P) C⁻¹` with the curvature C, the precision P of the
+    /// projections, and the variance S of the score between the folds.
     fn covariance(&self, at: &At) -> Result<DMatrix<f64>> {
         let folds = self.without.len();
         let mut scores = DMatrix::zeros(self.joints.len(), folds);
@@ -320,15 +329,15 @@ impl<'a> Equations<'a> {
     }
 }
 
-/// A matrix without the negative eigenvalues that rounding left.
+/// A matrix without the negative eigenvalues that are due to rounding.
 fn without_negative(matrix: DMatrix<f64>) -> DMatrix<f64> {
     let eigen = symmetric_eigen(matrix);
     let values = DMatrix::from_diagonal(&eigen.eigenvalues.map(|value| value.max(0.0)));
     &eigen.eigenvectors * values * eigen.eigenvectors.transpose()
 }
 
-/// Products of all joints, and the same without each fold: of the samples away from the stops of a joint, if there are enough. Dry
-/// friction jumps at stops, and no smooth term has this jump.
+/// Products of all joints, for all data and without each fold. If there are enough samples away from the stops of a joint,
+/// only these are used, because dry friction jumps at stops and no smooth term has this jump.
 fn away_from_stops(centred: &Centred) -> (Vec<DMatrix<f64>>, Vec<Vec<DMatrix<f64>>>) {
     let (mut all, mut without) = (centred.all.clone(), centred.without.clone());
     let Some(away) = &centred.sums.away else { return (all, without) };
@@ -343,7 +352,7 @@ fn away_from_stops(centred: &Centred) -> (Vec<DMatrix<f64>>, Vec<Vec<DMatrix<f64
     (all, without)
 }
 
-/// Global numbers of the bodies, of all terms of friction, of the drives' inertias and of the delays.
+/// Indices of the unknowns of the bodies, of all terms of friction, of the drives' inertias and of the delays.
 fn active(layout: &Layout, prior: &Prior) -> Vec<usize> {
     let bodies = (0..layout.parameters).filter(|&i| !prior.held[i]);
     let of_joint = |joint: usize| terms(layout, joint).map(move |term| layout.term(joint, term));

@@ -1,5 +1,5 @@
-//! Remedies are hypotheses: each says what a user may change in the log or in the description, is tried by another fit, and is offered only
-//! where the error on held-out data falls clearly, with by how much it falls.
+//! Test of remedies. Each remedy is a hypothesis about a change of the log or of the description. It is tested by another
+//! fit, and it is offered only if the error on held-out data falls clearly. The finding says by how much the error falls.
 
 use super::super::error::Result;
 use super::super::robot::Robot;
@@ -62,7 +62,7 @@ fn other_sign() -> Finding {
     )
 }
 
-/// Whether a finding is that of a friction that drives, for which no remedy is known.
+/// Whether a finding says that friction drives a joint and that no remedy is known.
 pub(super) fn is_driving(finding: &Finding) -> bool {
     finding.code == DRIVING.code
 }
@@ -74,17 +74,17 @@ fn driving() -> Finding {
     DRIVING.found(message).help(remedy)
 }
 
-/// Weight of the description with which nothing changes its bodies.
+/// Weight of the description at which the fit does not change its bodies.
 const AS_DESCRIBED: f64 = 1e12;
 
-/// Doubts about all joints, and those that refuse single ones.
+/// Doubts about the robot as a whole, and a doubt about each joint that refuses the result.
 pub(super) struct Doubts {
     pub(super) of_all: Vec<Finding>,
     pub(super) of_joints: Vec<Option<Finding>>,
 }
 
 impl Doubts {
-    /// All of them; a refusal that was accepted is a warning.
+    /// All doubts. A refusal that was accepted is a warning.
     pub(super) fn findings(self) -> Vec<Finding> {
         self.of_all.into_iter().chain(self.of_joints.into_iter().flatten()).map(Finding::accepted).collect()
     }
@@ -93,7 +93,7 @@ impl Doubts {
         self.of_all.is_empty() && self.of_joints.iter().all(Option::is_none)
     }
 
-    /// Percent by which the best hypothesis lowers the held-out error.
+    /// Largest decrease of the held-out error by one of the hypotheses [%].
     fn most(&self) -> f64 {
         let all = self.of_all.iter().chain(self.of_joints.iter().flatten());
         all.filter_map(|finding| finding.value(FALL)).fold(0.0, f64::max)
@@ -105,10 +105,10 @@ impl Doubts {
     }
 }
 
-/// Tries the other setting of gravity, and the other sign of the efforts of joints that are hardly explained or
-/// whose friction drives them.
+/// Tries the other setting of gravity. Also tries the other sign of the effort for joints that are hardly explained or whose
+/// friction drives them.
 ///
-/// - `ratio`: estimated over described forces of the robot as a whole
+/// - `ratio`: ratio of estimated and described forces of the robot as a whole
 pub(super) fn other_explanations(
     task: &Task,
     (chosen, own): (&Chosen, &HeldOut),
@@ -125,7 +125,8 @@ pub(super) fn other_explanations(
     Ok(Doubts { of_all, of_joints })
 }
 
-/// Where something is doubted, tries the columns in other orders. One that is better than all other hypotheses explains them, too.
+/// Tries the columns in other orders if there is a doubt. If an order is better than all other hypotheses, its finding
+/// replaces their findings.
 ///
 /// - `is_doubted`: whether there are other doubts
 pub(super) fn other_order(task: &Task, chosen: &Chosen, doubts: &mut Doubts, is_doubted: bool) -> Result<()> {
@@ -156,7 +157,7 @@ pub(super) fn other_order(task: &Task, chosen: &Chosen, doubts: &mut Doubts, is_
     Ok(())
 }
 
-/// Orders that are tried: joint j has the columns of joint `order[j]`. Programs sort names or turn the chain around, and people
+/// Orders that are tried. Joint j has the columns of joint `order[j]`. Programs sort names or reverse the chain, and users
 /// exchange two columns.
 fn orders(task: &Task) -> Vec<Vec<usize>> {
     let (names, units, layout) = (task.robot.joint_names(), task.robot.position_units(), task.layout);
@@ -169,7 +170,7 @@ fn orders(task: &Task) -> Vec<Vec<usize>> {
     }
     let mut sorted: Vec<usize> = (0..count).collect();
     sorted.sort_by(|a, b| names[*a].cmp(&names[*b]));
-    // The k-th column is that of the k-th name.
+    // The k-th column belongs to the k-th name.
     let mut by_name = vec![0; count];
     sorted.iter().enumerate().for_each(|(k, joint)| by_name[*joint] = k);
     let exchanged = |a: usize, b: usize| {
@@ -190,8 +191,8 @@ fn orders(task: &Task) -> Vec<Vec<usize>> {
     distinct
 }
 
-/// Errors of the described bodies with columns in another order, by column: free bodies would take up much of what the order
-/// makes. Friction moves with its columns.
+/// Held-out errors of the described bodies with columns in another order, by column. Bodies are not fitted, because free
+/// bodies would explain much of the wrong order. Friction moves with its columns.
 fn in_order(task: &Task, chosen: &Chosen, order: &[usize]) -> Result<HeldOut> {
     fn moved_by<T: Clone>(order: &[usize], values: &[T]) -> Vec<T> {
         order.iter().map(|k| values[*k].clone()).collect()
@@ -227,8 +228,8 @@ fn in_order(task: &Task, chosen: &Chosen, order: &[usize]) -> Result<HeldOut> {
     Ok(HeldOut { rss, ..errors })
 }
 
-/// Delays that the residual follows, if delays are stated and the effort is better explained with another one. Delays that are not stated
-/// are estimated with all else.
+/// Findings about stated delays, if the residual follows a further delay and the effort is better explained with this delay.
+/// Delays that are not stated are unknowns of the fit.
 pub(super) fn other_delays(
     task: &Task,
     (chosen, own): (&Chosen, &HeldOut),
@@ -255,7 +256,7 @@ pub(super) fn other_delays(
     Ok(found)
 }
 
-/// Errors of the same choice where a joint's efforts come earlier \[s\].
+/// Held-out errors of the same choice if the efforts of a joint are shifted to earlier times \[s\].
 fn earlier(task: &Task, chosen: &Chosen, (joint, seconds): (usize, f64)) -> Result<HeldOut> {
     let mut delays = vec![0.0; task.runs.first().map_or(0, |run| run.efforts.len())];
     task.layout.acting(joint).for_each(|(effort, _)| delays[effort] = seconds);
@@ -264,7 +265,8 @@ fn earlier(task: &Task, chosen: &Chosen, (joint, seconds): (usize, f64)) -> Resu
     chosen.over(&sums).held_out(task.prior)
 }
 
-/// Tries a spring at each joint, if nothing is doubted or the direction of gravity alone. One that is better explains this, too.
+/// Tries a spring at each joint, if there is no doubt except about the direction of gravity. The finding about a spring that
+/// explains the data better replaces that doubt.
 pub(super) fn other_spring(task: &Task, chosen: &Chosen, doubts: &mut Doubts) -> Result<()> {
     let is_doubted = !doubts.refusals().is_empty() || doubts.of_joints.iter().any(Option::is_some);
     if is_doubted || too_short(task).is_some() {
@@ -278,7 +280,7 @@ pub(super) fn other_spring(task: &Task, chosen: &Chosen, doubts: &mut Doubts) ->
     Ok(())
 }
 
-/// Tries other factors of the efforts, if nothing else is doubted.
+/// Tries other factors of the efforts, if there is no other doubt.
 pub(super) fn other_factors(task: &Task, chosen: &Chosen, doubts: &mut Doubts) -> Result<()> {
     if !doubts.is_empty() || too_short(task).is_some() {
         return Ok(());
@@ -314,8 +316,8 @@ pub(super) fn signs(
     Ok(doubts)
 }
 
-/// Note that replaces a doubt about a sign if friction cannot be separated from chance. The residuals' correlation time
-/// does not decide this: a wrong sign makes it long.
+/// Finding that replaces a doubt about a sign if friction cannot be separated from chance; `None` if there are enough
+/// samples. The number of samples decides, because a wrong sign makes the correlation time of the residuals long.
 fn too_short(task: &Task) -> Option<Finding> {
     let samples: usize = task.runs.iter().map(|run| run.times.len()).sum();
     (samples < levels::FEWEST_SAMPLES.get()).then(|| {
@@ -333,7 +335,7 @@ fn gravity(task: &Task, chosen: &Chosen, ratio: Option<f64>) -> Result<Option<Fi
     let own = as_described(chosen.over(chosen.centred.sums), task.prior)?;
     let other = as_described(chosen.over(&sums), task.prior)?;
     let Some(share) = gain(&own, &other) else { return Ok(None) };
-    // Bodies that are described too heavy, and efforts in a larger unit, are better explained without gravity, too.
+    // Bodies that are described too heavy, and efforts in a larger unit, are also better explained without gravity.
     if let Some(ratio) = ratio {
         let mut scaled = chosen.over(chosen.centred.sums);
         scaled.values.gains.iter_mut().for_each(|gain| *gain /= ratio);
@@ -359,8 +361,8 @@ fn gravity(task: &Task, chosen: &Chosen, ratio: Option<f64>) -> Result<Option<Fi
     Ok(Some(offered(finding, share)))
 }
 
-/// Held-out error of the described bodies as they are, with friction and offsets fitted: free bodies would take up
-/// much of a gravity that is not there.
+/// Held-out error with the bodies as described, with fitted friction and offsets. Free bodies would explain much of the
+/// difference between the settings of gravity.
 pub(super) fn as_described(mut chosen: Chosen, prior: &Prior) -> Result<HeldOut> {
     chosen.model.consistent = false;
     chosen.weighting.trust.fill(1.0);
@@ -368,7 +370,8 @@ pub(super) fn as_described(mut chosen: Chosen, prior: &Prior) -> Result<HeldOut>
     chosen.held_out(prior)
 }
 
-/// Share by which the rigid body fits better with the other sign of a joint's effort.
+/// Share by which the rigid body fits better with the other sign of a joint's effort; `None` if it does not fit clearly
+/// better.
 fn other_sign_gain(prior: &Prior, chosen: &Chosen, own: &HeldOut, joint: usize) -> Result<Option<f64>> {
     let mut start = chosen.values.clone();
     start.gains[joint] = -start.gains[joint];
@@ -376,7 +379,7 @@ fn other_sign_gain(prior: &Prior, chosen: &Chosen, own: &HeldOut, joint: usize) 
     Ok(gain(own, &other))
 }
 
-/// Whether the estimated friction does noticeable work on the joint, `Σ v τ(v) < 0`.
+/// Whether the estimated friction τ(v) drives the joint noticeably: `Σ v τ(v)` is clearly negative.
 fn drives(chosen: &Chosen, joint: usize) -> bool {
     let layout = chosen.centred.layout;
     let products = &chosen.centred.all[joint];

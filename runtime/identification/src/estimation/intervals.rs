@@ -1,10 +1,10 @@
-//! Covariance of the estimate under correlated residuals, and with the uncertainty of the description.
+//! Covariance of the estimate under correlated residuals, with the uncertainty of the description.
 //!
-//! With the normal matrix H, the description's metric Λ (its weight included), and `A = H + Λ`, it is
-//! `A⁻¹ (S + ω² Λ) A⁻¹`. S is the variance of the score, from its sums over short blocks ([`super::cosines`]): it has
-//! as many degrees of freedom as there are cosines. `ω² Λ⁻¹` is how far descriptions of bodies are
-//! from robots: ω² = δᵀ Λ δ / γ, with γ the number of combinations that the data decide (MacKay 1992). Spreads of friction and
-//! offsets are given ([`super::joint_prior`]).
+//! The covariance is `A⁻¹ (S + ω² Λ) A⁻¹` with the normal matrix H, the description's metric Λ (including its weight), and
+//! `A = H + Λ`. S is the variance of the score, from its sums over short blocks ([`super::cosines`]). It has as many degrees
+//! of freedom as there are cosines. `ω² Λ⁻¹` is the covariance of the errors of described bodies: ω² = δᵀ Λ δ / γ, with the
+//! difference δ from the description and the number γ of combinations of parameters that the data decide (MacKay 1992). The
+//! spreads of friction and offsets are given ([`super::joint_prior`]).
 
 use super::super::error::Result;
 use super::super::numeric::kernel::BLOCK;
@@ -25,26 +25,28 @@ use nalgebra::{DMatrix, DVector};
 pub(super) struct Scores {
     blocks: Vec<DVector<f64>>,
     samples: usize,
-    /// Samples after which residuals forget, the largest of all joints.
+    /// Correlation time of the residuals [samples], the largest of all joints.
     pub(super) correlation_time: f64,
-    /// The blocks are independent groups of samples, and no series.
+    /// Whether the blocks are independent groups of samples instead of a time series.
     are_groups: bool,
 }
 
-/// Inputs of the scores.
+/// A fit as the input of the scores.
 pub(super) struct Fitted<'a> {
     pub(super) centred: &'a Centred<'a>,
     pub(super) solved: &'a Solved,
     pub(super) weighting: &'a Weighting,
     pub(super) values: &'a Values,
     pub(super) offsets: &'a RunOffsets,
-    /// Deviations beyond which samples lose weight; infinite without.
+    /// Robust deviation of each joint, beyond a multiple of which samples lose weight; infinite if all samples have the
+    /// weight one.
     pub(super) outlier: &'a [f64],
     /// Covariance of the logarithms of the gains.
     pub(super) log_gains: &'a DMatrix<f64>,
 }
 
-/// Integrated autocorrelation time of a series in samples, `1 + 2 Σ ρ`, window of five times itself (Sokal 1997).
+/// Integrated autocorrelation time of a series [samples], `1 + 2 Σ ρ`. The sum has a window of five times the result (Sokal
+/// 1997).
 pub(crate) fn correlation_time(series: &[&[f64]]) -> f64 {
     let count: usize = series.iter().map(|s| s.len()).sum();
     let mean = series.iter().flat_map(|s| s.iter()).sum::<f64>() / count.max(1) as f64;
@@ -65,7 +67,7 @@ pub(crate) fn correlation_time(series: &[&[f64]]) -> f64 {
     time
 }
 
-/// The blocks' scores: one pass along the runs.
+/// The scores of the blocks, in one pass along the runs.
 pub(super) fn scores(
     rows: &mut Rows,
     layout: &Layout,
@@ -106,7 +108,7 @@ pub(super) fn scores(
     found
 }
 
-/// `Σ w r (x − x̄)` over a block, for each of a joint's columns.
+/// `Σ w r (x − x̄)` over a block, for each column x of a joint with the mean x̄, the residual r and the weights w.
 fn products(
     columns: &[&[f64]],
     moving: &[f64],
@@ -146,9 +148,9 @@ pub(super) fn column_means(centred: &Centred, joint: usize, runs: usize) -> Vec<
     }
 }
 
-/// Covariance of the score that errors of the description make: of bodies, friction and offsets.
+/// Covariance of the score due to errors of the description: of bodies, friction and offsets.
 ///
-/// - `spread`: ω², how far descriptions are from robots
+/// - `spread`: ω², the variance factor of the errors of described bodies
 pub(super) fn described(of: &Fitted, prior: &Prior, spread: f64) -> DMatrix<f64> {
     let (layout, solved) = (of.centred.layout, of.solved);
     let (n, bodies) = (solved.active.len(), solved.bodies(layout));
@@ -168,7 +170,7 @@ pub(super) fn described(of: &Fitted, prior: &Prior, spread: f64) -> DMatrix<f64>
     sum
 }
 
-/// Standard error of each offset of a joint: of the mean residual, and of the unknowns.
+/// Standard error of each offset of a joint, from the error of the mean residual and the errors of the unknowns.
 pub(super) fn offset_errors(of: &Fitted, prior: &Prior, covariance: &Covariance, joint: usize) -> Vec<f64> {
     let (layout, solved) = (of.centred.layout, of.solved);
     let weight = force_weights(of.weighting, &of.values.gains)[joint];
@@ -184,8 +186,9 @@ pub(super) fn offset_errors(of: &Fitted, prior: &Prior, covariance: &Covariance,
 }
 
 impl Scores {
-    /// The folds' scores where the samples are gone: groups of blocks far apart, each independent of the others (the
-    /// random groups of Wolter 2007, chapter 2). That their sum is nearly zero costs one of them.
+    /// The scores of the folds if there are no samples but only sums. Each fold is a group of distant blocks and independent
+    /// of the other folds (random groups; Wolter 2007, chapter 2). One degree of freedom is lost because the sum of the
+    /// scores is nearly zero.
     pub(super) fn of_folds(of: &Fitted, time: f64) -> Self {
         let layout = of.centred.layout;
         let folds = &of.centred.sums.folds;
@@ -228,29 +231,29 @@ impl Scores {
     }
 }
 
-/// Covariance of the active unknowns, and the factors that determine them.
+/// Covariance of the active unknowns, with the degrees of freedom.
 pub(super) struct Covariance {
     pub(super) matrix: DMatrix<f64>,
-    /// Number of combinations of inertial parameters that the data decide: `tr(A⁻¹ H)` over them.
+    /// Number of combinations of inertial parameters that the data decide: `tr(A⁻¹ H)` over these parameters.
     pub(super) decided: f64,
     /// Degrees of freedom of the matrix.
     pub(super) freedom: usize,
 }
 
 impl Covariance {
-    /// Standard error of an unknown; zero if it is not estimated.
+    /// Standard error of an unknown; zero if the unknown is not estimated.
     pub(super) fn deviation(&self, solved: &Solved, global: usize) -> f64 {
         self.of(solved, global, global).max(0.0).sqrt()
     }
 
-    /// Covariance of two unknowns; zero if one of them is not estimated.
+    /// Covariance of two unknowns; zero if one of the two is not estimated.
     pub(super) fn of(&self, solved: &Solved, one: usize, other: usize) -> f64 {
         let place = |global: usize| solved.active.iter().position(|&active| active == global);
         place(one).zip(place(other)).map_or(0.0, |at| self.matrix[at])
     }
 }
 
-/// Derivatives of the right side of the equations by the logarithm of each joint's gain.
+/// Derivatives of the right side of the normal equations with respect to the logarithm of each joint's gain.
 fn slopes_of_gains(of: &Fitted) -> DMatrix<f64> {
     let (layout, gains) = (of.centred.layout, &of.values.gains);
     let weights = force_weights(of.weighting, gains);
@@ -276,7 +279,7 @@ pub(super) fn covariance(of: &Fitted, prior: &Prior, scores: &Scores) -> Result<
     let equations = of.centred.sums.samples * of.centred.layout.joints;
     let unknowns = decided + (n - bodies) as f64;
     let spent = unknowns * scores.correlation_time / equations.max(1) as f64;
-    // Both parts as products with their transposes: rounding makes no variance negative.
+    // Both parts are products with their transposes, so that rounding makes no variance negative.
     let projected = factor.solve(&scores.projected()) / (1.0 - spent).max(0.25).sqrt();
     let described = factor.solve(&(described(of, prior, spread) * &inverse));
     let slopes = factor.solve(&slopes_of_gains(of));

@@ -1,30 +1,30 @@
 //! Prior knowledge of the friction and the offset of a joint.
 //!
-//! Coulomb friction of a joint that moves in one direction and a constant error of its force have the same column. The
-//! data determine their sum; the standard deviations given here divide it between them.
+//! Coulomb friction of a joint that moves in one direction and a constant error of its force have the same column. The data
+//! determine only their sum. The standard deviations of this prior divide the sum between them.
 
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
 use super::layout::{ASYMMETRY, COULOMB, Layout, VISCOUS, fast_speed};
 use super::levels;
 
-/// Friction and offset of one joint, each with a standard deviation.
+/// Prior of the friction and the offset of one joint, with standard deviations.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct JointPrior {
-    /// Factors of v and of each Coulomb term, by the width of this.
+    /// Described factors of v and of the Coulomb term, for each width of this term.
     factors: [[f64; 2]; COULOMB.end - COULOMB.start],
     /// Standard deviation of the friction at the fast speed [N·m or N]; infinite if nothing is known.
     spread: f64,
-    /// The fast speed of the joint in the data.
+    /// Fast speed of the joint in the data: 95 % of the samples do not exceed it [rad/s or m/s].
     fast: f64,
-    /// Standard deviation of an offset.
+    /// Standard deviation of an offset [N·m or N].
     offset: f64,
-    /// Samples of the data that count as one, because their residuals are correlated.
+    /// Number of correlated samples that count as one independent sample.
     time: f64,
 }
 
 impl JointPrior {
-    /// One for each joint; a largest force that is not described is the largest one in the data.
+    /// The prior of each joint. A largest force that is not described is replaced by the largest measured one.
     pub(super) fn all(robot: &dyn Robot, layout: &Layout, runs: &[PreparedRun]) -> Vec<Self> {
         let limits = robot.limits();
         let of_joint = |joint: usize| {
@@ -44,14 +44,16 @@ impl JointPrior {
         (0..layout.joints).map(of_joint).collect()
     }
 
-    /// - `time`: correlation time of the residuals in samples
+    /// Sets the correlation time of the residuals.
+    ///
+    /// - `time`: correlation time [samples]
     pub(super) fn with_time(self, time: f64) -> Self {
         Self { time, ..self }
     }
 
-    /// Described factor of a term and the inverse of its variance; zeros if nothing is known of it.
+    /// Described factor of a term and the inverse of its variance; zeros if nothing is known of the term.
     ///
-    /// - `width`: of the Coulomb term that was chosen
+    /// - `width`: index of the chosen width of the Coulomb term
     pub(super) fn term(&self, term: usize, width: usize) -> [f64; 2] {
         let precision = if self.spread > 0.0 { self.spread.powi(-2) } else { 0.0 };
         let [viscous, coulomb] = self.factors[width];
@@ -63,23 +65,23 @@ impl JointPrior {
         }
     }
 
-    /// Samples that a constant force without data counts for. The variance of the offset is that of
-    /// its spread plus that of the residual: a part of the residual may be constant.
+    /// Number of samples without force as which an offset of zero is weighted. The variance of the offset is the sum of the
+    /// variance of its spread and of the residual, because a part of the residual may be constant.
     ///
-    /// - `deviation`: of the residual of one sample [N·m or N]
+    /// - `deviation`: standard deviation of the residual of one sample [N·m or N]
     pub(super) fn samples_of_offset(&self, deviation: f64) -> f64 {
         let spread = self.offset.hypot(deviation);
         if self.offset > 0.0 { self.time * (deviation / spread).powi(2) } else { 0.0 }
     }
 
-    /// The same samples for the larger spread.
+    /// The weight of zero of [`Self::samples_of_offset`] for the larger spread.
     pub(super) fn fewer(samples: f64) -> f64 {
         samples / levels::LARGER_OFFSET.get().powi(2)
     }
 
-    /// Variance of the score of an offset that its spread makes, in the weights of samples that count alike.
+    /// Variance of the score due to the spread of an offset, in the weights of independent samples.
     ///
-    /// - `weight`: of the samples without force that its spread counts for
+    /// - `weight`: product of [`Self::samples_of_offset`] and the weight 1/σ² of a sample
     pub(super) fn offset_score(&self, weight: f64) -> f64 {
         weight * self.time
     }
@@ -89,7 +91,7 @@ impl JointPrior {
     }
 }
 
-/// Largest force that was measured at a joint; zero if it is a current with an unknown gain.
+/// Largest force that was measured at a joint; zero if the effort is a current with an unknown gain.
 fn largest(layout: &Layout, runs: &[PreparedRun], joint: usize) -> f64 {
     if !layout.known_gains[joint] || !layout.measured[joint] {
         return 0.0;
@@ -102,7 +104,7 @@ fn largest(layout: &Layout, runs: &[PreparedRun], joint: usize) -> f64 {
     runs.iter().map(of_run).fold(0.0, f64::max)
 }
 
-/// Factors of v and tanh(k v) that come nearest to a law at speeds up to the fast one.
+/// Factors of v and tanh(k v) that are nearest to a friction law at speeds up to the fast one.
 fn projected(law: &dyn Fn(f64) -> f64, fast: f64, k: f64) -> [f64; 2] {
     let mut sums = [[0.0; 3]; 2];
     for i in 1..=levels::SPEEDS.get() {

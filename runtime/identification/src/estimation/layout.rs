@@ -1,4 +1,4 @@
-//! Which unknown stands in which column, and which columns an equation of a joint has.
+//! Order of the unknowns, and columns of the equation of each joint.
 
 use super::super::error::{IdentificationError, Result, require_length, require_samples};
 use super::super::numeric::random::SplitMix64;
@@ -10,64 +10,66 @@ use super::result::Offsets;
 use gelenk_findings::digits::two_digits;
 use std::ops::Range;
 
-/// Widths of the Coulomb term that are tried, as shares of the joint's fast speed.
+/// Candidate widths of the Coulomb term, as shares of the joint's fast speed.
 const WIDTHS: [f64; 4] = [0.01, 0.025, 0.06, 0.15];
-/// Candidate terms of a joint: v, the Coulomb terms, |v|, and ÿ.
+/// Number of candidate terms of a joint: v, the Coulomb terms, |v|, and ÿ.
 pub(super) const TERMS: usize = WIDTHS.len() + 3;
 pub(super) const VISCOUS: usize = 0;
 pub(super) const COULOMB: Range<usize> = 1..1 + WIDTHS.len();
 pub(super) const ASYMMETRY: usize = TERMS - 2;
 pub(super) const ARMATURE: usize = TERMS - 1;
-/// The term under load, |τ_l| tanh(k v), behind the others if the layout has it.
+/// Index of the term of friction under load, |τ_l| tanh(k v), if the layout has it.
 pub(super) const LOAD: usize = TERMS;
 
-/// States at which the structure of W is looked up. One generic state shows it; more guard against chance.
+/// Number of random states at which the structure of W is determined. One state is enough with probability one; more states
+/// are a safeguard.
 const PROBES: usize = 4;
 
-/// Columns of the equations, and prior knowledge about the data.
+/// Columns of the equations of all joints, and properties of the data.
 ///
-/// Unknowns count globally: the P inertial parameters (as differences from the description), then the candidate
-/// terms of each joint, then what is left of the efforts' delays.
+/// The unknowns have a common order: the P inertial parameters (as differences from the description), then the candidate
+/// terms of each joint, then the remaining delays of the efforts.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Layout {
     pub(super) joints: usize,
     pub(super) parameters: usize,
-    /// Candidate terms of each joint: [`TERMS`], or one more with [`LOAD`].
+    /// Number of candidate terms of each joint: [`TERMS`], or one more with [`LOAD`].
     pub(super) terms: usize,
-    /// Global columns with entries in the joint's equation, ascending; behind them stand the described rigid force and
-    /// the measured force.
+    /// Indices of the unknowns in each joint's equation, ascending. The sums of a joint have these columns, then the
+    /// described rigid force and the measured force.
     pub(super) local: Vec<Vec<usize>>,
-    /// Number of the delay of each effort, if delays are not known; empty otherwise.
+    /// For each effort, the index of its delay. Efforts with the same index share a delay. Empty if the delays are known.
     pub(super) delays: Vec<usize>,
-    /// Delays with entries in the joint's equation.
+    /// For each joint, the indices of the delays in its equation.
     pub(super) late: Vec<Vec<usize>>,
     /// Factors k of the terms tanh(k v), for each joint.
     pub(super) steepness: Vec<[f64; WIDTHS.len()]>,
-    /// Whether the joint moves and its force was measured.
+    /// Whether each joint moves and its force was measured.
     pub(super) moves: Vec<bool>,
-    /// Whether the force is known without a sensor, as in the rows of a joint with a quaternion: no offset is in it, and no
-    /// friction is estimated.
+    /// Whether each force is known without a sensor, as in the rows of a joint with a quaternion. These forces have no
+    /// offset and no estimated friction.
     pub(super) exact: Vec<bool>,
-    /// Whether inertia of the joint's drive may be estimated in addition to the parameters.
+    /// Whether inertia of each joint's drive may be estimated in addition to the parameters.
     pub(super) takes_inertia: Vec<bool>,
-    /// Whether the joint's force was measured: its equations have entries.
+    /// Whether each joint's force was measured. Only then the joint has equations.
     pub(super) measured: Vec<bool>,
     pub(super) effort: Effort,
-    /// Whether the joint's effort is a force up to B: no current, or one with a described motor constant.
+    /// Whether each joint's effort is known as a force: it is not a current, or the motor constants of its inputs are
+    /// described.
     pub(super) known_gains: Vec<bool>,
-    /// B, rows first.
+    /// Input matrix B, row by row.
     pub(super) input_matrix: Vec<f64>,
 }
 
 impl Layout {
-    /// Joints that move, and whose efforts are measured; none if the described bodies calibrate the current.
+    /// For each joint, whether it moves, has a measured effort, and has a known gain.
     pub(super) fn known_efforts(&self) -> Vec<bool> {
         let is_known = |joint: usize| self.known_gains[joint] && self.moves[joint] && self.measured[joint];
         (0..self.joints).map(is_known).collect()
     }
 
-    /// - `given`: factors of the Coulomb terms of each joint
-    /// - `loads`: whether there is a term under load
+    /// - `given`: factors k of the Coulomb terms of each joint; `None` if they are chosen
+    /// - `loads`: whether there is a term of friction under load
     pub(super) fn new(
         robot: &dyn Robot,
         runs: &[PreparedRun],
@@ -98,7 +100,7 @@ impl Layout {
         Ok(Self { measured, ..layout }.without_resting_currents())
     }
 
-    /// The layout before there are data: with given factors of the Coulomb terms of each joint.
+    /// The layout before data are read, with given factors k of the Coulomb terms of each joint.
     pub(super) fn without_data(
         robot: &dyn Robot,
         effort: Effort,
@@ -127,9 +129,9 @@ impl Layout {
         })
     }
 
-    /// The layout where the delays of the efforts are not known.
+    /// The layout with unknown delays of the efforts.
     ///
-    /// - `delays`: number of the delay of each effort
+    /// - `delays`: for each effort, the index of its delay
     pub(super) fn with_delays(mut self, delays: &[usize]) -> Result<Self> {
         let efforts = if self.effort == Effort::Joint { self.joints } else { self.inputs() };
         require_length("delays of the efforts", efforts, delays.len())?;
@@ -153,20 +155,20 @@ impl Layout {
         self
     }
 
-    /// Joints whose gains are to be found.
+    /// Joints whose gains are unknown.
     pub(super) fn unknown_gains(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.joints).filter(|&joint| self.measured[joint] && !self.known_gains[joint])
     }
 
-    /// The layout without the equations of joints that rest and whose gains are unknown: stiction holds such a joint, and its current
-    /// does not tell its force.
+    /// The layout without the equations of joints that rest and whose gains are unknown. Stiction holds a joint at rest, so
+    /// its current does not determine its force.
     pub(super) fn without_resting_currents(self) -> Self {
         let rests = |joint: &usize| !self.known_gains[*joint] && !self.moves[*joint];
         let joints: Vec<usize> = (0..self.joints).filter(rests).collect();
         self.without(&joints)
     }
 
-    /// The layout with more parameters of every joint, behind the others.
+    /// The layout with `more` additional parameters, after the inertial ones, in the equation of every joint.
     pub(super) fn with_more_parameters(&self, more: usize) -> Self {
         let count = self.parameters;
         let of_joint = |local: &Vec<usize>| {
@@ -181,7 +183,7 @@ impl Layout {
         self.input_matrix.len() / self.joints.max(1)
     }
 
-    /// The efforts that act on a joint, with their factors.
+    /// The efforts that act on a joint, with their factors in B.
     pub(super) fn acting(&self, joint: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
         let own = (self.effort == Effort::Joint).then_some((joint, 1.0));
         let inputs = if own.is_some() { 0 } else { self.inputs() };
@@ -189,32 +191,33 @@ impl Layout {
         own.into_iter().chain(row.filter(|(_, factor)| *factor != 0.0))
     }
 
-    /// Global number of a remaining delay.
+    /// Index of the unknown of a remaining delay.
     pub(super) fn delay(&self, number: usize) -> usize {
         self.parameters + self.joints * self.terms + number
     }
 
-    /// Whether a global number is that of a delay.
+    /// Whether an unknown is a delay.
     pub(super) fn is_delay(&self, global: usize) -> bool {
         global >= self.delay(0)
     }
 
-    /// How many delays there are.
+    /// Number of delays.
     pub(super) fn delay_count(&self) -> usize {
         self.delays.iter().map(|delay| delay + 1).max().unwrap_or(0)
     }
 
-    /// Factor of a joint's column in its force: a delay moves the measured effort, which has a gain.
+    /// Factor of an unknown's column in the force of a joint. A delay shifts the measured effort, so that its column has the
+    /// factor `gain`.
     pub(super) fn scale(&self, global: usize, gain: f64) -> f64 {
         if self.is_delay(global) { gain } else { 1.0 }
     }
 
-    /// Global number of a candidate term.
+    /// Index of the unknown of a candidate term.
     pub(super) fn term(&self, joint: usize, term: usize) -> usize {
         self.parameters + joint * self.terms + term
     }
 
-    /// The joint and the number of a candidate term.
+    /// The joint and the term of an unknown; `None` if the unknown is not a candidate term.
     pub(super) fn joint_and_term(&self, global: usize) -> Option<(usize, usize)> {
         let place = global.checked_sub(self.parameters)?;
         (!self.is_delay(global)).then(|| (place / self.terms, place % self.terms))
@@ -225,28 +228,28 @@ impl Layout {
         (0..self.joints).filter(|&joint| self.moves[joint] && !self.exact[joint])
     }
 
-    /// The samples of a run that tell about a joint: without its rests, in contiguous stretches. A joint that rests in all
-    /// data has no law, and its constant stiction is an offset.
+    /// The samples of a run that are used for a joint, in contiguous intervals: those without the rests of the joint. If the
+    /// joint rests in all data all samples are used, because it has no friction law and its constant stiction is an offset.
     pub(super) fn stretches(&self, run: &PreparedRun, joint: usize) -> Vec<Range<usize>> {
         if self.moves[joint] { run.moving(joint) } else { std::iter::once(0..run.times.len()).collect() }
     }
 
-    /// The offsets of a joint's force where those of measured forces are `measured`.
+    /// The offsets of a joint's force if measured forces have the offsets `measured`.
     pub(super) fn offsets(&self, joint: usize, measured: Offsets) -> Offsets {
         if self.exact[joint] { Offsets::None } else { measured }
     }
 
-    /// Number of global unknowns.
+    /// Number of unknowns.
     pub(super) fn len(&self) -> usize {
         self.parameters + self.joints * self.terms + self.delay_count()
     }
 
-    /// Place of a joint's first candidate term among its columns.
+    /// Index of a joint's first candidate term among its columns.
     pub(super) fn first_term(&self, joint: usize) -> usize {
         self.local[joint].len() - self.late[joint].len() - self.terms
     }
 
-    /// Columns of a joint's sums of products: its unknowns, the rigid force, the measured force.
+    /// Number of columns of a joint's sums of products: its unknowns, the rigid force, the measured force.
     pub(super) fn width(&self, joint: usize) -> usize {
         self.local[joint].len() + 2
     }
@@ -282,7 +285,7 @@ fn check_run(robot: &dyn Robot, run: &PreparedRun, effort: Effort) -> Result<()>
     require_length(&of_run("efforts"), columns, run.efforts.len())?;
     for column in &run.efforts {
         require_length(&of_run("efforts"), run.times.len(), column.len())?;
-        // A column of NaN says that nothing was measured.
+        // A column of NaN is an effort that was not measured.
         if !column.iter().all(|u| u.is_nan()) {
             super::super::error::require_finite(&of_run("efforts"), column)?;
         }
@@ -290,7 +293,7 @@ fn check_run(robot: &dyn Robot, run: &PreparedRun, effort: Effort) -> Result<()>
     require_known_inputs(robot, effort)
 }
 
-/// Joints all of whose efforts were measured in all runs.
+/// For each joint, whether all its efforts were measured in all runs.
 fn measured(robot: &dyn Robot, runs: &[PreparedRun]) -> Vec<bool> {
     let (joints, inputs) = (robot.joint_names().len(), robot.input_names().len());
     let b = robot.input_matrix();
@@ -303,7 +306,8 @@ fn measured(robot: &dyn Robot, runs: &[PreparedRun]) -> Vec<bool> {
     (0..joints).map(|joint| !unmeasured[joint] && runs.iter().all(|run| of_run(joint, run))).collect()
 }
 
-/// Efforts at inputs are those at the joints only through a known B.
+/// Fails if inputs act at frames and efforts are inputs, because B is then not constant, or if currents with unknown gains
+/// have no inputs of their own.
 fn require_known_inputs(robot: &dyn Robot, effort: Effort) -> Result<()> {
     if effort != Effort::Joint && robot.has_inputs_at_frames() {
         return Err(IdentificationError::File {
@@ -316,7 +320,7 @@ fn require_known_inputs(robot: &dyn Robot, effort: Effort) -> Result<()> {
     if known_gains(robot, effort).contains(&false) { require_own_inputs(robot) } else { Ok(()) }
 }
 
-/// For each joint, whether its efforts are forces up to B: no currents, or all with described motor constants.
+/// For each joint, whether its effort is known as a force: no current, or only currents with described motor constants.
 fn known_gains(robot: &dyn Robot, effort: Effort) -> Vec<bool> {
     let joints = robot.joint_names().len();
     if effort != Effort::Current {
@@ -327,7 +331,7 @@ fn known_gains(robot: &dyn Robot, effort: Effort) -> Vec<bool> {
     (0..joints).map(|joint| row(joint).all(|(b, described)| *described || *b == 0.0)).collect()
 }
 
-/// A current's gain can be told from the joint's force only where each joint has one input of its own.
+/// Fails unless each joint has one input of its own. Otherwise the gain of a current does not follow from the joint's force.
 fn require_own_inputs(robot: &dyn Robot) -> Result<()> {
     let (joints, inputs) = (robot.joint_names(), robot.input_names());
     let b = robot.input_matrix();
@@ -345,7 +349,7 @@ fn require_own_inputs(robot: &dyn Robot) -> Result<()> {
     })
 }
 
-/// Global columns of each joint's equation.
+/// Indices of the unknowns in each joint's equation.
 fn local(robot: &dyn Robot, joints: usize, parameters: usize, terms: usize) -> Vec<Vec<usize>> {
     let structure = structure(robot, joints, parameters);
     let local = structure.iter().enumerate().map(|(joint, columns)| {
@@ -355,14 +359,14 @@ fn local(robot: &dyn Robot, joints: usize, parameters: usize, terms: usize) -> V
     local.collect()
 }
 
-/// Columns of W with entries in each joint's row, at generic states.
+/// Columns of W that are not zero in each joint's row, at random states.
 fn structure(robot: &dyn Robot, joints: usize, parameters: usize) -> Vec<Vec<usize>> {
     let mut random = SplitMix64::new(0x5EED);
     let quaternions = robot.quaternion_joints();
     let mut regressor = vec![0.0; joints * parameters];
     let mut found = vec![vec![false; parameters]; joints];
     for _ in 0..PROBES {
-        // An attitude that is longer or shorter than one has the same structure.
+        // An attitude whose quaternion does not have unit length has the same structure.
         let [y, v, a]: [Vec<f64>; 3] = [joints + quaternions.len(), joints, joints]
             .map(|entries| (0..entries).map(|_| random.normal()).collect());
         regressor.fill(0.0);
@@ -379,13 +383,13 @@ fn span(runs: &[PreparedRun], joint: usize) -> f64 {
     all().fold(f64::MIN, |a, x| a.max(*x)) - all().fold(f64::MAX, |a, x| a.min(*x))
 }
 
-/// Factors of the Coulomb candidates, with two digits, so that the printed expression is the one fitted.
+/// Factors k of the candidate Coulomb terms, with two digits, so that the printed expression is the fitted one.
 fn steepness(runs: &[PreparedRun], joint: usize) -> [f64; WIDTHS.len()] {
     let fast = fast_speed(runs, joint);
     WIDTHS.map(|width| two_digits(1.0 / (width * fast)))
 }
 
-/// The speed that 95 % of the samples do not exceed; 1 for a joint that stands still.
+/// The speed that 95 % of the samples do not exceed [rad/s or m/s]; 1 for a joint that does not move.
 pub(super) fn fast_speed(runs: &[PreparedRun], joint: usize) -> f64 {
     let mut speeds: Vec<f64> =
         runs.iter().flat_map(|run| run.velocities[joint].iter().step_by(7)).map(|v| v.abs()).collect();

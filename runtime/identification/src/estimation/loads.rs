@@ -1,7 +1,8 @@
 //! Friction that grows with the load of a gear, `|τ_l| s₁(v)` (Hamon, Gautier, Garrec 2010), in the common fit.
 //!
-//! The load `τ_l = M ÿ + k − q` follows from the values that are estimated, so that the term is not linear in them.
-//! Passes take the load by the values of the pass before; the term then is a column like those of friction.
+//! The load `τ_l = M ÿ + k − q` depends on the estimated values, so that the term is not linear in the unknowns. The fit is
+//! repeated in passes. Each pass takes the load by the values of the pass before, so that the term is a column like the
+//! other friction terms.
 
 use super::super::error::{IdentificationError, Result};
 use super::super::robot::Robot;
@@ -9,17 +10,18 @@ use super::layout::Layout;
 use super::levels;
 use super::result::{Estimate, Uncertain};
 
-/// Most passes. Loads are mostly gravity, which the first estimate knows to a few percent: three settle.
+/// Largest number of passes. Loads are mostly gravity, which the first estimate knows to a few percent. Usually three passes
+/// settle.
 pub(super) const PASSES: usize = 6;
 
-/// Differences from the described robot that the loads at the joints follow from.
+/// Differences from the described robot that change the loads.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Loads {
     /// Estimated minus described inertial parameters.
     changes: Vec<f64>,
     /// Estimated reflected inertias that the description does not have.
     armatures: Vec<f64>,
-    /// Joints with a term under load.
+    /// Whether each joint has a term of friction under load.
     pub(super) joints: Vec<bool>,
 }
 
@@ -27,7 +29,7 @@ impl Loads {
     /// Loads by the values of an estimate.
     ///
     /// # Errors
-    /// No moving joint with a measured effort has an input of its own.
+    /// [`IdentificationError::File`] if no moving joint with a measured effort has an input of its own.
     pub(super) fn new(robot: &dyn Robot, layout: &Layout, found: &Estimate) -> Result<Self> {
         let own = robot.own_inputs();
         let joints: Vec<bool> = (0..layout.joints).map(|joint| layout.moves[joint] && own[joint]).collect();
@@ -48,17 +50,17 @@ impl Loads {
         })
     }
 
-    /// |τ_l| of a joint.
+    /// |τ_l| of a joint [N·m or N].
     ///
-    /// - `rigid`: the force of the rigid body as described, gravity included
-    /// - `row`: the joint's row of W, gravity included
+    /// - `rigid`: described force of the rigid body, including gravity
+    /// - `row`: the joint's row of W, including gravity
     pub(super) fn magnitude(&self, joint: usize, rigid: f64, row: &[f64], acceleration: f64) -> f64 {
         let change: f64 = row.iter().zip(&self.changes).map(|(w, change)| w * change).sum();
         (rigid + change + self.armatures[joint] * acceleration).abs()
     }
 }
 
-/// Whether the shares of two passes are the same as far as the data can tell.
+/// Whether the shares of the load of two passes agree within a fraction of their standard errors.
 pub(super) fn settled(before: &Estimate, after: &Estimate) -> bool {
     before.joints.iter().zip(&after.joints).all(|(before, after)| match (&before.load, &after.load) {
         (None, None) => true,

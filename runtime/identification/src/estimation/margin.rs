@@ -1,4 +1,4 @@
-//! The change of the estimate without the samples near rests and reversals.
+//! The change of the estimate if the samples near rests and reversals are left out.
 
 use super::super::methods::margin::{change, near};
 use super::super::run::PreparedRun;
@@ -9,7 +9,7 @@ use super::normal::{Centred, Normal, assemble};
 use super::task::Task;
 use nalgebra::DVector;
 
-/// The runs with the samples near stops of a joint among its rests; `None` if the runs passed no filter.
+/// The runs, in which the samples near stops of a joint also count as rests; `None` if the runs passed no filter.
 pub(super) fn runs_away_from_stops(task: &Task) -> Option<Vec<PreparedRun>> {
     let reach = task.settings.filter.as_ref()?.half_length();
     let of_run = |run: &PreparedRun| {
@@ -23,7 +23,8 @@ pub(super) fn runs_away_from_stops(task: &Task) -> Option<Vec<PreparedRun>> {
     Some(task.runs.iter().map(of_run).collect())
 }
 
-/// Change of each unknown. Weights and offsets' priors stay; none if the runs passed no filter.
+/// Change of each unknown if the samples near rests and reversals are left out. The weights and the priors of the offsets
+/// stay the same. The change is zero if the runs passed no filter.
 pub(super) fn change_at_margin(task: &Task, last: &Chosen, of: &Fitted) -> DVector<f64> {
     let mut changes = DVector::zeros(task.layout.len());
     let Some(runs) = runs_away_from_stops(task) else { return changes };
@@ -33,7 +34,7 @@ pub(super) fn change_at_margin(task: &Task, last: &Chosen, of: &Fitted) -> DVect
     let normal = |centred: &Centred| assemble(task.layout, &centred.all, active, &weights, &of.values.gains);
     let (all, left) = (normal(of.centred), normal(&left));
     let at = DVector::from_iterator(active.len(), active.iter().map(|&global| of.values.unknowns[global]));
-    // Bodies that must be able to exist leave a score: it is no change.
+    // The constraints of physically possible bodies leave a nonzero score, which is not part of the change.
     let gradient = |normal: &Normal| &normal.linear - &normal.hessian * &at;
     let found = change(
         &of.solved.regularized,

@@ -1,4 +1,4 @@
-//! The estimate: inertia, friction and offsets in one weighted linear fit, behind the gains of drives.
+//! The estimate of inertia, friction, offsets and gains of drives from prepared runs, in one weighted linear fit.
 
 mod checks;
 mod choice;

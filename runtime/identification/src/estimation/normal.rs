@@ -1,4 +1,4 @@
-//! The weighted normal equations of all joints, made of sums, and their solution.
+//! The weighted normal equations of all joints from sums of products, and their solution.
 
 use super::super::error::{IdentificationError, Result};
 use super::layout::{ARMATURE, ASYMMETRY, COULOMB, LOAD, Layout, VISCOUS};
@@ -7,43 +7,44 @@ use super::result::Offsets;
 use super::sums::Sums;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-/// Which unknowns are estimated.
+/// Choice of the unknowns that are estimated.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Model {
-    /// Coulomb term of each joint, as an index of the widths.
+    /// Coulomb term of each joint, as an index of the candidate widths.
     pub(super) coulomb: Vec<usize>,
     pub(super) asymmetry: Vec<bool>,
     pub(super) armature: Vec<bool>,
-    /// Friction under load.
+    /// Whether each joint has friction under load.
     pub(super) load: Vec<bool>,
     pub(super) offsets: Offsets,
-    /// Whether bodies must be able to exist.
+    /// Whether bodies must be physically possible.
     pub(super) consistent: bool,
 }
 
-/// Values of all unknowns: differences from the description, candidate terms (zero if not chosen), gains.
+/// Values of all unknowns and gains. An inertial parameter is a difference from the description. A candidate term that is
+/// not chosen is zero.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Values {
-    /// Values of the unknowns, by global number.
+    /// Values of the unknowns, in the order of [`Layout`].
     pub(super) unknowns: DVector<f64>,
-    /// Force per unit of the measured effort, by joint: one, or K_M.
+    /// Force per unit of the measured effort, for each joint: one, or the motor constant K_M.
     pub(super) gains: Vec<f64>,
 }
 
-/// Sums for one choice of offsets: products of each joint with the offsets projected out, for all data and
-/// without each fold.
+/// Sums for one choice of offsets: products of each joint with the offsets projected out, for all data (`all`) and without
+/// each fold (`without`).
 pub(super) struct Centred<'a> {
     pub(super) layout: &'a Layout,
     pub(super) sums: &'a Sums,
     pub(super) offsets: Offsets,
-    /// Samples without force that each offset of a joint counts for: the weight of zero against the data.
+    /// For each joint, the number of samples without force as which an offset of zero is weighted.
     pub(super) zeros: Vec<f64>,
     pub(super) all: Vec<DMatrix<f64>>,
     pub(super) without: Vec<Vec<DMatrix<f64>>>,
 }
 
 impl Model {
-    /// Global numbers of the estimated unknowns, ascending.
+    /// Indices of the estimated unknowns, ascending.
     pub(super) fn active(&self, layout: &Layout, prior: &Prior) -> Vec<usize> {
         let mut active: Vec<usize> = (0..layout.parameters).filter(|&i| !prior.held[i]).collect();
         for joint in layout.rubbing() {
@@ -69,7 +70,8 @@ impl<'a> Centred<'a> {
         Self { layout, sums, offsets, zeros, all, without }
     }
 
-    /// `Σ (z − z̄)²` of the measured forces z of a joint, over samples that share an offset; NaN if nothing acts.
+    /// `Σ (z − z̄)²` of the measured forces z of a joint, with the mean z̄ over samples that share an offset; NaN if no
+    /// force acts.
     pub(super) fn variation(&self, joint: usize) -> f64 {
         let products = centred(self.sums, joint, None, (self.layout.offsets(joint, self.offsets), 0.0));
         let last = products.nrows() - 1;
@@ -82,7 +84,7 @@ impl<'a> Centred<'a> {
         if squares > 0.0 { squares - sum * sum / weight } else { f64::NAN }
     }
 
-    /// Residual sums of squares of each joint, in the data that the values were fitted to.
+    /// Residual sum of squares of each joint, in the data to which the values were fitted.
     pub(super) fn residuals(&self, products: &[DMatrix<f64>], values: &Values) -> Vec<f64> {
         let rss = |j: usize| {
             let r = residual_vector(self.layout, values, j);
@@ -91,12 +93,12 @@ impl<'a> Centred<'a> {
         (0..self.layout.joints).map(rss).collect()
     }
 
-    /// Residual sums of squares of each joint over a fold, with the offsets from the other folds.
+    /// Residual sum of squares of each joint over a fold, with the offsets from the other folds.
     pub(super) fn held_out(&self, fold: usize, values: &Values) -> Vec<f64> {
         (0..self.layout.joints).map(|j| self.rss_over(self.sums, fold, values, j)).collect()
     }
 
-    /// Residual sum of squares of a joint over a fold of any sums, with the offsets from the other folds of these.
+    /// Residual sum of squares of a joint over a fold of the given sums, with the offsets from the other folds of `self`.
     pub(super) fn rss_over(&self, sums: &Sums, fold: usize, values: &Values, joint: usize) -> f64 {
         let r = residual_vector(self.layout, values, joint);
         let offsets = self.offsets_without(Some(fold), &r, joint);
@@ -108,12 +110,12 @@ impl<'a> Centred<'a> {
         rss.max(0.0)
     }
 
-    /// Offset of each run in a joint's force. A run without other data gets the common offset.
+    /// Offset of each run in a joint's force. A run without other data has the common offset.
     pub(super) fn offsets(&self, values: &Values, joint: usize) -> Vec<f64> {
         self.offsets_without(None, &residual_vector(self.layout, values, joint), joint)
     }
 
-    /// Squares of a joint's offsets without a fold, times the samples without force that each counts for.
+    /// Sum of the squares of a joint's offsets without a fold, times the weight of zero of each offset.
     pub(super) fn distance_of_offsets(&self, fold: usize, values: &Values, joint: usize) -> f64 {
         let offsets = self.offsets_without(Some(fold), &residual_vector(self.layout, values, joint), joint);
         let own = if self.offsets == Offsets::Common { &offsets[..1] } else { &offsets[..] };
@@ -134,8 +136,8 @@ impl<'a> Centred<'a> {
         sums.iter().map(of_run).collect()
     }
 
-    /// Sums of the columns of a joint over each group of samples that share an offset, over their weight and that of zeros, with
-    /// this weight.
+    /// For each group of samples of a joint that share an offset: the weight of the samples plus the weight of an offset of
+    /// zero, and the sum of the columns divided by this weight.
     pub(super) fn means(&self, joint: usize) -> Vec<(f64, DVector<f64>)> {
         let groups = groups(self.sums.by_run(joint, None), self.layout.offsets(joint, self.offsets));
         let zeros = self.zeros[joint];
@@ -147,7 +149,8 @@ impl<'a> Centred<'a> {
 
 /// Products of a joint's columns without the part that offsets explain.
 ///
-/// - `zeros`: samples without force that each offset counts for
+/// - `without`: fold that is left out
+/// - `zeros`: number of samples without force as which each offset of zero is weighted
 fn centred(
     sums: &Sums,
     joint: usize,
@@ -161,7 +164,7 @@ fn centred(
     products
 }
 
-/// Weights and sums of samples that share an offset; nothing if forces have none.
+/// Weights and sums of samples that share an offset; empty if forces have no offset.
 fn groups(runs: Vec<(f64, DVector<f64>)>, offsets: Offsets) -> Vec<(f64, DVector<f64>)> {
     match offsets {
         Offsets::None => Vec::new(),
@@ -170,7 +173,7 @@ fn groups(runs: Vec<(f64, DVector<f64>)>, offsets: Offsets) -> Vec<(f64, DVector
     }
 }
 
-/// Factors of a joint's columns in its residual: `K z − rigid − W δ − Θ φ`.
+/// Factors of a joint's columns in its residual `K z − rigid − W δ − Θ φ`.
 pub(super) fn residual_vector(layout: &Layout, values: &Values, joint: usize) -> DVector<f64> {
     let local = &layout.local[joint];
     let mut r = DVector::zeros(local.len() + 2);
@@ -188,9 +191,10 @@ pub(super) struct Normal {
     pub(super) linear: DVector<f64>,
 }
 
-/// Sums up the joints' equations.
+/// Adds up the equations of the joints.
 ///
-/// - `products`: of each joint; `weights`: of its equations, 1/σ² in units of the force
+/// - `products`: sums of products of each joint
+/// - `weights`: weights 1/σ² of each joint's equations in units of the force
 pub(super) fn assemble(
     layout: &Layout,
     products: &[DMatrix<f64>],
@@ -231,7 +235,7 @@ impl Normal {
     }
 }
 
-/// Which of a joint's columns make which active unknown's.
+/// Factors by which a joint's columns give the columns of the active unknowns.
 pub(super) fn selection((layout, joint, gain): (&Layout, usize, f64), active: &[usize]) -> DMatrix<f64> {
     let mut selection = DMatrix::zeros(layout.width(joint), active.len());
     for (i, &global) in active.iter().enumerate() {
@@ -260,7 +264,7 @@ pub(super) fn force_vector(layout: &Layout, at: &Values, joint: usize) -> DVecto
     c
 }
 
-/// The Hessian plus the description's metric Λ, and a ridge of rounding on the other unknowns.
+/// The Hessian plus the description's metric Λ, with a ridge of the size of rounding on all unknowns.
 pub(super) fn regularized(normal: &Normal, metric: &DMatrix<f64>) -> DMatrix<f64> {
     let mut a = &normal.hessian + metric;
     for i in 0..a.nrows() {
@@ -270,10 +274,10 @@ pub(super) fn regularized(normal: &Normal, metric: &DMatrix<f64>) -> DMatrix<f64
     a
 }
 
-/// Share of the diagonal that keeps equal columns apart.
+/// Share of the diagonal that is added if columns may be equal.
 pub(super) const RIDGE: f64 = 1e-9;
 
-/// Normal equations of columns of which some may be equal, or zero.
+/// Normal equations with a ridge, for columns that may be equal or zero.
 pub(super) fn with_ridge(mut normal: DMatrix<f64>) -> DMatrix<f64> {
     for i in 0..normal.nrows() {
         normal[(i, i)] = normal[(i, i)] * (1.0 + RIDGE) + f64::MIN_POSITIVE;
@@ -287,7 +291,7 @@ const LARGEST_SUM: f64 = 1e150;
 /// Solves `A x = b` for symmetric positive definite A, scaled to a unit diagonal.
 ///
 /// # Errors
-/// As [`Factor::new`].
+/// The errors are those of [`Factor::new`].
 pub(super) fn solve(a: &DMatrix<f64>, b: &DMatrix<f64>) -> Result<DMatrix<f64>> {
     Ok(Factor::new(a)?.solve(b))
 }
@@ -301,11 +305,12 @@ pub(super) struct Factor {
 
 impl Factor {
     /// # Errors
-    /// A matrix that is not finite, as where squares of the data overflow, or one that is not positive definite.
+    /// [`IdentificationError::NoSolution`] if the matrix is not positive definite, and [`IdentificationError::Overflow`] if
+    /// its entries are not finite or too large.
     pub(super) fn new(a: &DMatrix<f64>) -> Result<Self> {
         let scale = DVector::from_fn(a.nrows(), |i, _| 1.0 / a[(i, i)].sqrt());
         let scaled = DMatrix::from_fn(a.nrows(), a.ncols(), |i, k| a[(i, k)] * scale[i] * scale[k]);
-        // Where rounding made it indefinite, the directions concerned are below what the sums resolve.
+        // If rounding made the matrix indefinite, the directions concerned are below the resolution of the sums.
         for ridge in [0.0, 1e-14, 1e-13, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8] {
             let mut shifted = scaled.clone();
             shifted.fill_diagonal(1.0 + ridge);

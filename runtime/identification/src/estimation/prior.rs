@@ -1,8 +1,8 @@
-//! The distance from the description: a quadratic form in the inertial parameters without units or frames.
+//! The distance from the description: a quadratic form in the inertial parameters that does not depend on units or frames.
 //!
-//! For each body it is ½ tr((P₀⁻¹ ΔP)²), with the pseudo-inertia P₀ of the description and the difference ΔP
-//! (Lee, Wensing, Park 2020: the affine-invariant metric at P₀). A change of one means a mass or an inertia
-//! that is wrong by about itself. For a rotor it is (ΔJ / J)².
+//! For each body it is ½ tr((P₀⁻¹ ΔP)²), with the described pseudo-inertia P₀ and the difference ΔP from it (Lee, Wensing,
+//! Park 2020: the affine-invariant metric at P₀). A distance of one is an error of the mass or inertia by about 100 %. For
+//! the inertia J of a rotor it is (ΔJ / J)².
 
 use super::super::inertial::{PER_BODY, margin, pseudo_inertia};
 use super::joint_prior::JointPrior;
@@ -17,9 +17,10 @@ pub(super) struct Prior {
     pub(super) metric: DMatrix<f64>,
     /// The described parameters.
     pub(super) described: Vec<f64>,
-    /// Parameters that stay as described: those of bodies without mass.
+    /// Whether each parameter is held at its described value. Parameters of bodies without mass and of rotors without
+    /// inertia are held.
     pub(super) held: Vec<bool>,
-    /// The bodies with mass.
+    /// Indices of the bodies with mass.
     pub(super) bodies: Vec<usize>,
     /// Mean squared radius of gyration of the bodies [m²].
     size: f64,
@@ -27,12 +28,12 @@ pub(super) struct Prior {
     pub(super) joints: Vec<JointPrior>,
 }
 
-/// A Gaussian about described values, by active unknown.
+/// A Gaussian about described values, for each active unknown.
 pub(super) struct Gaussian {
     pub(super) mean: DVector<f64>,
     /// Inverses of the variances; zero if nothing is known.
     pub(super) precision: DVector<f64>,
-    /// Samples of the data that count as one.
+    /// Number of correlated samples that count as one independent sample.
     pub(super) time: DVector<f64>,
 }
 
@@ -45,7 +46,7 @@ impl Prior {
         Self { metric, described, held, bodies, size, joints }
     }
 
-    /// The same with the correlation time of each joint's residuals.
+    /// The same prior with the correlation time of each joint's residuals.
     pub(super) fn with_times(mut self, times: &[f64]) -> Self {
         let joints = self.joints.into_iter().zip(times);
         self.joints = joints.map(|(joint, time)| joint.with_time(*time)).collect();
@@ -67,8 +68,8 @@ impl Prior {
         found
     }
 
-    /// The form of [`Self::metric`] in which a body's size is the same in all directions about its centre: centres are as uncertain
-    /// across a slender link as along it. One for parameters that are held.
+    /// The metric with bodies whose radius of gyration about their centre is the same in all directions: the centre is as
+    /// uncertain across a slender link as along it. The diagonal is one for held parameters.
     pub(super) fn round_metric(&self) -> DMatrix<f64> {
         let mut metric = self.metric.clone();
         (0..self.held.len()).filter(|i| self.held[*i]).for_each(|i| metric[(i, i)] = 1.0);
@@ -88,15 +89,15 @@ impl Prior {
         metric
     }
 
-    /// Whether all bodies with mass can exist when the parameters differ by `changes` from the described ones.
+    /// Whether all bodies with mass are physically possible if the parameters differ by `changes` from the described ones.
     pub(super) fn can_exist(&self, changes: &DVector<f64>) -> bool {
         let value = |i: usize| self.described[i] + changes[i];
         self.bodies.iter().all(|body| margin(&std::array::from_fn(|k| value(body * PER_BODY + k))) > 0.0)
     }
 }
 
-/// The quadratic form of the distance from described parameters, and which of them are held: those of bodies without mass, and rotors
-/// without inertia.
+/// The quadratic form of the distance from described parameters, and whether each parameter is held. Parameters of bodies
+/// without mass and of rotors without inertia are held.
 pub(crate) fn distance(described: &[f64], bodies: usize) -> (DMatrix<f64>, Vec<bool>) {
     let p = described.len();
     let (mut metric, mut held) = (DMatrix::zeros(p, p), vec![false; p]);
@@ -137,7 +138,8 @@ fn body_metric(inverse: &Matrix4<f64>) -> DMatrix<f64> {
     DMatrix::from_fn(PER_BODY, PER_BODY, |i, k| 0.5 * (scaled[i] * scaled[k]).trace())
 }
 
-/// Factor of P₀ with its floors; of the nearest body that can exist if the description has none.
+/// Cholesky factor of P₀ plus floors of its moments. If the described body is not physically possible, the floors are
+/// doubled until it is.
 fn believed(pi: &[f64; PER_BODY], mean_radius: f64) -> Cholesky<f64, Const<4>> {
     let mut p = pseudo_inertia(pi);
     let own = (p[(0, 0)] + p[(1, 1)] + p[(2, 2)]).abs() / pi[0];

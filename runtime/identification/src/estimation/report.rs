@@ -12,7 +12,7 @@ use gelenk_findings::{Finding, Rule};
 /// Fixture: `estimation/tests/simulated.rs`.
 const AS_DESCRIBED: Rule = Rule::note("compensated-as-described");
 
-/// Everything that the printed estimate is made of.
+/// Inputs of the returned estimate.
 pub(super) struct Report<'a> {
     pub(super) fitted: Estimated<'a>,
     pub(super) runs: &'a [PreparedRun],
@@ -21,7 +21,7 @@ pub(super) struct Report<'a> {
     pub(super) offset_errors: &'a RunOffsets,
     pub(super) held_out: &'a [f64],
     pub(super) with_rest: &'a [f64],
-    /// Whether friction under load was asked for.
+    /// Whether friction under load was requested.
     pub(super) has_loads: bool,
 }
 
@@ -73,7 +73,7 @@ impl Report<'_> {
         offsets.chain(self.gravity()).chain(self.fitted.choices())
     }
 
-    /// The weight that the robot compensates, if it is not all of it.
+    /// The finding about the compensated weight, if the robot compensates only the described bodies.
     fn gravity(&self) -> Option<Finding> {
         (self.fitted.gravity == Gravity::CompensatedAsDescribed).then(|| {
             AS_DESCRIBED.found(

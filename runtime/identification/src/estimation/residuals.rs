@@ -1,4 +1,4 @@
-//! A pass along the runs with given values: residuals, predictions, outliers, and the blocks' scores.
+//! Forces along the runs with given values, robust deviations, and weights of outliers.
 
 use super::super::numeric::kernel::BLOCK;
 use super::super::numeric::statistics::median;
@@ -9,23 +9,23 @@ use super::normal::{Values, residual_vector};
 use super::rows::Rows;
 use nalgebra::DVector;
 
-/// Standard deviation of normal errors over the median of their magnitudes.
+/// Standard deviation of normal errors divided by the median of their magnitudes.
 const FROM_MEDIAN: f64 = 1.4826;
 
-/// Forces of every joint along every run, `[run][joint][sample]`.
+/// Forces of every joint along every run, `[run][joint][sample]` [N·m or N].
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Forces {
     pub(super) measured: Vec<Vec<Vec<f64>>>,
     pub(super) residual: Vec<Vec<Vec<f64>>>,
-    /// Forces of the rigid body by the estimate, and by the description.
+    /// Forces of the rigid body with the estimated values (`rigid`) and with the described values.
     pub(super) rigid: Vec<Vec<Vec<f64>>>,
     pub(super) described: Vec<Vec<Vec<f64>>>,
-    /// Friction under load; zeros if there is none.
+    /// Friction under load; empty if the layout does not have it.
     pub(super) load: Vec<Vec<Vec<f64>>>,
 }
 
 impl Forces {
-    /// Runs and samples that tell about a joint: without its rests.
+    /// Runs and samples that are used for a joint: those without its rests.
     pub(super) fn moving<'a>(
         &self,
         layout: &'a Layout,
@@ -42,7 +42,7 @@ impl Forces {
 /// Offsets of each joint and run, `[joint][run]`.
 pub(super) type RunOffsets = Vec<Vec<f64>>;
 
-/// Residual of one joint over a block, offset removed.
+/// Residual of one joint over a block, without the offset.
 pub(super) fn residual(factors: &DVector<f64>, offset: f64, columns: &[&[f64]]) -> Vec<f64> {
     let mut residual = vec![-offset; columns.first().map_or(0, |c| c.len())];
     for (factor, column) in factors.iter().zip(columns).filter(|(factor, _)| **factor != 0.0) {
@@ -79,7 +79,7 @@ pub(super) fn forces(
     found
 }
 
-/// The measured force at the time of the motion, `K (z + δ ż)`.
+/// The measured force at the time of the motion, `K (z + δ ż)` with the delay δ.
 fn measured(layout: &Layout, joint: usize, factors: &DVector<f64>, columns: &[&[f64]]) -> Vec<f64> {
     let mut only = factors.map(|_| 0.0);
     for (k, _) in layout.local[joint].iter().enumerate().filter(|(_, global)| layout.is_delay(**global)) {
@@ -90,7 +90,7 @@ fn measured(layout: &Layout, joint: usize, factors: &DVector<f64>, columns: &[&[
     residual(&only, 0.0, columns)
 }
 
-/// `W π` with all of the description's other forces: the rigid force and its change.
+/// Rigid force `W π` including reflected inertia and all non-inertial forces of the description.
 fn rigid(layout: &Layout, joint: usize, factors: &DVector<f64>, columns: &[&[f64]]) -> Vec<f64> {
     let mut only = factors.map(|_| 0.0);
     for (k, &global) in layout.local[joint].iter().enumerate() {
@@ -101,7 +101,7 @@ fn rigid(layout: &Layout, joint: usize, factors: &DVector<f64>, columns: &[&[f64
     residual(&only, 0.0, columns)
 }
 
-/// Friction under load, if the layout has it.
+/// Friction under load; empty if the layout does not have it.
 fn under_load(layout: &Layout, joint: usize, factors: &DVector<f64>, columns: &[&[f64]]) -> Vec<f64> {
     let place = layout.first_term(joint) + LOAD;
     let has = layout.terms > LOAD;
@@ -109,21 +109,21 @@ fn under_load(layout: &Layout, joint: usize, factors: &DVector<f64>, columns: &[
     columns.flat_map(|column| column.iter().map(|x| -factors[place] * x)).collect()
 }
 
-/// Weights of a joint's samples: 1, or the bound over the residual beyond it.
+/// Huber's weights of a joint's samples: 1, or bound / |residual| if the residual exceeds the bound.
 pub(crate) fn huber(residual: &[f64], deviation: f64) -> Vec<f64> {
     let bound = levels::HUBER.get() * deviation;
     residual.iter().map(|r| if r.abs() > bound { bound / r.abs() } else { 1.0 }).collect()
 }
 
-/// [`robust_deviation`] of each joint where it moves.
+/// [`robust_deviation`] of each joint over the samples in which it moves.
 pub(super) fn robust_deviations(layout: &Layout, runs: &[PreparedRun], forces: &Forces) -> Vec<f64> {
     let sizes =
         |j: usize| forces.moving(layout, runs, j).map(move |(run, i)| forces.residual[run][j][i].abs());
     (0..layout.joints).map(|j| robust_deviation(sizes(j))).collect()
 }
 
-/// Standard deviation of residuals by the median of their sizes, which outliers do not move; infinite if there are
-/// none.
+/// Standard deviation of residuals by the median of their sizes, which is insensitive to outliers; infinite without
+/// residuals.
 pub(crate) fn robust_deviation(sizes: impl Iterator<Item = f64>) -> f64 {
     median(sizes).map_or(f64::INFINITY, |median| (FROM_MEDIAN * median).max(f64::MIN_POSITIVE))
 }

@@ -1,35 +1,36 @@
-//! The estimate and how far to trust it.
+//! The estimate and its uncertainty.
 
 use super::super::run::Effort;
 use super::sensitivity::Sensitivity;
 use gelenk_findings::Finding;
 use nalgebra::{DMatrix, DVector};
 
-/// How offsets of the measured forces are estimated.
+/// Kind of the offsets of measured forces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Offsets {
-    /// None: the sensors and the gravity of the description are trusted.
+    /// No offsets: the sensors and the described gravity are trusted.
     None,
-    /// One for each joint.
+    /// One offset for each joint.
     Common,
-    /// One for each joint and run.
+    /// One offset for each joint and run.
     ByRun,
 }
 
-/// The gravity in recorded efforts.
+/// Gravity in recorded efforts. In the equations z is the recorded effort, W the regressor, W₀ the regressor at rest, and π
+/// the inertial parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Gravity {
-    /// The efforts hold it.
+    /// The efforts hold the weight.
     Recorded,
-    /// The robot compensates all of it outside the recorded efforts: `z = W π − W₀ π + …`, with W₀ at rest.
+    /// The robot compensates its whole weight outside the recorded efforts: `z = W π − W₀ π + …`.
     Compensated,
-    /// The robot compensates that of the bodies as described, π₀, by the same model: `z = W π − W₀ π₀ + …`. What the bodies
-    /// weigh beyond it is left in the efforts, and tells their masses.
+    /// The robot compensates the weight of the described bodies π₀: `z = W π − W₀ π₀ + …`. The rest of the weight is in the
+    /// efforts and determines the masses.
     CompensatedAsDescribed,
 }
 
 impl Gravity {
-    /// The first thing to think for efforts with or without gravity.
+    /// The assumption before the fit: [`Self::Compensated`] if the robot compensates gravity, otherwise [`Self::Recorded`].
     pub(crate) fn of(is_compensated: bool) -> Self {
         if is_compensated { Self::Compensated } else { Self::Recorded }
     }
@@ -40,60 +41,62 @@ impl Gravity {
 pub struct Estimate {
     /// The P inertial parameters π, in the robot's order [kg, kg m, kg m²].
     pub parameters: Vec<Uncertain>,
-    /// Whether every body with mass can exist: its pseudo-inertia is positive definite.
+    /// Whether every body with mass is physically possible: its pseudo-inertia is positive definite.
     pub consistent: bool,
-    /// One estimate per joint.
+    /// Estimate of each joint.
     pub joints: Vec<JointEstimate>,
-    /// Kind of the efforts.
+    /// Kind of the recorded efforts.
     pub effort: Effort,
-    /// The gravity in these.
+    /// Gravity in the recorded efforts.
     pub gravity: Gravity,
-    /// How offsets were estimated.
+    /// Kind of the estimated offsets.
     pub offsets: Offsets,
-    /// Weight of the distance from the description.
+    /// Weight λ of the squared distance from the description.
     pub description_weight: f64,
-    /// How many combinations of the inertial parameters the data decide: the trace of `(H + λ R)⁻¹ H` over them.
+    /// Number of combinations of the inertial parameters that the data decide: the trace of `(H + λ R)⁻¹ H` over these
+    /// parameters, with the Hessian H and the metric R of the description.
     pub effective_parameters: f64,
-    /// Covariance of the inertial parameters `[P × P]`: zero if the data may not change them.
+    /// Covariance of the inertial parameters `[P × P]`; zero for parameters that the data may not change.
     pub parameter_covariance: DMatrix<f64>,
-    /// How well other inertial parameters would explain the data.
+    /// Change of the residuals with the inertial parameters.
     pub(crate) sensitivity: Sensitivity,
-    /// Forces at the joints as measured, gains applied, `[run][joint][sample]` [N·m or N].
+    /// Measured forces at the joints, gains applied, `[run][joint][sample]` [N·m or N].
     pub measured: Vec<Vec<Vec<f64>>>,
-    /// The model's forces, offsets included, in the same shape.
+    /// Forces of the fitted model including offsets, `[run][joint][sample]` [N·m or N].
     pub predicted: Vec<Vec<Vec<f64>>>,
-    /// Measured forces without the rigid body's: friction, offset and error, in the same shape.
+    /// Measured forces minus the rigid-body forces, `[run][joint][sample]` [N·m or N]. They contain friction, offset and
+    /// error.
     pub friction: Vec<Vec<Vec<f64>>>,
-    /// The share of these forces that grows with the load, in the same shape; empty if it was not asked for.
+    /// Friction that grows with the load, `[run][joint][sample]` [N·m or N]; empty if it was not requested.
     pub load_friction: Vec<Vec<Vec<f64>>>,
-    /// Level of all intervals.
+    /// Confidence level of all intervals, between 0 and 1.
     pub confidence: f64,
-    /// Covariance of the coefficients of each joint's terms, and its degrees of freedom.
+    /// Covariance of the coefficients of each joint's friction terms.
     pub terms_covariance: Vec<DMatrix<f64>>,
-    /// Change of the coefficients of each joint's terms without the samples near rests and reversals.
+    /// Change of the coefficients of each joint's friction terms if the samples near rests and reversals are left out.
     pub terms_margins: Vec<DVector<f64>>,
     /// Degrees of freedom of the covariances.
     pub freedom: usize,
-    /// Delay of each effort that remains after the removed one \[s\], positive if efforts come later still;
-    /// empty if delays are known. The forces above are at the times of the motion.
+    /// Remaining delay of each effort after the removed one \[s\], positive if the effort is still late; empty if the delays
+    /// are known. The forces of this estimate are at the times of the motion.
     pub delays: Vec<Uncertain>,
-    /// Choices, as notes, and doubts.
+    /// Notes on the choices, and doubts about the data.
     pub findings: Vec<Finding>,
 }
 
-/// A value with its interval, which holds under correlated residuals.
+/// A value with its interval. The interval takes correlated residuals into account.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Uncertain {
-    /// The estimate.
+    /// Estimated value.
     pub value: f64,
     /// Standard error; zero if the data may not change the value.
     pub standard_error: f64,
-    /// Ends of the interval at the estimate's level.
+    /// Lower and upper end of the interval at the level [`Estimate::confidence`].
     pub interval: [f64; 2],
 }
 
 impl Uncertain {
-    /// Whether the ends of its interval have one sign and differ by a factor of 2 at most.
+    /// Whether both ends of the interval have the same sign and differ at most by a factor of 2.
     #[must_use]
     pub fn has_one_size(&self) -> bool {
         let [low, high] = self.interval;
@@ -107,47 +110,50 @@ impl Uncertain {
 pub struct JointEstimate {
     /// Name of the joint in the description, or of the shaft's drive.
     pub name: String,
-    /// `N·m` or `N`.
+    /// Unit of the forces: `N·m` or `N`.
     pub unit: &'static str,
-    /// Friction and reflected inertia; empty if the joint stands still.
+    /// Friction terms; empty if the joint does not move.
     pub terms: Vec<EstimatedTerm>,
-    /// Friction under load, `|τ_l| s₁(v)` with a share s₁ of the load without unit, where it was asked for and chosen.
+    /// Friction under load, `|τ_l| s₁(v)` with the load τ_l and a share s₁ without unit; `None` if it was not requested or
+    /// not chosen.
     pub load: Option<EstimatedTerm>,
-    /// Reflected inertia that the description does not have [kg m² or kg], where it was chosen.
+    /// Reflected inertia that the description does not have [kg m² or kg]; `None` if it was not chosen.
     pub armature: Option<Uncertain>,
-    /// Motor constant K_M [N·m/A or N/A], if the effort is a current and the description has none. The scale of torque is that
-    /// of the described bodies. Intervals of parameters and friction count its own.
+    /// Motor constant K_M [N·m/A or N/A]; `None` if the effort is not a current or if the description has the constant. The
+    /// scale of torque comes from the described bodies. The intervals of parameters and friction include the uncertainty of
+    /// K_M.
     pub gain: Option<Uncertain>,
-    /// Offset of the measured force in each run, `measured = model + offset`.
+    /// Offset of the measured force in each run, `measured = model + offset` [N·m or N].
     pub offsets: Vec<f64>,
-    /// Standard error of each of these; one if all runs share an offset.
+    /// Standard error of each offset; a single entry if all runs share an offset.
     pub offset_errors: Vec<f64>,
-    /// Standard deviation of the residual.
+    /// Standard deviation of the residual [N·m or N].
     pub sigma: f64,
-    /// `1 − RSS / Σ (τ − τ̄)²` over all data that were fitted.
+    /// `R² = 1 − RSS / Σ (τ − τ̄)²` over all fitted data, with the residual sum of squares RSS and the force τ.
     pub r_squared: f64,
-    /// The same with each fold predicted from the others.
+    /// R² with each fold predicted from the other folds.
     pub held_out_r_squared: f64,
-    /// The same over all samples, those at rest among them: dry friction takes any value there up to the static one, which
-    /// no law of the velocity predicts. Estimates from moments do not know it: NaN.
+    /// Held-out R² over all samples including those at rest. At rest, dry friction takes any value up to the static one,
+    /// which no law of the velocity predicts. NaN if the estimate was made from moments.
     pub held_out_with_rest: f64,
-    /// Share of the samples in which the joint rests. The estimate, and all other numbers here, are made without them.
+    /// Share of the samples in which the joint rests. These samples are not used for the estimate and for the other numbers
+    /// of this struct, except [`Self::held_out_with_rest`].
     pub rest: f64,
     /// Whether the joint moves in the data.
     pub moves: bool,
-    /// Whether its effort was measured. Where not, it has no terms, gain or armature, its numbers are NaN, and so are
-    /// its measured and predicted forces.
+    /// Whether the effort of the joint was measured. Without a measured effort the joint has no terms, gain or armature. Its
+    /// numbers and its measured and predicted forces are then NaN.
     pub measured: bool,
-    /// Whether its force is known without a sensor, as in the rows of a joint with a quaternion: it has neither an offset
-    /// nor estimated friction. R² is NaN if nothing acts there.
+    /// Whether the force is known without a sensor, as in the rows of a joint with a quaternion. Such a row has neither an
+    /// offset nor estimated friction. R² is NaN if no force acts there.
     pub exact: bool,
 }
 
 /// A friction term with its coefficient.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EstimatedTerm {
-    /// Expression in the joint's velocity `v`, as a description has it.
+    /// Expression in the joint's velocity `v`, as in a description.
     pub basis: String,
-    /// Its coefficient.
+    /// Coefficient of the expression.
     pub coefficient: Uncertain,
 }

@@ -9,12 +9,12 @@ use super::loads::Loads;
 use super::result::Gravity;
 use std::ops::Range;
 
-/// A function of positions y that changes the regressor there: the columns of the robot's parameters, and further columns behind
-/// them.
+/// A function of the positions y that adds a change of the regressor to its second argument: first the columns of the
+/// robot's parameters, then additional columns.
 pub(super) type More<'a> = &'a dyn Fn(&[f64], &mut [f64]);
 
-/// Evaluates the columns of up to [`BLOCK`] samples. Nothing is stored beyond the block. Columns of joints whose force
-/// was not measured are zero.
+/// Evaluates the columns of up to [`BLOCK`] samples. Only one block is stored. The columns of joints whose force was not
+/// measured are zero.
 pub(super) struct Rows<'a> {
     robot: &'a dyn Robot,
     layout: &'a Layout,
@@ -22,18 +22,18 @@ pub(super) struct Rows<'a> {
     gravity: Gravity,
     filter: Option<&'a Filter>,
     loads: Option<&'a Loads>,
-    /// Rates of the efforts without noise, where a first fit gave them.
+    /// Rates of the efforts without noise from a first fit; `None` without a first fit.
     rates: Option<&'a [Vec<Vec<f64>>]>,
     more: Option<More<'a>>,
-    /// |τ_l| of each joint at the sample evaluated last.
+    /// |τ_l| of each joint at the last evaluated sample.
     load: Vec<f64>,
     regressor: Vec<f64>,
     at_rest: Vec<f64>,
-    /// Entries that `more` adds at the sample evaluated last; empty if nothing is added.
+    /// Entries that `more` adds at the last evaluated sample; empty if `more` is `None`.
     added: Vec<f64>,
-    /// Columns of each joint, [`BLOCK`] apart.
+    /// Columns of each joint. The distance between two columns is [`BLOCK`].
     columns: Vec<Vec<f64>>,
-    /// Weight of each sample for each joint: 0 at rest, 1 else.
+    /// Weight of each sample for each joint: 0 at rest, otherwise 1.
     moving: Vec<Vec<f64>>,
     count: usize,
 }
@@ -67,29 +67,29 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// The same with rates of the efforts that a first fit gave.
+    /// These rows with the rates of the efforts from a first fit.
     pub(super) fn with_rates(self, rates: Option<&'a [Vec<Vec<f64>>]>) -> Self {
         Self { rates, ..self }
     }
 
-    /// These rows with a hypothesis' change of the regressor.
+    /// These rows with the change of the regressor by a hypothesis.
     pub(super) fn with_more(self, more: Option<More<'a>>) -> Self {
         let added = vec![0.0; more.map_or(0, |_| self.layout.joints * self.layout.parameters)];
         Self { more, added, ..self }
     }
 
-    /// 0 for each sample evaluated last in which a joint rests, 1 for the others.
+    /// For each sample of the last evaluated block, 0 if the joint rests, otherwise 1.
     pub(super) fn moving(&self, joint: usize) -> &[f64] {
         &self.moving[joint]
     }
 
-    /// Columns of a joint at the samples evaluated last.
+    /// Columns of a joint at the samples of the last evaluated block.
     pub(super) fn joint(&self, joint: usize) -> Vec<&[f64]> {
         let columns = self.columns[joint].chunks_exact(BLOCK);
         columns.map(|column| &column[..self.count]).collect()
     }
 
-    /// Evaluates the samples `rows` of a run with its number, at most [`BLOCK`].
+    /// Evaluates the samples `rows` of the run with the index `number`, at most [`BLOCK`] samples.
     pub(super) fn evaluate(&mut self, (number, run): (usize, &PreparedRun), rows: Range<usize>) {
         let n = self.layout.joints;
         self.count = rows.len();
@@ -120,8 +120,9 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// W and the described rigid force. Where the robot compensates gravity the force is without it, and so is W unless
-    /// the compensation is that of the described bodies: their differences then weigh something.
+    /// Computes W and the described rigid force. If the robot compensates gravity, the force is without it. W is then also
+    /// without gravity, unless the robot compensates only the described bodies: the differences from these bodies then have
+    /// a weight in the efforts.
     fn rigid_body(&mut self, y: &[f64], v: &[f64], a: &[f64], rigid: &mut [f64]) {
         self.regressor.fill(0.0);
         self.robot.inertial_regressor(y, v, a, &mut self.regressor);
@@ -156,7 +157,7 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Loads of the gears, which carry the weight whoever compensates it.
+    /// Computes the loads of the gears. They include the weight, whoever compensates it.
     fn load(&mut self, a: &[f64], rigid: &[f64]) {
         let Some(loads) = self.loads else { return };
         let rows = self.regressor.chunks_exact(self.described.len().max(1));
@@ -165,7 +166,7 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Columns of friction that are not multiples of v, filtered if there is a filter.
+    /// Computes the columns of friction that are not multiples of v. They pass the filter if there is one.
     fn friction(&mut self, run: &PreparedRun, rows: &Range<usize>) {
         let layout = self.layout;
         let half = self.filter.map_or(0, Filter::half_length);
@@ -205,7 +206,7 @@ impl<'a> Rows<'a> {
         set(VISCOUS, v);
         set(ARMATURE, a);
         if self.loads.is_some() {
-            // Loads change little within the filter's length: the jump of the direction is what it rounds.
+            // Loads change little within the length of the filter. The filter rounds only the jump of the direction.
             set(LOAD, self.load[joint] * direction);
         }
         let behind = self.layout.terms + self.layout.late[joint].len();
@@ -213,7 +214,8 @@ impl<'a> Rows<'a> {
         set(behind + 1, last[1]);
     }
 
-    /// An effort that is late by a time δ is `z(t + δ) ≈ z + δ ż` at the time of the motion: the column of δ is −ż.
+    /// Writes the columns of the delays. An effort that is late by a time δ is `z(t + δ) ≈ z + δ ż` at the time of the
+    /// motion, so the column of δ is −ż.
     fn write_delays(
         &mut self,
         (number, run): (usize, &PreparedRun),

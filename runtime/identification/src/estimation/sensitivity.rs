@@ -1,9 +1,10 @@
-//! How well the data are explained by inertial parameters near the estimate.
+//! Loss of R² if the inertial parameters differ from the estimate.
 
 use super::result::Estimate;
 use nalgebra::{DMatrix, DVector};
 
-/// Change of the residuals with the inertial parameters: the sums of squares are quadratic functions of them.
+/// Change of the residuals with the inertial parameters. The residual sums of squares are quadratic functions of the
+/// parameters.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Sensitivity {
     pub(super) joints: Vec<JointSensitivity>,
@@ -12,19 +13,19 @@ pub(crate) struct Sensitivity {
 /// Sums over the equations of a joint.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct JointSensitivity {
-    /// Parameters with a column in the joint's equation.
+    /// Indices of the parameters with a column in the joint's equation.
     pub(super) parameters: Vec<usize>,
-    /// Products of their columns, offsets taken out.
+    /// Products of the parameters' columns, without offsets.
     pub(super) products: DMatrix<f64>,
-    /// Their products with the residual.
+    /// Products of the parameters' columns with the residual.
     pub(super) slopes: DVector<f64>,
-    /// `Σ (τ − τ̄)²`.
+    /// `Σ (τ − τ̄)²` of the measured force τ.
     pub(super) variation: f64,
 }
 
 impl Estimate {
-    /// Loss of R² of each moving joint if the inertial parameters differ by `change` from the estimate and all else
-    /// stays. A negative loss is a gain.
+    /// Loss of R² of each moving joint if the inertial parameters differ by `change` from the estimate and all other values
+    /// stay the same. A negative loss is a gain.
     #[must_use]
     pub fn r_squared_lost(&self, change: &[f64]) -> Vec<f64> {
         let lost = |joint: &JointSensitivity| {

@@ -7,39 +7,40 @@ use super::result::Offsets;
 /// Settings of [`super::estimate`]. The defaults suit a log about which nothing is known.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EstimationSettings {
-    /// The recorded efforts exclude gravity, because the robot adds it itself: all of it, or that of the described bodies,
-    /// whichever the held-out error asks for ([`Gravity`](super::Gravity)).
+    /// Whether the recorded efforts exclude gravity because the robot compensates it. The held-out error decides whether the
+    /// robot compensates its whole weight or only that of the described bodies ([`Gravity`](super::Gravity)).
     pub gravity_compensated: bool,
-    /// Offsets of the efforts; `None` chooses between one for each joint and one for each joint and run by the
-    /// held-out error.
+    /// Kind of the offsets of the efforts. `None` chooses between one offset for each joint and one for each joint and run,
+    /// by the held-out error.
     pub offsets: Option<Offsets>,
-    /// Factors k of the Coulomb terms tanh(k v), for each joint; `None` chooses them by the held-out error.
+    /// Factors k of the Coulomb terms tanh(k v), one for each joint [s/rad or s/m]. `None` chooses them by the held-out
+    /// error.
     pub steepness: Option<Vec<f64>>,
-    /// Whether friction of joints with an input of their own may grow with the load of their gears,
-    /// `|τ_l| s₁ tanh(k v)` with 0 < s₁ < 1, where the held-out error asks for it.
+    /// Whether the friction of joints with an input of their own may grow with the load τ_l of the gear, `|τ_l| s₁ tanh(k
+    /// v)` with 0 < s₁ < 1. The term is added to a joint if it lowers the held-out error.
     pub load_friction: bool,
-    /// Whether reflected inertia (ÿ) and asymmetric viscous friction (|v|) may be added where the held-out error
-    /// asks for them.
+    /// Whether reflected inertia (ÿ) and asymmetric viscous friction (|v|) may be added. Each term is added to a joint if it
+    /// lowers the held-out error.
     pub optional_terms: bool,
     /// Number of folds of contiguous blocks, 4 to 50.
     pub folds: usize,
-    /// Number of passes in which outliers lose weight (Huber 1964); 0 trusts every sample alike.
+    /// Number of passes in which outliers lose weight (Huber 1964), at most 20. With 0 all samples have the same weight.
     pub robust_passes: usize,
-    /// Whether the inertial parameters must be those of bodies that can exist.
+    /// Whether the inertial parameters must be those of physically possible bodies.
     pub consistent: bool,
-    /// The filter that the runs passed. Friction jumps where a joint reverses, and the filter has rounded that in the
-    /// efforts: the columns of friction pass it too. `None` leaves them as they are.
+    /// The filter that the runs passed. It has rounded the jumps of friction at reversals in the efforts, so the columns of
+    /// friction pass it, too. `None` if the runs passed no filter.
     pub filter: Option<Filter>,
-    /// Number of the delay of each effort, from 0 on: what is left of the delays that were removed is estimated with all
-    /// else. Efforts with the same number share one. `None` if delays are known.
+    /// For each effort, the index of its delay, from 0 on. Efforts with the same index share a delay. The rest of each delay
+    /// after the removed one is estimated together with all other unknowns. `None` if the delays are known.
     pub delays: Option<Vec<usize>>,
-    /// Level of the intervals, e.g. 0.9.
+    /// Confidence level of the intervals, between 0 and 1.
     pub confidence: f64,
-    /// Least R² on held-out data, centred, that a moving joint's fit must have.
+    /// Least centred R² on held-out data that the fit of a moving joint must have, below 1.
     pub least_r_squared: f64,
-    /// Numbers of joints whose efforts are not used: they keep their description.
+    /// Indices of joints whose efforts are not used. These joints keep their description.
     pub without: Vec<usize>,
-    /// Returns the estimate even where a joint's R² is below the least one.
+    /// Whether the estimate is returned even if the R² of a joint is below [`Self::least_r_squared`].
     pub accept_poor: bool,
 }
 

@@ -1,8 +1,9 @@
-//! The same estimate from sums of products by share, where the samples are gone.
+//! The estimate from sums of products by share, if the samples are not available.
 //!
-//! The columns' means over each run are taken off before they are multiplied: so each run has an offset of its own,
-//! and sums of any logs add up. The rows of joints with a quaternion have no offset: their columns keep their means. A share
-//! is a fold of the held-out error and a block of the covariance.
+//! A share is a group of samples of many logs. It is a fold of the held-out error and a block of the covariance. The mean of
+//! each column over a run is subtracted before the products are formed. So each run has an offset of its own, and the sums
+//! of any logs can be added. The rows of joints with a quaternion have no offset, so the means of their columns are not
+//! subtracted.
 
 use super::super::error::{Result, require_finite};
 use super::super::methods::library::{slope, smooth_sign};
@@ -29,14 +30,14 @@ use gelenk_findings::Finding;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
-/// Factors k of the terms tanh(k v): those of the friction library, so that no log decides them for others.
+/// Factors k of the terms tanh(k v). They are those of the friction library, so that they do not depend on a log.
 const STEEPNESS: [f64; 4] = [100.0, 20.0, 10.0, 5.0];
-/// Columns behind those of the estimate: sign v and |tanh 20 v|, which only the friction law asks for. A joint with a
-/// quaternion has a column of ones in their place, which tells the sums of its other columns.
+/// Number of columns after those of the estimate. A joint has the columns sign v and |tanh 20 v|, which only the friction
+/// law needs. A joint with a quaternion has a column of ones instead, whose products are the sums of the other columns.
 const EXTRA: [usize; 2] = [2, 1];
 
-/// Columns of each joint's equation: inertial parameters, candidate terms, described force, measured force, and
-/// those of [`EXTRA`].
+/// Columns of each joint's equation: inertial parameters, candidate terms, described force, measured force, and the columns
+/// of [`EXTRA`].
 #[derive(Debug, Clone)]
 pub(crate) struct Columns {
     layout: Layout,
@@ -46,11 +47,12 @@ pub(crate) struct Columns {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ShareSums {
     pub(crate) samples: usize,
-    /// Σ w of each joint.
+    /// Σ w of each joint, with the weights w of the samples.
     pub(crate) weights: Vec<f64>,
-    /// Σ w (x − x̄)(x − x̄)ᵀ of each joint; Σ w x xᵀ of one with a quaternion.
+    /// Σ w (x − x̄)(x − x̄)ᵀ of each joint, with the columns x and their means x̄; Σ w x xᵀ of a joint with a quaternion.
     pub(crate) products: Vec<DMatrix<f64>>,
-    /// Sums of squares that outliers lost with their weight: Σ (1 − w) r² and Σ (1 − w)(z − z̄)² of each joint.
+    /// Sums of squares that outliers lost with their weight: Σ (1 − w) r² and Σ (1 − w)(z − z̄)² of each joint, with the
+    /// residual r and the measured effort z.
     pub(crate) lost: Vec<[f64; 2]>,
 }
 
@@ -61,18 +63,20 @@ pub(crate) struct RunPiece {
     pub(crate) rows: Range<usize>,
 }
 
-/// Weights and residuals of samples, `[run][joint][sample]`, the residuals in units of the effort times B.
+/// Weights and residuals of samples, `[run][joint][sample]`. The residuals are in units of the effort times B.
 pub(crate) struct Weighted<'a> {
     pub(crate) weights: &'a [Vec<Vec<f64>>],
     pub(crate) residuals: &'a [Vec<Vec<f64>>],
 }
 
 impl Columns {
-    /// - `spans`: the range of positions of each joint in any log
-    /// - `measured`: whether any log has its effort
+    /// - `spans`: for each joint, the largest range of positions in a log
+    /// - `measured`: for each joint, whether a log has its effort
     ///
     /// # Errors
-    /// Currents of a robot whose joints have no inputs of their own.
+    /// [`IdentificationError::File`](super::super::error::IdentificationError::File) if inputs act at frames and efforts are
+    /// not forces at the joints, or if efforts are currents with unknown motor constants of joints without inputs of their
+    /// own.
     pub(crate) fn new(
         robot: &dyn Robot,
         effort: Effort,
@@ -94,7 +98,7 @@ impl Columns {
         (0..self.layout.joints).map(|joint| self.layout.width(joint) + extra(joint)).collect()
     }
 
-    /// Terms of the friction law, with the place of their columns.
+    /// Terms of the friction law, with the index of each term's column.
     pub(crate) fn library(&self, joint: usize) -> Vec<(String, usize)> {
         let (first, width) = (self.layout.local[joint].len() - TERMS, self.layout.width(joint));
         let coulomb = |place: usize| first + COULOMB.start + place;
@@ -111,9 +115,10 @@ impl Columns {
         ]
     }
 
-    /// Sums over each piece, the means of its run's columns taken off where forces are measured.
+    /// Sums over each piece. Where forces are measured, the mean of each column over its run is subtracted.
     ///
-    /// - `filter`: of the efforts; friction passes it too
+    /// - `filter`: filter of the efforts, which friction passes, too
+    /// - `of`: weights and residuals of the samples
     pub(crate) fn sums(
         &self,
         robot: &dyn Robot,
@@ -191,7 +196,7 @@ impl Columns {
         }
     }
 
-    /// Columns of a joint at the samples evaluated last.
+    /// Columns of a joint at the last evaluated samples.
     fn columns(&self, rows: &Rows, joint: usize) -> Vec<Vec<f64>> {
         let mut columns: Vec<Vec<f64>> = rows.joint(joint).into_iter().map(<[f64]>::to_vec).collect();
         if self.layout.exact[joint] {
@@ -215,7 +220,8 @@ fn scale(column: &mut [f64], weights: &[f64]) {
     column.iter_mut().zip(weights).for_each(|(x, w)| *x *= w.sqrt());
 }
 
-/// Samples without any weight are those of a rest, which do not count; an outlier keeps some weight.
+/// Adds the squares that outliers lost. A sample with the weight zero is at rest and does not count. An outlier has a
+/// positive weight.
 fn add_lost(lost: &mut [f64; 2], weights: &[f64], squared: [&[f64]; 2]) {
     for (sum, values) in lost.iter_mut().zip(squared) {
         let counted = values.iter().zip(weights).filter(|(_, w)| **w > 0.0);
@@ -227,26 +233,26 @@ fn add_lost(lost: &mut [f64; 2], weights: &[f64], squared: [&[f64]; 2]) {
 pub(crate) struct SharedData<'a> {
     pub(crate) robot: &'a dyn Robot,
     pub(crate) settings: &'a EstimationSettings,
-    /// That of the logs: the sums are made, and settings do not know it.
+    /// Gravity in the logs. It is known from the sums, not from the settings.
     pub(crate) gravity: Gravity,
     pub(crate) columns: &'a Columns,
-    /// Shares with samples.
+    /// Shares that have samples.
     pub(crate) shares: &'a [ShareSums],
-    /// Samples after which residuals forget.
+    /// Correlation time of the residuals [samples].
     pub(crate) correlation_time: f64,
 }
 
-/// The estimate, and the factors of each joint's columns in its friction torque.
+/// The estimate, and for each joint the factors of its columns in the friction torque.
 pub(crate) struct SharedEstimate {
     pub(crate) estimate: Estimate,
     pub(crate) friction: Vec<DVector<f64>>,
 }
 
-/// Inertial parameters, friction and gains as [`super::estimate`] has them, each run with its own offsets. What
-/// needs samples is empty: efforts, predictions and offsets.
+/// Estimates inertial parameters, friction and gains as [`super::estimate`] does, with offsets for each run. Fields that
+/// need samples are empty: efforts, predictions and offsets.
 ///
 /// # Errors
-/// As [`super::estimate`], and fewer than four shares with samples.
+/// The errors are those of [`super::estimate`].
 pub(crate) fn estimate_shares(data: &SharedData) -> Result<SharedEstimate> {
     let SharedData { robot, settings, columns, shares, .. } = *data;
     settings.check()?;
@@ -300,7 +306,7 @@ pub(crate) fn estimate_shares(data: &SharedData) -> Result<SharedEstimate> {
     Ok(SharedEstimate { estimate, friction: (0..layout.joints).map(|j| found.friction(j)).collect() })
 }
 
-/// Sums as the fit takes them: columns of measured forces have no mean left.
+/// Sums in the form that the fit needs. The columns of measured forces have the mean zero.
 fn sums_of(layout: &Layout, shares: &[ShareSums]) -> Sums {
     let of_estimate = |share: &ShareSums| -> Vec<DMatrix<f64>> {
         let part = |(joint, products): (usize, &DMatrix<f64>)| {
@@ -327,7 +333,7 @@ fn sums_of(layout: &Layout, shares: &[ShareSums]) -> Sums {
     }
 }
 
-/// Everything that the estimate is reported from.
+/// Inputs of the reported estimate.
 struct Found<'a> {
     data: &'a SharedData<'a>,
     fitted: Estimated<'a>,
@@ -336,7 +342,7 @@ struct Found<'a> {
 }
 
 impl Found<'_> {
-    /// Refuses a fit that explains too little, or another sign better.
+    /// Refuses a fit that explains too little, or that is better with the other sign of an effort.
     fn require_explained(&self) -> Result<()> {
         let Estimated { robot, settings, layout, .. } = self.fitted;
         let held_out: Vec<f64> =
@@ -345,14 +351,15 @@ impl Found<'_> {
         require_explained(robot, layout, settings, (&held_out, &self.doubts), reasons)
     }
 
-    /// The factor between estimated and described forces of the robot as a whole.
+    /// The factor between estimated and described forces of the robot as a whole; `None` if no joint gives one.
     fn common_ratio(&self) -> Option<CommonRatio> {
         let Estimated { robot, layout, .. } = self.fitted;
         let sizes: Vec<Sizes> = (0..layout.joints).map(|joint| self.sizes(joint)).collect();
         common_ratio(robot, layout.effort, &layout.known_efforts(), &sizes)
     }
 
-    /// Sizes of the rigid force as estimated and as described, and of the measured one, each without its mean.
+    /// Root sums of squares of the estimated rigid force, the described rigid force and the measured force, each without its
+    /// mean.
     fn sizes(&self, joint: usize) -> Sizes {
         let products = self.products(joint);
         let width = products.nrows();
@@ -376,7 +383,8 @@ impl Found<'_> {
         [0, 1].map(|which| self.gain(joint).powi(2) * sum(which))
     }
 
-    /// `1 − RSS / Σ (τ − τ̄)²`, τ̄ by run where runs have offsets, outliers counted in full; NaN if nothing acts.
+    /// `R² = 1 − RSS / Σ (τ − τ̄)²` with the mean τ̄ over each run if runs have offsets. Outliers have their full weight.
+    /// NaN if no force acts.
     fn r_squared(&self, joint: usize, rss: f64) -> f64 {
         let variation = self.fitted.chosen.centred.variation(joint);
         let [residual, total] = self.lost(joint);
@@ -406,8 +414,8 @@ impl Found<'_> {
         Estimate { offsets: Offsets::ByRun, ..self.fitted.estimate(fits, findings.collect()) }
     }
 
-    /// Doubts about a moving joint: its unit, and its sign. Forces in the rows of a joint with a quaternion have no sensor to be doubted:
-    /// only their unit.
+    /// Doubts about a moving joint: its unit and its sign. In the rows of a joint with a quaternion there is no sensor, so
+    /// only the unit is doubted.
     fn doubts_of(&self, joint: usize) -> Vec<Finding> {
         let Estimated { robot, layout, .. } = self.fitted;
         if !layout.moves[joint] && !layout.exact[joint] {
@@ -418,7 +426,8 @@ impl Found<'_> {
         found.map(|finding| finding.of(robot.subject(joint))).collect()
     }
 
-    /// Friction as factors of a joint's columns: measured force minus those of the rigid body and of an added inertia.
+    /// Friction as factors of a joint's columns: the measured force minus the forces of the rigid body and of an added
+    /// inertia.
     fn friction(&self, joint: usize) -> DVector<f64> {
         let layout = self.fitted.layout;
         let mut factors = residual_vector(layout, &self.fitted.solved.values, joint);

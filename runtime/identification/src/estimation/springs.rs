@@ -1,4 +1,5 @@
-//! Whether a spring at one joint explains the efforts better: a cable that the joint winds up, or a spring that balances an arm.
+//! Test whether a spring at one joint explains the efforts better: a cable that the joint winds up, or a spring that
+//! balances an arm.
 
 use super::super::error::Result;
 use super::choice::Chosen;
@@ -8,7 +9,7 @@ use super::task::Task;
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule, Subject};
 
-/// Trust with which the data alone choose the stiffness.
+/// Weight of the prior with which the data alone determine the stiffness.
 const FREE: f64 = 1e-12;
 
 /// Sees: efforts of a joint that another stiffness of its spring explains better, next to bodies that may change.
@@ -17,7 +18,8 @@ const FREE: f64 = 1e-12;
 /// Fixture: `spring` in `codegen/tests/findings/arm.rs`.
 const SPRING: Rule = Rule::warning("spring");
 
-/// The spring that explains the efforts most clearly better; `None` if none does. Rows of quaternions and of shafts have none.
+/// The finding about the spring that improves the fit most; `None` if no spring improves it clearly. Rows of joints with
+/// quaternions and of shafts have no spring.
 pub(super) fn spring(task: &Task, chosen: &Chosen) -> Result<Option<Finding>> {
     let (layout, count) = (task.layout, task.layout.parameters);
     if layout.exact.contains(&true) || layout.known_gains.contains(&false) {
@@ -45,13 +47,15 @@ pub(super) fn spring(task: &Task, chosen: &Chosen) -> Result<Option<Finding>> {
         let all = &fitted.centred.all;
         let solved = fit(&fitted.centred, all, &fitted.model, task.prior, &fitted.weighting, &fitted.values)?;
         let stiffness = solved.values.unknowns[count + joint];
-        // A spring pulls back. A force that pushes away is one only if most of it takes away the described spring.
+        // A spring pulls back. A force that pushes away counts only if the description has a spring that is reduced by at
+        // most twice its stiffness.
         let pulls_back = stiffness + 2.0 * described_stiffness(task, joint) > 0.0;
         Ok(pulls_back.then(|| offered(finding(task, joint, stiffness), share)))
     })
 }
 
-/// Slope of the described forces without those of bodies over the position of a joint, where the first run begins [N·m/rad or N/m].
+/// Derivative of the described forces of a joint, without the forces of bodies, with respect to its position, at the first
+/// sample of the first run [N·m/rad or N/m].
 fn described_stiffness(task: &Task, joint: usize) -> f64 {
     const STEP: f64 = 1e-3;
     let robot = task.robot;

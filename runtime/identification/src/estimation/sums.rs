@@ -1,9 +1,9 @@
-//! One pass over the runs: sums of products of each joint's columns, by fold, and sums of columns by piece.
+//! Sums of products of each joint's columns for each fold, and sums of columns for each piece, in one pass over the runs.
 //!
-//! Everything that is chosen later (weights of the joints, terms, offsets, gains, the weight of the
-//! description) is chosen from these sums. They do not grow with the number of samples. Forming them squares
-//! the condition number; this is borne because the unknowns count from the description and the directions that
-//! the squared numbers cannot resolve (singular values below 1e-7 of the largest) are held there.
+//! All choices (weights of the joints, terms, offsets, gains, the weight of the description) are made from these sums. Their
+//! size does not depend on the number of samples. Products square the condition number. This is accepted because the
+//! unknowns are differences from the description, which holds the directions that the squared numbers cannot resolve
+//! (singular values below 1e-7 of the largest one).
 
 use super::super::methods::moments::contiguous_blocks;
 use super::super::numeric::kernel::{BLOCK, add_products};
@@ -14,7 +14,7 @@ use super::rows::Rows;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
-/// A contiguous part of a run, all in one fold.
+/// A contiguous part of a run. All its samples are in one fold.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Piece {
     pub(super) run: usize,
@@ -22,7 +22,7 @@ pub(super) struct Piece {
     pub(super) rows: Range<usize>,
 }
 
-/// Sums over a piece: of the weights and of the weighted columns, for each joint.
+/// Sums over a piece for each joint: sum of the weights, and sums of the weighted columns.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct PieceSums {
     pub(super) run: usize,
@@ -31,22 +31,22 @@ pub(super) struct PieceSums {
     pub(super) columns: Vec<DVector<f64>>,
 }
 
-/// Sums of products for each fold and joint, and the pieces' sums.
+/// Sums of products for each fold and joint, and the sums of the pieces.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Sums {
     pub(super) folds: Vec<Vec<DMatrix<f64>>>,
     pub(super) pieces: Vec<PieceSums>,
     pub(super) samples: usize,
-    /// The same without samples near stops, where gains are found from them.
+    /// The same sums without samples near stops, from which gains are found; `None` if no gains are to be found.
     pub(super) away: Option<Box<Sums>>,
 }
 
-/// Cuts runs into contiguous pieces and deals these into folds.
+/// Cuts runs into contiguous pieces and assigns the pieces to folds.
 ///
-/// Few runs are cut into one piece for each fold. Where there are more than half as many runs as folds, each run
-/// is halved, and the halves of neighbouring runs go into different folds: so an offset of the run can be
-/// estimated from its other half. Runs that repeat a motion go into the same folds: the fit to one of them would
-/// know the other's motion, and the error would say nothing about other motions.
+/// A few runs are cut into one piece for each fold. If there are more than half as many runs as folds, each run is halved,
+/// and its halves are in different folds, so that the offset of the run can be estimated from the other half. Runs that
+/// repeat a motion are in the same folds. Otherwise the fit would know the motion of the held-out run, and the error would
+/// not measure the prediction of other motions.
 pub(super) fn cut(runs: &[PreparedRun], folds: usize) -> Vec<Piece> {
     let pairs = (folds / 2).max(1);
     if runs.len() > pairs {
@@ -62,8 +62,8 @@ pub(super) fn cut(runs: &[PreparedRun], folds: usize) -> Vec<Piece> {
     parts(runs, folds).into_iter().map(|(run, fold, rows)| Piece { run, fold, rows }).collect()
 }
 
-/// Contiguous parts of all runs together, each with as many samples in which something moves: number of the run, of the
-/// part, and the rows.
+/// Cuts all runs together into contiguous parts with equal numbers of samples in motion. The result has the index of the
+/// run, the index of the part, and the rows.
 fn parts(runs: &[PreparedRun], count: usize) -> Vec<(usize, usize, Range<usize>)> {
     let moving = |run: &PreparedRun| run.count_moving(0..run.times.len());
     let blocks: Vec<Range<usize>> = contiguous_blocks(runs.iter().map(moving).sum(), count).collect();
@@ -82,7 +82,7 @@ fn parts(runs: &[PreparedRun], count: usize) -> Vec<(usize, usize, Range<usize>)
     parts
 }
 
-/// Number of each run's motion, in the order of their first runs, and how many motions there are.
+/// Index of the motion of each run, in the order of the motions' first runs, and the number of motions.
 fn motions(runs: &[PreparedRun]) -> (Vec<usize>, usize) {
     let mut first: Vec<usize> = Vec::new();
     let of_run = |run: usize| {
@@ -96,16 +96,16 @@ fn motions(runs: &[PreparedRun]) -> (Vec<usize>, usize) {
     (numbers, first.len())
 }
 
-/// Fewest motions that can be folds.
+/// Smallest number of motions for which motions are folds.
 pub(crate) const FEWEST_MOTIONS: usize = 3;
 
-/// Number of each run's motion, where runs repeat motions, of which there are several.
+/// Index of the motion of each run, if runs repeat motions and there are several motions; otherwise `None`.
 pub(crate) fn repeated_motions(runs: &[PreparedRun]) -> Option<Vec<usize>> {
     let (numbers, count) = motions(runs);
     (count >= FEWEST_MOTIONS && count < runs.len()).then_some(numbers)
 }
 
-/// Whether two runs go the same way at the same pace.
+/// Whether two runs have about the same positions at the same times.
 fn is_repeat(one: &PreparedRun, other: &PreparedRun) -> bool {
     let counts = [one.times.len(), other.times.len()];
     let (fewest, most) = (counts[0].min(counts[1]), counts[0].max(counts[1]));
@@ -123,20 +123,21 @@ fn is_repeat(one: &PreparedRun, other: &PreparedRun) -> bool {
     apart <= levels::ALIKE_MOTIONS.get() * way
 }
 
-/// Weight of each sample in a block: of run, joint, the joint's columns, and [`Rows::moving`].
+/// Weight of each sample in a block. The arguments are the indices of the run and of the joint, the joint's columns, and
+/// [`Rows::moving`].
 pub(super) type Weights<'w> = &'w dyn Fn(usize, usize, &[&[f64]], &[f64]) -> Vec<f64>;
 
-/// Every sample counts in which its joint moves.
+/// Weight one for the samples in which the joint moves, otherwise zero.
 pub(super) fn moving(_run: usize, _joint: usize, _columns: &[&[f64]], moving: &[f64]) -> Vec<f64> {
     moving.to_vec()
 }
 
-/// Every sample counts in which its joint rests.
+/// Weight one for the samples in which the joint rests, otherwise zero.
 pub(super) fn resting(_run: usize, _joint: usize, _columns: &[&[f64]], moving: &[f64]) -> Vec<f64> {
     moving.iter().map(|moves| 1.0 - moves).collect()
 }
 
-/// The sums over all pieces, each sample of a joint times its weight.
+/// The sums over all pieces. Each sample of a joint is multiplied by its weight.
 pub(super) fn sum(
     rows: &mut Rows,
     layout: &Layout,
@@ -206,7 +207,7 @@ impl PieceSums {
 }
 
 impl Sums {
-    /// Both, over the same pieces.
+    /// The sum of `self` and `other` over the same pieces.
     pub(super) fn with(&self, other: &Self) -> Self {
         let mut sum = Self { away: None, ..self.clone() };
         for (fold, other) in sum.folds.iter_mut().zip(&other.folds) {
@@ -219,14 +220,14 @@ impl Sums {
         sum
     }
 
-    /// Products of a joint over all folds but one.
+    /// Products of a joint over all folds, or over all folds except `without`.
     pub(super) fn products(&self, joint: usize, without: Option<usize>) -> DMatrix<f64> {
         let q = self.folds[0][joint].nrows();
         let chosen = self.folds.iter().enumerate().filter(|(k, _)| Some(*k) != without);
         chosen.fold(DMatrix::zeros(q, q), |sum, (_, fold)| sum + &fold[joint])
     }
 
-    /// Sums of each run over all folds but one: weight and columns.
+    /// Weight and sums of columns of each run, over all folds except `without`.
     pub(super) fn by_run(&self, joint: usize, without: Option<usize>) -> Vec<(f64, DVector<f64>)> {
         let runs = self.pieces.iter().map(|p| p.run + 1).max().unwrap_or(0);
         let q = self.folds[0][joint].nrows();

@@ -14,7 +14,7 @@ use super::rows::{More, Rows};
 use super::settings::EstimationSettings;
 use super::sums::{Piece, Sums, moving};
 
-/// The robot, the data and the settings, as the stages need them.
+/// The robot, the data and the settings of an estimate.
 #[derive(Clone)]
 pub(super) struct Task<'a> {
     pub(super) robot: &'a dyn Robot,
@@ -25,7 +25,7 @@ pub(super) struct Task<'a> {
     pub(super) gravity: Gravity,
     pub(super) pieces: Vec<Piece>,
     pub(super) loads: Option<&'a Loads>,
-    /// Delays of a first fit, if they are unknown; they have been removed from the runs.
+    /// First fit with unknown delays, which have been removed from the runs; `None` if the delays are known.
     pub(super) first_fit: Option<&'a FirstFit>,
     /// Columns that a hypothesis adds to the regressor.
     pub(super) more: Option<More<'a>>,
@@ -45,10 +45,10 @@ impl Task<'_> {
         forces(&mut self.rows(), self.layout, self.runs, values, offsets)
     }
 
-    /// Evaluates a function of this task with further parameters, and of its sums over moving samples.
+    /// Evaluates a function of this task with additional parameters, and of its sums over moving samples.
     ///
-    /// - `count`: number of the further parameters
-    /// - `more`: change of the regressor, with their columns last
+    /// - `count`: number of additional parameters
+    /// - `more`: change of the regressor, with the columns of the additional parameters at the end
     pub(super) fn with_more<T>(
         &self,
         (count, more): (usize, More),

@@ -1,8 +1,9 @@
 //! Test of the described direction of gravity.
 //!
-//! Weights are linear in gravity. Where this turns by small angles ε₁ and ε₂, they change by `ε₁ W₁(y) π + ε₂ W₂(y) π`, with W₁ and W₂ at
-//! rest under gravities across it. The angles are fitted together with all other unknowns, with almost free bodies: an effect that
-//! another body explains as well does not count as tilt. Passes start from the gravity just found until it stays (Gauss–Newton).
+//! Weights are linear in gravity. If gravity turns by small angles ε₁ and ε₂, the weights change by `ε₁ W₁(y) π + ε₂ W₂(y)
+//! π`, where W₁ and W₂ are regressors at rest under gravities perpendicular to it. The angles are fitted together with all
+//! other unknowns. Bodies are almost free, so an effect that other bodies explain equally well does not count as a tilt.
+//! Each pass starts from the gravity of the pass before until the direction converges (Gauss–Newton).
 
 use super::super::error::Result;
 use super::super::methods::confidence::quantile;
@@ -23,12 +24,14 @@ use gelenk_findings::{Finding, Rule};
 use nalgebra::{DMatrix, DVector, Vector3};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
-/// Change of the direction by which it stays [rad].
+/// Change of the direction below which the passes end [rad].
 const STAYS: f64 = 1e-3;
 const PASSES: usize = 10;
-/// A doubt about the direction of gravity; `None` if there is none, or where the data do not tell.
+/// The finding about the direction of gravity; `None` if the described direction is not doubted or if the data do not
+/// determine it.
 ///
-/// - the fit with the described gravity and its errors; `time`: the residuals' correlation time
+/// - `last`, `own`: fit with the described gravity, and its held-out errors
+/// - `time`: correlation time of the residuals [samples]
 pub(super) fn tilt(task: &Task, (last, own): (&Chosen, &HeldOut), time: f64) -> Result<Option<Finding>> {
     let is_usual = task.gravity == Gravity::Recorded && !task.layout.known_gains.contains(&false);
     let described = task.robot.gravity().filter(|_| is_usual && !task.layout.exact.contains(&true));
@@ -37,7 +40,7 @@ pub(super) fn tilt(task: &Task, (last, own): (&Chosen, &HeldOut), time: f64) -> 
     for pass in 0..PASSES {
         let pi = task.prior.described.iter().zip(&changes).map(|(pi, change)| pi + change).collect();
         let turning = Turning { robot: task.robot, described, gravity, across: across(gravity), pi };
-        // Angles that do not matter need no interval.
+        // Small angles need no interval.
         let found = turning.angles((task, last), (pass > 0).then_some(time))?;
         let angles = found.observable();
         gravity = turning.turned(&angles);
@@ -48,7 +51,7 @@ pub(super) fn tilt(task: &Task, (last, own): (&Chosen, &HeldOut), time: f64) -> 
             break;
         } else if pass > 0 && angles.norm() < STAYS {
             let Some(finding) = found.judged(&turning, gravity) else { return Ok(None) };
-            // Free bodies imitate much that the described ones exclude.
+            // Free bodies may explain effects that the described bodies exclude.
             let of_described = as_described(last.over(last.centred.sums), task.prior)?;
             let [turned, turned_described] = Turning { gravity, ..turning }.errors(task, last)?;
             let share = gain(own, &turned).filter(|_| !harms(&of_described, &turned_described));
@@ -58,7 +61,7 @@ pub(super) fn tilt(task: &Task, (last, own): (&Chosen, &HeldOut), time: f64) -> 
     Ok(None)
 }
 
-/// Two directions perpendicular to another one.
+/// Two unit vectors perpendicular to gravity and to each other.
 fn across(gravity: Vector3<f64>) -> [Vector3<f64>; 2] {
     let down = gravity.normalize();
     let mut axis = Vector3::zeros();
@@ -67,18 +70,19 @@ fn across(gravity: Vector3<f64>) -> [Vector3<f64>; 2] {
     [first, down.cross(&first)]
 }
 
-/// Another gravity than the described one, and the angles by which it turns further.
+/// A gravity that differs from the described one, and the axes along which it turns further.
 struct Turning<'a> {
     robot: &'a dyn Robot,
     described: Vector3<f64>,
     gravity: Vector3<f64>,
     across: [Vector3<f64>; 2],
-    /// π of the weights that turn.
+    /// Inertial parameters π of the bodies whose weights turn.
     pi: Vec<f64>,
 }
 
 impl Turning<'_> {
-    /// Adds weights under the other gravity without those under the described one, and the columns of the angles.
+    /// Adds to the regressor the weights under this gravity minus those under the described one, and the columns of the
+    /// angles.
     fn add(&self, y: &[f64], joints: usize, regressor: &mut [f64]) {
         let count = self.pi.len();
         let turned = self.at_rest(y, joints, self.gravity - self.described);
@@ -100,7 +104,8 @@ impl Turning<'_> {
         regressor
     }
 
-    /// Whether bodies that differ by these changes have weights against those of the described ones: gravity is upside down then.
+    /// Whether bodies that differ by these changes have weights opposite to those of the described bodies. The assumed
+    /// gravity is then upside down.
     fn weighs_less_than_nothing(&self, runs: &[PreparedRun], changes: &DVector<f64>) -> bool {
         let described = self.robot.parameters();
         let of_sample = |run: &PreparedRun, i: usize| -> f64 {
@@ -123,14 +128,14 @@ impl Turning<'_> {
         runs.iter().map(of_run).sum::<f64>() < 0.0
     }
 
-    /// Gravity turned by angles.
+    /// Gravity turned by the angles.
     fn turned(&self, angles: &DVector<f64>) -> Vector3<f64> {
         let size = self.gravity.norm();
         let turned = self.gravity + (self.across[0] * angles[0] + self.across[1] * angles[1]) * size;
         turned * (size / turned.norm())
     }
 
-    /// Errors of the same choice under this gravity, which turns no further, and those of the described bodies.
+    /// Held-out errors under this gravity without further turning, of the same choice and of the described bodies.
     fn errors(&self, task: &Task, last: &Chosen) -> Result<[HeldOut; 2]> {
         let more = |y: &[f64], regressor: &mut [f64]| self.add(y, task.layout.joints, regressor);
         task.with_more((2, &more), |task, sums| {
@@ -141,7 +146,7 @@ impl Turning<'_> {
 
     /// The angles, fitted together with all other unknowns.
     ///
-    /// - `time`: the residuals' correlation time, if a covariance is wanted
+    /// - `time`: correlation time of the residuals, if a covariance is needed
     fn angles(&self, (task, last): (&Task, &Chosen), time: Option<f64>) -> Result<Angles> {
         let more = |y: &[f64], regressor: &mut [f64]| self.add(y, task.layout.joints, regressor);
         task.with_more((2, &more), |task, sums| {
@@ -154,12 +159,12 @@ impl Turning<'_> {
     }
 }
 
-/// The angles of a fit, by which gravity turns further.
+/// Fitted angles by which gravity turns further.
 struct Angles {
     values: DVector<f64>,
     /// Changes of all unknowns.
     changes: DVector<f64>,
-    /// Directions that the data see, by the covariance under independent residuals.
+    /// Directions that the data determine, by the covariance under independent residuals.
     seen: DMatrix<f64>,
     covariance: DMatrix<f64>,
     freedom: f64,
@@ -195,17 +200,18 @@ impl Angles {
         Ok(found)
     }
 
-    /// The angles in the directions that the data see.
+    /// The angles in the directions that the data determine.
     fn observable(&self) -> DVector<f64> {
         &self.seen * self.seen.tr_mul(&self.values)
     }
 
-    /// Finding about a gravity direction that is significant and far enough from the described one to matter.
+    /// The finding about the direction of gravity, if it differs significantly from the described one and by an angle that
+    /// matters.
     fn judged(&self, turning: &Turning, found: Vector3<f64>) -> Option<Finding> {
         let (described, angle) = (turning.described, found.angle(&turning.described));
         let [first, second] = turning.across;
         let across = [first.dot(&described), second.dot(&described)];
-        // Upside down every direction leads to the described one.
+        // If gravity is upside down, every direction leads to the described one.
         let way = DVector::from_column_slice(&across).try_normalize(1e-9 * described.norm());
         let beside = way.unwrap_or(DVector::from_column_slice(&[1.0, 0.0])) * angle;
         let (beside, covariance) =
@@ -223,7 +229,7 @@ impl Angles {
     }
 }
 
-/// Columns of directions whose variance is below [`levels::UNTOLD`].
+/// Columns of the directions whose variance is below [`levels::UNTOLD`].
 fn seen(variance: DMatrix<f64>) -> DMatrix<f64> {
     if variance.nrows() != 2 {
         return DMatrix::zeros(2, 0);

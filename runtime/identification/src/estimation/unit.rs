@@ -1,7 +1,7 @@
-//! Doubts about the unit of efforts: what rigid bodies need, against what they would need as described.
+//! Doubts about the unit of efforts, by the ratio of the estimated rigid force to that of the described bodies.
 //!
-//! A joint by itself says little: one without gravity, behind a gear that rubs, may need ten times the described force
-//! because ten times of nearly nothing is nearly nothing. Joints that carry the robot say what its efforts are.
+//! A single joint is weak evidence. If gravity hardly loads it and its gear has much friction, the estimated force may be
+//! ten times the described one because both are nearly zero. So the joints that carry the robot decide about the unit.
 
 use super::super::error::{IdentificationError, Result};
 use super::super::log::unit_value;
@@ -23,25 +23,26 @@ const COMMON_FACTOR: Rule = Rule::error("other-unit-of-efforts");
 /// Fixture: `estimation/tests/simulated.rs`.
 const JOINT_FACTOR: Rule = Rule::warning("other-unit-of-effort");
 
-/// Units that torques may be in.
+/// Units in which torques may be recorded.
 const UNITS: [&str; 3] = ["mNm", "Ncm", "kNm"];
-/// Rigid force as estimated, as described, and measured force, each the root of a sum of squares.
+/// Estimated rigid force, described rigid force, and measured force, each as the root of a sum of squares.
 pub(super) type Sizes = [f64; 3];
 
-/// The factor between estimated and described rigid forces of joints of one kind.
+/// The ratio of estimated to described rigid forces, over revolute joints or over prismatic joints.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct CommonRatio {
     factor: f64,
-    /// Names of the joints that it is the median of.
+    /// Names of the joints whose ratios have this median.
     joints: Vec<String>,
-    /// Unit of positions, rad or m.
+    /// Unit of the joints' positions, rad or m.
     unit: &'static str,
     effort: Effort,
 }
 
-/// The factor that is farthest from 1 of those of turning and of sliding joints; `None` if nothing carries.
+/// The ratio of the revolute joints or that of the prismatic joints, whichever is farther from 1; `None` if no joint carries
+/// the robot.
 ///
-/// - `known`: joints that move, and whose efforts are measured
+/// - `known`: for each joint, whether it moves and its effort was measured
 pub(super) fn common_ratio(
     robot: &dyn Robot,
     effort: Effort,
@@ -67,7 +68,7 @@ pub(super) fn common_ratio(
     [of("rad"), of("m")].into_iter().flatten().max_by(|a, b| distance(a).total_cmp(&distance(b)))
 }
 
-/// The median of ascending ratios, between the middle ones by logarithms.
+/// The median of ascending ratios. The median of an even number is the geometric mean of the two middle ones.
 fn middle(ratios: &[f64]) -> Option<f64> {
     let half = ratios.len() / 2;
     let upper = *ratios.get(half)?;
@@ -75,11 +76,11 @@ fn middle(ratios: &[f64]) -> Option<f64> {
 }
 
 impl CommonRatio {
-    /// A doubt about the efforts of the robot as a whole.
+    /// A doubt about the efforts of the robot as a whole; `None` if the ratio is near 1.
     ///
     /// # Errors
-    /// [`IdentificationError::Found`] with the factor and what it may come from, where bodies need far more or less than
-    /// described and this is not accepted.
+    /// [`IdentificationError::Found`] with the ratio and its likely causes, if the ratio is far from 1 and this is not
+    /// accepted.
     pub(crate) fn judged(&self, accept_poor: bool) -> Result<Option<Finding>> {
         if !self.is_other() {
             return Ok(None);
@@ -90,12 +91,12 @@ impl CommonRatio {
         Err(IdentificationError::Found { findings: vec![self.finding()] })
     }
 
-    /// Estimated over described forces.
+    /// Ratio of estimated to described forces.
     pub(super) fn factor(&self) -> f64 {
         self.factor
     }
 
-    /// Whether efforts may be in another unit.
+    /// Whether the efforts may be in another unit.
     pub(super) fn is_other(&self) -> bool {
         !self.is_within(levels::OTHER_UNIT.get())
     }
@@ -132,15 +133,15 @@ impl CommonRatio {
             self.joints.join(", ")
         );
         let remedy = format!(
-            "{}{usual}; counts and percents have a factor, as in --columns '{key}=…[0.05 {unit}]'. Otherwise positions are in \
-             another unit, or the described masses or the direction of gravity are wrong. --accept-poor takes efforts as they are",
+            "{}{usual}; counts and percents have a factor, as in --columns '{key}=…[0.05 {unit}]'. If the efforts are right, check the \
+             unit of the positions, the described masses and the direction of gravity. --accept-poor uses the efforts as they are",
             guess.unwrap_or_default()
         );
         COMMON_FACTOR.found(message).with("factor", self.factor, "").help(remedy)
     }
 }
 
-/// A doubt about the unit of one joint's effort.
+/// A doubt about the unit of one joint's effort; `None` if the ratio is near 1 or the described force is small.
 pub(super) fn unit_doubt([rigid, described, measured]: Sizes) -> Option<Finding> {
     let ratio = rigid / described;
     let matters = described > levels::CARRIES.get() * measured;

@@ -1,4 +1,4 @@
-//! The way from a given posture to the beginning of a planned motion.
+//! The motion from a given posture to the beginning of a planned motion.
 
 use super::super::error::{IdentificationError, Result, require_length};
 use super::super::robot::{Instant, Robot, narrowed_limits};
@@ -6,27 +6,28 @@ use super::ExcitationLimits;
 use super::chart::Chart;
 use std::f64::consts::PI;
 
-/// Largest speed and acceleration of the way from 0 to 1 in one second.
+/// Largest speed and acceleration of the motion from 0 to 1 in one second.
 const PEAKS: [f64; 2] = [1.875, 5.773_502_691_896_258];
-/// Parts of the way at which its forces are looked at.
+/// Number of intervals of the motion at whose ends its forces are computed.
 const PARTS: usize = 100;
-/// Part of a range by which a posture may lie outside it: postures are typed with a few digits.
+/// Share of a range by which a posture may lie outside it, because postures are typed with a few digits.
 const ROUNDING: f64 = 1e-6;
 
-/// A straight way between two postures, at rest without acceleration at both ends: `s(τ) = 10 τ³ − 15 τ⁴ + 6 τ⁵`, the
-/// motion with the least jerk (Flash and Hogan 1985). All joints move together.
+/// A straight motion between two postures, at rest without acceleration at both ends: `s(τ) = 10 τ³ − 15 τ⁴ + 6 τ⁵` for τ
+/// from 0 to 1, the motion with the least jerk (Flash and Hogan 1985). All joints move together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Approach {
-    /// Posture that it begins in [rad or m], by joint; of a joint with a quaternion the place and the rotation vector.
+    /// Posture at the beginning [rad or m], by joint. A joint with a quaternion has the rotation vector of its orientation,
+    /// and if it is floating the position of its origin before the rotation vector.
     pub from: Vec<f64>,
-    /// Posture that it leads to.
+    /// Posture at the end, in the same coordinates.
     pub to: Vec<f64>,
-    /// Shortest time that keeps the limits of speed and acceleration (s); 0 if both postures are one.
+    /// Shortest time that keeps the limits of speed and acceleration [s]; 0 if both postures are equal.
     pub seconds: f64,
 }
 
 impl Approach {
-    /// The fastest way within the limits.
+    /// The fastest motion within the limits.
     pub(super) fn new(from: &[f64], to: &[f64], (chart, limits): (&Chart, &[ExcitationLimits])) -> Self {
         let seconds = |((from, to), limit): ((&f64, &f64), &ExcitationLimits)| {
             let way = (to - from).abs();
@@ -34,14 +35,14 @@ impl Approach {
         };
         let seconds = from.iter().zip(to).zip(limits).map(seconds).fold(0.0, f64::max);
         let mut approach = Self { from: from.to_vec(), to: to.to_vec(), seconds };
-        // Bodies may turn faster than their rotation vectors change. In f times the time velocities are 1/f of what they were,
-        // and accelerations 1/f².
+        // Bodies may rotate faster than their rotation vectors change. In f times the time, velocities are divided by f and
+        // accelerations by f².
         let excess = chart.largest_excess(&chart.instants(&approach.instants()), limits);
         approach.seconds *= excess.max(1.0);
         approach
     }
 
-    /// y, ẏ, ÿ at a share τ of the way that takes `seconds`.
+    /// y, ẏ, ÿ at a share τ of the motion, if it takes `seconds`.
     fn instant(&self, share: f64, seconds: f64) -> Instant {
         let t = share.clamp(0.0, 1.0);
         let s = t * t * t * (10.0 - 15.0 * t + 6.0 * t * t);
@@ -55,15 +56,15 @@ impl Approach {
         ]
     }
 
-    /// Instants along the way; none if both postures are one.
+    /// States along the motion; empty if both postures are equal.
     pub(super) fn instants(&self) -> Vec<Instant> {
         let share = |i: usize| i as f64 / PARTS as f64;
         let moves = self.seconds > 0.0;
         (0..=PARTS).filter(|_| moves).map(|i| self.instant(share(i), self.seconds)).collect()
     }
 
-    /// Rows of the way at a period, the last one left out: there the motion begins. Whole rows take a little longer than
-    /// the shortest time.
+    /// States of the motion at a period [s], without the last one, at which the planned motion begins. The motion takes a
+    /// little longer than the shortest time, so that it has a whole number of periods.
     pub(super) fn rows(&self, period: f64) -> Vec<Instant> {
         let rows = (self.seconds / period - 1e-9).ceil().max(0.0) as usize;
         let seconds = rows as f64 * period;
@@ -71,16 +72,17 @@ impl Approach {
     }
 }
 
-/// Refuses a posture that is not one of the robot.
+/// Fails if a posture is not possible for the robot.
 ///
 /// # Errors
-/// Another number of joints, a turn of π or more, and a joint, or one that follows others, beyond its described limits.
+/// [`IdentificationError::Shape`] for a wrong number of joints, and [`IdentificationError::Setting`] for a rotation of π or
+/// more, or for a joint (also one that follows other joints) beyond its described limits.
 pub(super) fn require_posture(robot: &dyn Robot, chart: &Chart, start: &[f64]) -> Result<()> {
     let names = robot.joint_names();
     require_length("positions of the start", names.len(), start.len())?;
     for (name, rows) in chart.rotations() {
         let turn = start[rows].iter().map(|x| x * x).sum::<f64>().sqrt();
-        // Written so that NaN is refused.
+        // This form also refuses NaN.
         let is_turn = turn < PI;
         if !is_turn {
             return Err(IdentificationError::Setting {

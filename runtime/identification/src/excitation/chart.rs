@@ -1,8 +1,8 @@
-//! Coordinates in which robots with quaternions are planned: as many as there are velocities.
+//! Coordinates in which motions of robots with quaternions are planned. There are as many coordinates as velocities.
 //!
-//! Those of a joint with a quaternion are the rotation vector φ of its attitude, R = exp([φ]×), behind the place p of its
-//! origin in the parent's frame where it slides. Along φ(t) and p(t), in the body's own frame (Chirikjian, *Stochastic Models,
-//! Information Theory, and Lie Groups 2*, 2012, section 10.8),
+//! The coordinates of a joint with a quaternion are the rotation vector φ of its orientation, R = exp([φ]×). A floating
+//! joint has the position p of its origin in the parent's frame before φ. Along φ(t) and p(t), velocities in the body's own
+//! frame are (Chirikjian, *Stochastic Models, Information Theory, and Lie Groups 2*, 2012, section 10.8)
 //!
 //! ```text
 //!     ω = J(φ) φ̇,    J(φ) x = x − β φ × x + γ φ × (φ × x),    β = (1 − cos θ)/θ²,    γ = (θ − sin θ)/θ³,    θ = |φ|
@@ -16,18 +16,18 @@ use super::{ExcitationLimits, FourierMotion};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use std::ops::Range;
 
-/// Terms of the series in θ², below rounding for all turns up to π.
+/// Number of terms of the series in θ². The error is below rounding for all rotations up to π.
 const TERMS: i32 = 16;
-/// Number of times that a motion is shrunk towards its limits; the excess of a speed falls fast.
+/// Largest number of times that a motion is scaled towards its limits. The excess of a speed falls fast.
 const ROUNDS: usize = 6;
-/// Part of a limit that a shrunk motion leaves to the next round's error.
+/// Share of a limit that is left for the error of the next scaling.
 const MARGIN: f64 = 1e-3;
 
-/// The coordinates of a robot: those of joints without a quaternion are their positions.
+/// The coordinates of a robot. Those of joints without a quaternion are their positions.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Chart {
     joints: Vec<QuaternionJoint>,
-    /// Entry of y of each coordinate of the other joints.
+    /// Index of the entry of y for each coordinate; `None` for coordinates of joints with a quaternion.
     plain: Vec<Option<usize>>,
 }
 
@@ -37,7 +37,7 @@ impl Chart {
         Self { plain: plain_positions(&joints, robot.joint_names().len()), joints }
     }
 
-    /// That of a robot without quaternions.
+    /// The coordinates of a robot without quaternions.
     #[cfg(test)]
     pub(super) fn plain(joints: usize) -> Self {
         Self { plain: plain_positions(&[], joints), joints: Vec::new() }
@@ -48,7 +48,7 @@ impl Chart {
         self.plain.iter().map(Option::is_none).collect()
     }
 
-    /// Coordinates of each rotation vector.
+    /// Name of each joint with a quaternion, and the coordinates of its rotation vector.
     pub(super) fn rotations(&self) -> impl Iterator<Item = (&str, Range<usize>)> {
         self.joints.iter().map(|joint| {
             let rows = joint.velocities();
@@ -56,7 +56,7 @@ impl Chart {
         })
     }
 
-    /// Positions y, velocities v and accelerations v̇ for coordinates and their derivatives.
+    /// Positions y, velocities v and accelerations v̇ from coordinates and their derivatives.
     pub(super) fn instant(&self, of: &Instant) -> Instant {
         if self.joints.is_empty() {
             return of.clone();
@@ -70,12 +70,12 @@ impl Chart {
         found
     }
 
-    /// All of them.
+    /// [`Self::instant`] of several states.
     pub(super) fn instants(&self, of: &[Instant]) -> Vec<Instant> {
         of.iter().map(|instant| self.instant(instant)).collect()
     }
 
-    /// How many times as large as its limit the largest velocity or acceleration of these coordinates is.
+    /// Largest ratio of a velocity or acceleration of these coordinates to its limit.
     fn excess(&self, rows: Range<usize>, instants: &[Instant], limits: &[ExcitationLimits]) -> f64 {
         let of = |[_, v, a]: &Instant| {
             let row = |i: usize| (v[i].abs() / limits[i].velocity).max(a[i].abs() / limits[i].acceleration);
@@ -90,14 +90,14 @@ impl Chart {
         self.joints.iter().map(of).fold(0.0, f64::max)
     }
 
-    /// Shrinks the motion of joints with quaternions, so that velocities and accelerations of their bodies keep the limits
-    /// which those of the coordinates keep.
+    /// Scales down the motion of joints with quaternions, so that velocities and accelerations of their bodies keep the
+    /// limits that those of the coordinates keep.
     pub(super) fn narrow(&self, motion: &mut FourierMotion, limits: &[ExcitationLimits], samples: usize) {
         for joint in &self.joints {
             for _ in 0..ROUNDS {
                 let instants = self.instants(&motion.instants(samples));
                 let excess = self.excess(joint.velocities(), &instants, limits);
-                // Written so that NaN ends the rounds.
+                // This form also ends the rounds for NaN.
                 let is_beyond = excess > 1.0;
                 if !is_beyond {
                     break;
@@ -110,7 +110,7 @@ impl Chart {
     }
 }
 
-/// Pose, velocities and accelerations of a joint with a quaternion.
+/// Computes pose, velocities and accelerations of a joint with a quaternion.
 fn place(joint: &QuaternionJoint, [z, dz, ddz]: &Instant, [y, v, a]: &mut Instant) {
     let rows = joint.velocities();
     let three = |of: &[f64], first: usize| Vector3::new(of[first], of[first + 1], of[first + 2]);
@@ -131,14 +131,14 @@ fn place(joint: &QuaternionJoint, [z, dz, ddz]: &Instant, [y, v, a]: &mut Instan
     }
 }
 
-/// Attitude exp(φ), angular velocity and acceleration in the body's frame.
+/// Orientation exp(φ), angular velocity and angular acceleration in the body's frame.
 fn turning(
     phi: &Vector3<f64>,
     rate: &Vector3<f64>,
     change: &Vector3<f64>,
 ) -> (UnitQuaternion<f64>, Vector3<f64>, Vector3<f64>) {
     let square = phi.norm_squared();
-    // Σ (−s)ᵏ/(2 k + n)!, and its derivative times ṡ: 1/n! − s/(n + 2)! + …
+    // Σ (−s)ᵏ/(2 k + n)! = 1/n! − s/(n + 2)! + …, and its derivative times ṡ.
     let series = |n: i32| {
         let (mut term, mut sum, mut slope) = (1.0 / (1..=n).map(f64::from).product::<f64>(), 0.0, 0.0);
         for k in 0..TERMS {

@@ -1,4 +1,4 @@
-//! Columns of the regressor that a plan asks for.
+//! Columns of the regressor that a planned motion has to excite.
 
 use super::super::numeric::random::SplitMix64;
 use super::super::robot::Robot;
@@ -6,10 +6,10 @@ use super::chart::Chart;
 use super::{ExcitationLimits, Instant};
 use nalgebra::DMatrix;
 
-/// States that tell dependent columns of the regressor from independent ones.
+/// Number of random states by which dependent columns of the regressor are detected.
 const STATES: usize = 60;
 
-/// States within the limits.
+/// Random states within the limits.
 pub(super) fn random_states(limits: &[ExcitationLimits], chart: &Chart) -> Vec<Instant> {
     let mut random = SplitMix64::new(1);
     let mut between = |low: f64, high: f64| low + (high - low) * random.uniform();
@@ -22,9 +22,9 @@ pub(super) fn random_states(limits: &[ExcitationLimits], chart: &Chart) -> Vec<I
     (0..STATES).map(|_| state()).collect()
 }
 
-/// Columns of W that are independent at random states, the strongest first found (Gautier 1991).
+/// Indices of columns of W that are linearly independent at random states (Gautier 1991).
 ///
-/// - `columns`: how many of them count
+/// - `columns`: number of the first columns of W that are considered
 pub(super) fn independent_columns(robot: &dyn Robot, columns: usize, states: &[Instant]) -> Vec<usize> {
     let (n, all) = (robot.joint_names().len(), robot.parameter_names().len());
     let mut stacked = DMatrix::zeros(n * states.len(), columns);

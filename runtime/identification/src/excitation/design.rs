@@ -12,48 +12,48 @@ use super::settings::PlanSettings;
 use super::{ExcitationLimits, FourierMotion, Instant};
 use nalgebra::DMatrix;
 
-/// Requirements of a planned motion on the motor of a drive that acts on several joints.
+/// Speed and torque that a planned motion requires from the motor of a drive that acts on several joints.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlannedShaft {
     /// Name of the drive.
     pub name: String,
-    /// Largest speed of its shaft [rad/s].
+    /// Largest speed of the drive's shaft [rad/s].
     pub speed: f64,
-    /// Largest torque of its motor without friction, by the described robot [N·m].
+    /// Largest torque of the motor for the described robot without friction [N·m].
     pub torque: f64,
-    /// Described limit of this torque; infinite if there is none.
+    /// Described limit of the torque [N·m]; infinite if the description has no limit.
     pub limit: f64,
 }
 
-/// Part of a limit, and of a unit of position, that counts as none.
+/// Share of a limit, and of a unit of position, that counts as rounding.
 const ROUNDING: f64 = 1e-9;
-/// Friction columns of a joint: viscous, Coulomb, offset.
+/// Number of friction columns of a joint: viscous, Coulomb, offset.
 const FRICTION: usize = 3;
 /// Inputs of the score.
 pub(super) struct Design<'a> {
     robot: &'a dyn Robot,
     rows: RobotRows<'a>,
-    /// Columns of W that no others replace.
+    /// Indices of linearly independent columns of W.
     pub(super) independent: Vec<usize>,
     columns: usize,
-    /// Efforts that the motion may need of the joints, torques that it may need of the motors of shafts, by rows, and weights
-    /// 1/σ of the rows.
+    /// Efforts that the motion may require from the joints (`efforts`), torques that it may require from the motors of
+    /// shafts (`torques`), and weights 1/σ (`weights`), by row.
     efforts: Vec<f64>,
     torques: Vec<f64>,
     weights: Vec<f64>,
     sign_speeds: Vec<f64>,
-    /// Joints that follow others, and motors by the speeds at which they have no torque left.
+    /// Joints that follow other joints, and for each motor the speed at which it has no torque left.
     followers: Vec<FollowerLimits>,
-    /// Where something limits motors.
+    /// Limits of the motors; `None` if the motors have no limits.
     motors: Option<Motors<'a>>,
-    /// Where some inputs act at frames.
+    /// Inputs, if some inputs act at frames; otherwise `None`.
     pub(super) inputs: Option<FrameInputs<'a>>,
     velocity_share: f64,
     chart: &'a Chart,
     limits: &'a [ExcitationLimits],
     /// Reasons for which motions were rejected early.
     pub(super) refusals: Refusals,
-    /// Rows whose friction and offset are estimated: not those of joints with a quaternion.
+    /// Rows whose friction and offset are estimated: all rows except those of joints with a quaternion.
     rubbing: Vec<usize>,
 }
 
@@ -76,12 +76,12 @@ impl<'a> Design<'a> {
         let weight = |(effort, typical): (&f64, &f64)| match [*effort, *typical] {
             [effort, _] if effort.is_finite() && effort > 0.0 => 1.0 / effort,
             [_, typical] if typical > 0.0 => 1.0 / typical,
-            // Nothing moves this joint but friction.
+            // Only friction moves this joint.
             _ => 1.0,
         };
         Self {
             robot,
-            // Friction that is described on joints cannot be told from that of shafts by all of its factors.
+            // All factors of described friction of joints cannot be distinguished from friction of shafts.
             independent: independent_columns(&rows, robot.parameter_names().len(), &states),
             columns: rows.parameter_names().len(),
             weights: of_rows.iter().zip(&typical).map(weight).collect(),
@@ -114,7 +114,7 @@ impl<'a> Design<'a> {
         FRICTION * self.rubbing.len()
     }
 
-    /// Shrinks and shifts a motion of the joints that others follow, so that those keep their limits.
+    /// Scales down and shifts the motion of joints that other joints follow, so that the following joints keep their limits.
     pub(super) fn narrow(&self, motion: &mut FourierMotion, samples: usize) {
         for joint in &self.followers {
             let instants = motion.instants(samples);
@@ -125,7 +125,7 @@ impl<'a> Design<'a> {
                 instants.iter().map(|[y, ..]| joint.sum(y.iter().copied(), joint.offset) - middle);
             let [low, high] = positions.fold([0.0_f64; 2], |[low, high], y| [low.min(y), high.max(y)]);
             let [least, most] = joint.position;
-            // Quotients by 0, of a motion that does not move it, shrink nothing.
+            // A quotient by 0 belongs to a motion that does not move the following joint. It scales nothing.
             let share = 1.0_f64
                 .min((most - least) / (high - low))
                 .min(self.velocity_share * joint.velocity / fastest);
@@ -140,7 +140,7 @@ impl<'a> Design<'a> {
         }
     }
 
-    /// Whether the motion leaves the limits of a joint that follows others, or of one that was shifted for it.
+    /// Whether the motion leaves the limits of a joint that follows other joints, or of a joint that was shifted for it.
     fn leaves_limits(&self, [y, v, _]: &Instant) -> bool {
         if self.followers.is_empty() {
             return false;
@@ -160,10 +160,10 @@ impl<'a> Design<'a> {
         })
     }
 
-    /// Minus the logarithm of the determinant of the information; infinite beyond the efforts and the limits of joints
-    /// that follow others and of bodies that turn.
+    /// Minus the logarithm of the determinant of the Fisher information; infinite if the motion exceeds the efforts, the
+    /// limits of joints that follow other joints, or the limits of rotating bodies.
     ///
-    /// - `coordinates`: of the chart
+    /// - `coordinates`: states in the coordinates of the chart
     pub(super) fn score(&self, coordinates: &[Instant]) -> f64 {
         if coordinates.iter().any(|instant| self.leaves_limits(instant)) {
             return self.refusals.refuse("the limits of joints that follow others");
@@ -181,7 +181,7 @@ impl<'a> Design<'a> {
         }
     }
 
-    /// `Σ Wᵀ Σ_τ⁻¹ W` over the instants.
+    /// `Σ Wᵀ Σ_τ⁻¹ W` over the states: the Fisher information.
     pub(super) fn information(&self, instants: &[Instant]) -> DMatrix<f64> {
         let n = self.efforts.len();
         let count = self.independent.len() + self.friction();
@@ -206,7 +206,7 @@ impl<'a> Design<'a> {
         &matrix * matrix.transpose()
     }
 
-    /// Joints, inputs at frames and shafts of which a motion asks more than it may, each found when it is asked for.
+    /// Names of joints, inputs at frames, motors and shafts whose limits a motion exceeds. They are computed lazily.
     fn beyond<'b>(&'b self, instants: &'b [Instant]) -> impl Iterator<Item = String> + use<'a, 'b> {
         let joints = || named_beyond(self.robot, instants, &self.efforts);
         let inputs = || self.inputs.as_ref().and_then(|inputs| inputs.exceeded(instants));
@@ -223,7 +223,7 @@ impl<'a> Design<'a> {
             .chain(have_torques.then(|| std::iter::once_with(shafts)).into_iter().flatten().flatten())
     }
 
-    /// Limits that the robot exceeds while it rests at the middle of its positions.
+    /// Names of the limits that the robot exceeds if it rests at the middle of its positions.
     pub(super) fn beyond_at_rest(&self) -> Vec<String> {
         let middle = self.limits.iter().map(|limit| 0.5 * (limit.position[0] + limit.position[1]));
         let rest = vec![0.0; self.limits.len()];
@@ -231,7 +231,7 @@ impl<'a> Design<'a> {
         self.beyond(&still).collect()
     }
 
-    /// Limits that the way to the motion exceeds, as a sentence.
+    /// Sentence on the limits that the approach exceeds; `None` if it exceeds none.
     pub(super) fn doubts_about(&self, approach: &[Instant]) -> Option<String> {
         let beyond: Vec<String> = self.beyond(approach).collect();
         (!beyond.is_empty()).then(|| {
@@ -256,7 +256,7 @@ impl<'a> Design<'a> {
     }
 }
 
-/// Largest speeds and forces.
+/// Largest speeds and forces of the rows.
 pub(super) fn largest(robot: &dyn Robot, instants: &[Instant]) -> [Vec<f64>; 2] {
     let speed = |i: usize| instants.iter().map(|[_, v, _]| v[i].abs()).fold(0.0, f64::max);
     [(0..robot.joint_names().len()).map(speed).collect(), largest_forces(robot, instants)]

@@ -1,4 +1,4 @@
-//! Inputs that act at frames, such as cylinders: their forces along a planned motion.
+//! Inputs that act at frames, as cylinders do: their values along a planned motion.
 
 use super::chart::Chart;
 use super::levels;
@@ -11,40 +11,40 @@ use crate::pose::QuaternionJoint;
 use crate::robot::Robot;
 use nalgebra::DMatrix;
 
-/// Requirements of a planned motion on an input, for the described robot without friction.
+/// Values of an input that a planned motion requires, for the described robot without friction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlannedInput {
     /// Name of the input.
     pub name: String,
-    /// Lowest and highest value, in the input's unit.
+    /// Lowest and highest value, in the unit of the input.
     pub range: [f64; 2],
-    /// Described limits; infinite if there are none.
+    /// Described lowest and highest value; infinite if the description has no limit.
     pub limits: [f64; 2],
 }
 
-/// Number of intervals of a joint's range that are searched for dead centres.
+/// Number of intervals of a joint's range at whose ends dead centres are searched.
 const PLACES: u32 = 200;
-/// The inputs of a robot of which some act at frames.
+/// The inputs of a robot with inputs at frames.
 pub(super) struct FrameInputs<'a> {
     robot: &'a dyn Robot,
     torques: Torques,
 }
 
 impl<'a> FrameInputs<'a> {
-    /// `None` if all inputs are drives: what they bear stands at the joints and shafts.
+    /// Returns `None` if all inputs are drives. The limits of drives are checked at joints and shafts.
     ///
-    /// - `share`: of the described limits
+    /// - `share`: usable share of the described limits
     pub(super) fn of(robot: &'a dyn Robot, share: f64) -> Option<Self> {
         robot.has_inputs_at_frames().then(|| Self { robot, torques: Torques::of(robot, share) })
     }
 
-    /// The first input of which a motion needs more than it may give, motors among them, or a dead centre that it passes, where inputs need whatever
-    /// they have.
+    /// Name of the first limit that a motion exceeds: an input or motor that would need more than its usable range, or a
+    /// dead centre of the inputs, near which they need very large forces. `None` if all limits are kept.
     pub(super) fn exceeded(&self, instants: &[Instant]) -> Option<String> {
         let mut side = 0.0;
         instants.iter().find_map(|instant| {
             let matrix = input_matrix(self.robot, &instant[0]);
-            // Other numbers of inputs than of joints have no sides.
+            // The determinant has a sign only if there are as many inputs as joints.
             let now = if matrix.is_square() { matrix.determinant().signum() } else { 0.0 };
             let turned = side * now < 0.0;
             side = now;
@@ -61,7 +61,7 @@ impl<'a> FrameInputs<'a> {
         })
     }
 
-    /// Requirements of a motion, and of the way to it, on the inputs.
+    /// Values of the inputs that the motion and the approach require.
     pub(super) fn planned(&self, instants: &[Instant]) -> Vec<PlannedInput> {
         let needed: Vec<Vec<f64>> = instants
             .iter()
@@ -81,7 +81,7 @@ impl<'a> FrameInputs<'a> {
     }
 }
 
-/// B(y): the forces of unit inputs at the joints.
+/// B(y): the joint forces of unit inputs.
 pub(super) fn input_matrix(robot: &dyn Robot, y: &[f64]) -> DMatrix<f64> {
     let (joints, count) = (robot.joint_names().len(), robot.input_names().len());
     let mut matrix = DMatrix::zeros(joints, count);
@@ -95,8 +95,8 @@ pub(super) fn input_matrix(robot: &dyn Robot, y: &[f64]) -> DMatrix<f64> {
     matrix
 }
 
-/// Keeps joints to one side of the dead centre of their cylinder, where its lever is at least a part of its longest one; says of
-/// which joints.
+/// Narrows the limits of joints to one side of the dead centre of their cylinder, to positions at which the lever is at
+/// least a share of the longest lever. Returns a sentence for each of these joints.
 pub(super) fn keep_sides(robot: &dyn Robot, chart: &Chart, limits: &mut [ExcitationLimits]) -> Vec<String> {
     if !robot.has_inputs_at_frames() {
         return Vec::new();
@@ -130,7 +130,8 @@ pub(super) fn keep_sides(robot: &dyn Robot, chart: &Chart, limits: &mut [Excitat
     notes
 }
 
-/// First and last index of the longest sequence of levers of one sign above the least length; `None` if all have one sign.
+/// First and last index of the longest sequence of levers with one sign and at least the smallest length; `None` if all
+/// levers have one sign.
 pub(super) fn longest_side(levers: &[f64]) -> Option<[usize; 2]> {
     let longest = levers.iter().fold(0.0_f64, |most, lever| most.max(lever.abs()));
     let has_both = levers.iter().any(|lever| *lever > 0.0) && levers.iter().any(|lever| *lever < 0.0);
@@ -146,8 +147,8 @@ pub(super) fn longest_side(levers: &[f64]) -> Option<[usize; 2]> {
     found.filter(|[first, last]| has_both && last > first)
 }
 
-/// Fails with the first joint that no input moves, at any of these states, and with the first joint with a quaternion that the
-/// inputs do not move in all directions by themselves: a planned motion would need forces that nothing has.
+/// Fails if no input moves a joint, or if the inputs do not move a joint with a quaternion in all directions. A planned
+/// motion would need forces that do not exist.
 pub(super) fn require_driven(robot: &dyn Robot, states: &[Instant]) -> Result<()> {
     let count = robot.input_names().len();
     let matrices: Vec<DMatrix<f64>> = match robot.has_inputs_at_frames() {
@@ -167,7 +168,7 @@ pub(super) fn require_driven(robot: &dyn Robot, states: &[Instant]) -> Result<()
     }
 }
 
-/// Inputs that move a joint with a quaternion in all of its directions.
+/// Fails unless the inputs move a joint with a quaternion in all its directions.
 fn require_all_directions(joint: &QuaternionJoint, matrices: &[DMatrix<f64>]) -> Result<()> {
     let rows = joint.velocities();
     let directions = |matrix: &DMatrix<f64>| {

@@ -1,12 +1,11 @@
-//! Excitation: periodic motions that show the parameters well, within the robot's limits.
+//! Excitation: periodic motions within the robot's limits that determine the parameters well.
 //!
-//! `yᵢ(t) = cᵢ + Σₖ aᵢₖ sin(k ω t) + bᵢₖ cos(k ω t)` (Swevers et al. 1997). A criterion of the regressor along
-//! the motion is minimized over the coefficients: its condition number (Gautier and Khalil 1992), or minus the
-//! logarithm of the determinant of the Fisher information (D-optimality; Swevers et al. 1997). The search is an
-//! evolution strategy with one parent and one child and adapted step (Rechenberg's 1/5 rule) from several
-//! starts. Every candidate is first shrunk and shifted into the limits, so each is a motion that the robot
-//! can make; the search needs no derivatives of the regressor and finds a good motion, not a proven best one.
-//! Joints with a quaternion move by their rotation vectors.
+//! The motion of a joint is `yᵢ(t) = cᵢ + Σₖ aᵢₖ sin(k ω t) + bᵢₖ cos(k ω t)` (Swevers et al. 1997). The search minimizes
+//! minus the logarithm of the determinant of the Fisher information over the coefficients (D-optimality; Swevers et al.
+//! 1997). It is an evolution strategy with one parent and one child and an adapted step (Rechenberg's 1/5 rule) from several
+//! starts. Every candidate is first scaled and shifted into the limits, so that the robot can make each candidate motion.
+//! The search needs no derivatives of the regressor. It finds a good motion, which is not proven to be the best one. Joints
+//! with a quaternion move by their rotation vectors.
 
 mod approach;
 mod chart;

@@ -7,16 +7,16 @@ use std::f64::consts::TAU;
 /// A periodic motion of any number of joints, `yᵢ(t) = cᵢ + Σₖ aᵢₖ sin(k ω t) + bᵢₖ cos(k ω t)`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FourierMotion {
-    /// T (s); ω = 2π/T.
+    /// Period T [s], with ω = 2π/T.
     pub period: f64,
-    /// cᵢ [rad or m], for each joint.
+    /// Centre cᵢ of each joint [rad or m].
     pub center: Vec<f64>,
-    /// (aᵢₖ, bᵢₖ) for k = 1, 2, …, for each joint.
+    /// Coefficients (aᵢₖ, bᵢₖ) for k = 1, 2, …, for each joint [rad or m].
     pub coefficients: Vec<Vec<[f64; 2]>>,
 }
 
 impl FourierMotion {
-    /// y, ẏ, ÿ of joint `i` at time `t` (s).
+    /// y, ẏ, ÿ of joint `i` at time `t` [s].
     fn joint_at(&self, i: usize, t: f64) -> [f64; 3] {
         let mut out = [self.center[i], 0.0, 0.0];
         for (k, [a, b]) in self.coefficients[i].iter().enumerate() {
@@ -29,20 +29,20 @@ impl FourierMotion {
         out
     }
 
-    /// y, ẏ, ÿ of all joints at time `t` (s).
+    /// y, ẏ, ÿ of all joints at time `t` [s].
     pub fn instant(&self, t: f64) -> Instant {
         let joints: Vec<[f64; 3]> = (0..self.center.len()).map(|i| self.joint_at(i, t)).collect();
         std::array::from_fn(|k| joints.iter().map(|joint| joint[k]).collect())
     }
 
-    /// The motion at `samples` evenly spaced times of a period.
+    /// States of the motion at `samples` equidistant times of a period.
     pub(crate) fn instants(&self, samples: usize) -> Vec<Instant> {
         let step = self.period / samples as f64;
         (0..samples).map(|i| self.instant(step * i as f64)).collect()
     }
 
-    /// Changes the first harmonic so that the motion is at rest without acceleration at the start of each
-    /// period: Σ k aₖ = 0 and Σ k² bₖ = 0.
+    /// Changes the first harmonic so that the motion is at rest without acceleration at the start of each period: Σ k aₖ = 0
+    /// and Σ k² bₖ = 0.
     pub(super) fn start_at_rest(&mut self) {
         for pairs in &mut self.coefficients {
             let order = |k: usize| (k + 1) as f64;
@@ -55,14 +55,14 @@ impl FourierMotion {
         }
     }
 
-    /// Shrinks all joints about their centres.
+    /// Scales the motion of all joints about their centres by `size`.
     pub(super) fn shrink(&mut self, size: f64) {
         let pairs = self.coefficients.iter_mut().flatten();
         pairs.flatten().for_each(|x| *x *= size);
     }
 
-    /// Shrinks and shifts each joint so that the limits hold at the sampled instants, and one of them just
-    /// so.
+    /// Scales and shifts the motion of each joint so that the limits hold at the sampled times, and so that the motion
+    /// nearly reaches one of them.
     pub(super) fn fit_into(&mut self, limits: &[ExcitationLimits], samples: usize) {
         self.center.fill(0.0);
         let instants = self.instants(samples);
@@ -75,8 +75,7 @@ impl FourierMotion {
             let factor = ((highest - lowest) / (high - low))
                 .min(limits[i].velocity / largest(1))
                 .min(limits[i].acceleration / largest(2));
-            // Between the instants the motion may exceed what is seen there by a little: (ω T/samples)²/8 per
-            // harmonic.
+            // Between the sampled times the motion may exceed the limits slightly: by (ω T/samples)²/8 per harmonic.
             let factor = if factor.is_finite() { 0.995 * factor } else { 0.0 };
             for pair in &mut self.coefficients[i] {
                 *pair = pair.map(|x| x * factor);

@@ -1,4 +1,4 @@
-//! Motors that a planned motion must not ask too much of: limits of their torques, and torque–speed lines.
+//! Limits of motors in a planned motion: torques, and torque–speed lines.
 
 use super::Instant;
 use super::smallest_inputs::SmallestInputs;
@@ -8,14 +8,14 @@ use nalgebra::{DMatrix, DVector};
 /// Limits of the inputs for a motion.
 pub(super) struct Torques {
     lines: Vec<TorqueSpeedLine>,
-    /// Lowest and highest inputs that the motion may need.
+    /// Lowest and highest input that the motion may require, for each input.
     usable: Vec<[f64; 2]>,
-    /// Share of the lines that the motion may need.
+    /// Usable share of the torque–speed lines.
     share: f64,
 }
 
 impl Torques {
-    /// - `share`: of the described limits
+    /// - `share`: usable share of the described limits
     pub(super) fn of(robot: &dyn Robot, share: f64) -> Self {
         let usable = robot.input_limits().into_iter().map(|limits| limits.map(|end| share * end));
         Self { lines: robot.torque_speed_lines(), usable: usable.collect(), share }
@@ -30,12 +30,13 @@ impl Torques {
         self.lines.iter().any(|line| line.input == input)
     }
 
-    /// Lowest and highest values at velocities v.
+    /// Lowest and highest value of each input at velocities v.
     pub(super) fn ranges(&self, v: &[f64]) -> Vec<[f64; 2]> {
         (0..self.usable.len()).map(|input| self.range(input, v)).collect()
     }
 
-    /// Range of the torque. Beyond its speed without load a motor brakes, and the whole line counts.
+    /// Lowest and highest value of one input. Beyond its no-load speed a motor brakes, and the line limits the torque
+    /// without the share.
     fn range(&self, input: usize, v: &[f64]) -> [f64; 2] {
         self.lines.iter().filter(|line| line.input == input).fold(self.usable[input], |[low, high], line| {
             let [least, most] = line.range(v);
@@ -44,7 +45,8 @@ impl Torques {
     }
 }
 
-/// The motors of a robot without other inputs, where something limits them. Others stand in [`super::inputs`].
+/// The motors of a robot whose inputs are all drives, if a motor has a limit. The motors of other robots are in
+/// [`super::inputs`].
 pub(super) struct Motors<'a> {
     robot: &'a dyn Robot,
     torques: Torques,
@@ -52,14 +54,14 @@ pub(super) struct Motors<'a> {
 }
 
 impl<'a> Motors<'a> {
-    /// - `share`: of the described limits
+    /// - `share`: usable share of the described limits
     pub(super) fn of(robot: &'a dyn Robot, share: f64) -> Option<Self> {
         let torques = Torques::of(robot, share);
         let counts = torques.are_limited() && !robot.has_inputs_at_frames();
         counts.then(|| Self { robot, torques, matrix: SmallestInputs::new(constant_matrix(robot)) })
     }
 
-    /// Name of the first motor of which a motion asks more than it may.
+    /// Name of the first motor whose limit a motion exceeds; `None` if all limits are kept.
     pub(super) fn exceeded(&self, instants: &[Instant]) -> Option<String> {
         let input = instants.iter().find_map(|instant| {
             let inputs = self.inputs(instant)?;
@@ -69,7 +71,7 @@ impl<'a> Motors<'a> {
         self.robot.input_names().into_iter().nth(input)
     }
 
-    /// The smallest inputs that the described robot needs without friction; none if it has too few of them.
+    /// The smallest inputs that the described robot requires without friction; `None` if there are no inputs.
     fn inputs(&self, [y, v, a]: &Instant) -> Option<Vec<f64>> {
         let mut forces = vec![0.0; v.len()];
         self.robot.rigid_forces(y, v, a, &mut forces);
@@ -77,13 +79,13 @@ impl<'a> Motors<'a> {
     }
 }
 
-/// B, if all inputs are drives.
+/// Input matrix B of a robot whose inputs are all drives.
 fn constant_matrix(robot: &dyn Robot) -> DMatrix<f64> {
     let count = robot.input_names().len();
     DMatrix::from_row_slice(robot.joint_names().len(), count, &robot.input_matrix())
 }
 
-/// Speeds at which motors have no torque left, as limits of sums of the joints' speeds.
+/// No-load speeds of motors, as limits of sums of the joints' speeds.
 pub(super) fn no_load_speeds(robot: &dyn Robot) -> impl Iterator<Item = FollowerLimits> {
     let names = robot.input_names();
     robot.torque_speed_lines().into_iter().map(move |line| FollowerLimits {
@@ -95,7 +97,7 @@ pub(super) fn no_load_speeds(robot: &dyn Robot) -> impl Iterator<Item = Follower
     })
 }
 
-/// Limits of the joints, narrowed by the joints that follow one of them alone and by motors that turn with one alone.
+/// Limits of the joints, narrowed by joints that follow a single joint and by motors that a single joint turns.
 pub(super) fn joint_limits(robot: &dyn Robot) -> Vec<JointLimits> {
     let mut limits = narrowed_limits(robot);
     for (joint, _, speed) in no_load_speeds(robot).filter_map(|speed| speed.allowed()) {

@@ -1,4 +1,4 @@
-//! A motion to record for the identification of a robot.
+//! Planning of a motion that is to be recorded for the identification of a robot.
 
 use super::super::error::{IdentificationError, Result};
 use super::super::pose::position_names;
@@ -36,48 +36,57 @@ const APPROACH: Rule = Rule::note("approach-beyond-limits");
 /// A planned motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
-    /// The motion; it begins and ends each period at rest. Of a joint with a quaternion it has the place of the origin in the
-    /// parent's frame, where the joint slides, and the rotation vector φ of its attitude exp(φ); the CSV file has positions,
-    /// velocities and accelerations.
+    /// The motion. It is at rest at the beginning and end of each period. A joint with a quaternion has the rotation vector
+    /// φ of its orientation exp(φ), and if it is floating the position of its origin in the parent's frame before φ. The CSV
+    /// file has positions, velocities and accelerations instead.
     pub motion: FourierMotion,
-    /// The way from the given posture to the beginning of the motion.
+    /// The approach from the given posture to the beginning of the motion; `None` without a given posture.
     pub approach: Option<Approach>,
-    /// Number of base parameters and of friction parameters that the plan asks for.
+    /// Number of base parameters, and number of friction parameters, that the motion has to determine.
     pub parameters: [usize; 2],
-    /// Condition number of their regressor, rows by the joints' efforts, columns scaled to unit length.
+    /// Condition number of the regressor of these parameters. Its rows are divided by the joints' efforts, and its columns
+    /// are scaled to unit length.
     pub condition: f64,
-    /// The same for the best random motion before the search.
+    /// Smallest score of the random motions before the search: minus the logarithm of the determinant of the Fisher
+    /// information.
     pub start: f64,
-    /// Largest speeds and efforts of the motion and of the way to it by joint, by the described robot.
+    /// Largest speeds [rad/s or m/s] and efforts [N·m or N] of the motion and the approach, by joint, for the described
+    /// robot without friction.
     pub largest: [Vec<f64>; 2],
-    /// The shafts of drives that act on several joints.
+    /// Requirements on the shafts of drives that act on several joints.
     pub shafts: Vec<PlannedShaft>,
-    /// All inputs, if some of them act at frames.
+    /// Requirements on all inputs, if some inputs act at frames; otherwise empty.
     pub inputs: Vec<PlannedInput>,
-    /// Assumptions, and limits that the motion exceeds.
+    /// Findings about assumed limits, and about limits that the motion exceeds.
     pub findings: Vec<Finding>,
     chart: Chart,
 }
 
-/// Instants per instant of the search that show the requirements on inputs at frames, because their levers change on the way.
+/// Number of evaluated times per time of the search for the requirements on inputs at frames, because their levers change
+/// with the position.
 const SHOWN: usize = 10;
 
-/// Plans a motion that shows the base parameters and the friction of all joints.
+/// Plans a motion that determines the base parameters and the friction of all joints.
 ///
-/// Minus the logarithm of the determinant of the Fisher information `Σ Wᵀ Σ_τ⁻¹ W` is minimized (D-optimality),
-/// Σ_τ with the squares of the described efforts: the volume of the parameters' confidence ellipsoid. W has a
-/// column for each independent inertial parameter and for v, a smooth sign of v and 1 of each joint without a quaternion. Shafts of drives that
-/// act on several joints take rows of joints ([`crate::shafts`]), with the torque of their motors.
+/// Minus the logarithm of the determinant of the Fisher information `Σ Wᵀ Σ_τ⁻¹ W` is minimized (D-optimality). It measures
+/// the volume of the parameters' confidence ellipsoid. Σ_τ is the diagonal matrix of the squares of the usable efforts, or
+/// of the typical forces of joints without a limit of the effort. W has a column for each independent inertial parameter,
+/// and three columns for each joint without a quaternion: v, a smooth sign of v, and 1. Shafts of drives that act on several
+/// joints take rows of joints ([`crate::shafts`]), with the torque of their motors.
 ///
-/// The motion keeps the joints' limits, and its forces those of the described robot and of its motors, whose torque–speed lines
-/// leave it the same share of what they leave at each speed. Where inputs act at frames, as cylinders do, it keeps their share of
-/// the limits of the inputs. Obstacles, and links that
-/// meet each other, are not known here.
+/// The motion keeps the limits of the joints. Its forces keep the usable share of the efforts, of the motors' torques, and
+/// of the range that torque–speed lines leave at each speed. If inputs act at frames, as cylinders do, the motion keeps the
+/// usable share of their limits. The plan does not consider obstacles and collisions of links.
+///
+/// - `progress`: receives a sentence on the search
 ///
 /// # Errors
-/// Shares out of range, a start beyond the described limits, a joint without a drive, a joint with a quaternion that the inputs
-/// do not move in all directions, or a robot for which no motion tried, down to a tenth of the size, shows all parameters within
-/// its efforts.
+/// - [`Setting`](IdentificationError::Setting): a setting out of its range, or a start beyond the described limits
+/// - [`Shape`](IdentificationError::Shape): a start with a wrong number of positions
+/// - [`File`](IdentificationError::File): a joint that no input moves, or a joint with a quaternion that the inputs do not
+///   move in all directions
+/// - [`NotConverged`](IdentificationError::NotConverged): no motion that was tried, down to a tenth of the size, determines
+///   all parameters within the limits
 pub fn plan(robot: &dyn Robot, settings: &PlanSettings, progress: &mut dyn FnMut(&str)) -> Result<Plan> {
     check(settings)?;
     let chart = Chart::of(robot);
@@ -137,7 +146,8 @@ pub fn plan(robot: &dyn Robot, settings: &PlanSettings, progress: &mut dyn FnMut
     })
 }
 
-/// A motion that is smaller than the limits allow, because the efforts bear no more.
+/// The finding about a motion that is smaller than the limits allow, because a larger one would exceed the efforts; `None`
+/// if the motion has its full size.
 fn smaller(size: f64) -> Option<Finding> {
     (size < 1.0).then(|| {
         let message = format!(
@@ -150,7 +160,7 @@ fn smaller(size: f64) -> Option<Finding> {
 }
 
 impl Plan {
-    /// First line of the CSV, its end included.
+    /// First line of the CSV file, including its line break.
     pub fn header(robot: &dyn Robot) -> String {
         let names = robot.joint_names();
         let positions = position_names(&robot.quaternion_joints(), &names);
@@ -160,16 +170,17 @@ impl Plan {
         format!("t{}{}{}\n", columns("q", &positions), columns("dq", &names), columns("ddq", &names))
     }
 
-    /// Positions y, velocities and accelerations of the motion at time `t` (s).
+    /// Positions y, velocities and accelerations of the motion at time `t` [s].
     pub(crate) fn instant(&self, t: f64) -> Instant {
         self.chart.instant(&self.motion.instant(t))
     }
 
-    /// The motion as CSV, `t [s]`, then `q_`, `dq_`, `ddq_` and the joint's name: what
-    /// `gelenk_runtime::trajectory::Recording::open` reads, and what a log of it is compared with. The approach comes first. A
-    /// joint with a quaternion has a column for each of its position entries, `q_base_x` to `q_base_qw`.
+    /// The approach and the motion as the text of a CSV file. The columns are `t` [s], and `q_`, `dq_` and `ddq_` with the
+    /// names of the joints. `gelenk_runtime::trajectory::Recording::open` reads this file, and a log of the motion can be
+    /// compared with it. A joint with a quaternion has a column for each position entry, as `q_base_x` to `q_base_qw`.
     ///
-    /// - `period`: of the rows (s); `periods`: how often the motion is repeated
+    /// - `period`: time between rows [s]
+    /// - `periods`: number of periods of the motion
     pub fn csv(&self, robot: &dyn Robot, period: f64, periods: usize) -> String {
         let mut text = Self::header(robot);
         let rows = (self.motion.period * periods as f64 / period).round() as usize;

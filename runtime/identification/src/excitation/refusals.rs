@@ -1,24 +1,24 @@
-//! Reasons for rejected motions, counted for the message of a search that finds none.
+//! Reasons for which motions were rejected, counted for the message of a search without a result.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 
-/// Number of motions that were refused, by reason.
+/// Number of rejected motions, by reason.
 #[derive(Default)]
 pub(super) struct Refusals {
     counts: RefCell<BTreeMap<String, usize>>,
 }
 
 impl Refusals {
-    /// Counts a refused motion; its score.
+    /// Counts a rejected motion. Returns its score, which is infinite.
     pub(super) fn refuse(&self, what: &str) -> f64 {
         *self.counts.borrow_mut().entry(what.to_owned()).or_default() += 1;
         f64::INFINITY
     }
 
-    /// Reason why no motion was found, and remedy.
+    /// Text with the reason for which no motion was found, and a remedy.
     ///
-    /// - `at_rest`: limits that are exceeded at rest already
+    /// - `at_rest`: limits that the robot exceeds even at rest
     pub(super) fn detail(&self, at_rest: &[String]) -> String {
         let counts = self.counts.borrow();
         let most = counts.iter().max_by_key(|(_, count)| **count);

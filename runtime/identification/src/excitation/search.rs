@@ -6,31 +6,31 @@ use super::super::numeric::spectrum::symmetric_eigenvalues;
 use super::{FourierMotion, Instant, levels};
 use nalgebra::DMatrix;
 
-/// Limits of one joint.
+/// Limits of one coordinate of the motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct ExcitationLimits {
     /// Lowest and highest position [rad or m].
     pub position: [f64; 2],
-    /// Highest speed.
+    /// Largest speed [rad/s or m/s].
     pub velocity: f64,
-    /// Highest acceleration.
+    /// Largest acceleration [rad/s² or m/s²].
     pub acceleration: f64,
 }
 
 /// Settings of the search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Excitation {
-    /// Period T of the motion (s); ω = 2π/T.
+    /// Period T of the motion [s].
     pub period: f64,
     /// Number of harmonics.
     pub harmonics: usize,
-    /// Instants at which limits and regressor are evaluated.
+    /// Number of equidistant times of a period at which limits and regressor are evaluated.
     pub samples: usize,
-    /// Random starts.
+    /// Number of random starts.
     pub starts: usize,
-    /// Candidates tried from each start.
+    /// Number of candidates that are tried from each start.
     pub iterations: usize,
-    /// Seed.
+    /// Seed of the random numbers.
     pub seed: u64,
 }
 
@@ -40,24 +40,25 @@ impl Default for Excitation {
     }
 }
 
-/// The motion with the smallest score, that score, and the smallest among the random starts.
+/// The motion with the smallest score, this score, and the smallest score of the random starts.
 #[derive(Debug, PartialEq)]
 pub(super) struct Best {
     pub motion: FourierMotion,
     pub score: f64,
     pub start: f64,
-    /// Its size, as a part of the limits.
+    /// Size of the motion, as a share of the size that the limits allow.
     pub size: f64,
 }
 
 impl Excitation {
-    /// Searches the motion with the smallest score; `None` if every score was infinite.
+    /// Searches the motion with the smallest score; `None` if every score is infinite.
     ///
-    /// - `score`: of the motion at evenly spaced instants; infinite if the motion is not possible
-    /// - `restrict`: maps a motion to one of the kind that is asked for; the map is linear
-    /// - `narrow`: brings a motion that is within the limits within further ones
+    /// - `score`: score of a motion from its states at equidistant times; infinite if the motion is not possible
+    /// - `restrict`: linear map of a motion to a motion of the requested kind
+    /// - `narrow`: changes a motion within the limits so that it also keeps other limits
     ///
-    /// A start with an infinite score is made smaller until its score is finite, and so are the motions that descend from it.
+    /// A start with an infinite score is scaled down until its score is finite. The motions that descend from it have the
+    /// same size.
     pub(super) fn minimize(
         &self,
         limits: &[ExcitationLimits],
@@ -138,8 +139,8 @@ impl Excitation {
         random: &mut SplitMix64,
         fitted: &mut impl FnMut(FourierMotion, f64) -> Scored,
     ) -> Scored {
-        // Step in units of each joint's range. 1/5 rule: a success lengthens the step as much as four
-        // failures shorten it.
+        // The step is in units of each joint's range. 1/5 rule: a success lengthens the step by as much as four failures
+        // shorten it.
         let mut step = 0.1 * size;
         for _ in 0..self.iterations {
             let mut child = motion.clone();
@@ -164,7 +165,8 @@ impl Excitation {
 /// A motion with its score.
 type Scored = (FourierMotion, f64);
 
-/// The largest size at which a motion is possible, and the motion there; as large as the limits allow where it is not at any size.
+/// The largest tried size at which a motion is possible, and the motion of this size; the full size if the motion is not
+/// possible at any size.
 fn possible(motion: &FourierMotion, fitted: &mut impl FnMut(FourierMotion, f64) -> Scored) -> (f64, Scored) {
     let first = fitted(motion.clone(), 1.0);
     let factor = 1.0 - levels::SMALLER.get();
@@ -174,7 +176,7 @@ fn possible(motion: &FourierMotion, fitted: &mut impl FnMut(FourierMotion, f64) 
     tried.find(|(_, (_, score))| *score < f64::INFINITY).unwrap_or((1.0, first))
 }
 
-/// A motion that is made larger, as long as that lowers its score.
+/// A motion that is enlarged as long as this lowers its score, and its size.
 fn grown(
     mut size: f64,
     mut found: Scored,
@@ -191,8 +193,8 @@ fn grown(
     (size, found)
 }
 
-/// Condition number of a regressor whose columns are scaled to unit length, from its Gram matrix; infinite where
-/// columns are dependent.
+/// Condition number of a regressor whose columns are scaled to unit length, from its Gram matrix; infinite if columns are
+/// dependent.
 pub(super) fn condition_of_scaled(gram: &DMatrix<f64>) -> f64 {
     let norms: Vec<f64> = gram.diagonal().iter().map(|square| square.sqrt()).collect();
     if norms.iter().any(|n| *n <= 0.0 || !n.is_finite()) {
@@ -201,7 +203,7 @@ pub(super) fn condition_of_scaled(gram: &DMatrix<f64>) -> f64 {
     let n = norms.len();
     let scaled = DMatrix::from_fn(n, n, |i, j| gram[(i, j)] / (norms[i] * norms[j]));
     let eigenvalues = symmetric_eigenvalues(&scaled);
-    // Below this the Gram matrix has no digit left.
+    // With a smaller eigenvalue the Gram matrix has no significant digit left.
     match eigenvalues.min() {
         least if least > 1e-14 => (eigenvalues.max() / least).sqrt(),
         _ => f64::INFINITY,

@@ -4,27 +4,30 @@ use super::super::error::{Result, require_setting};
 use super::Excitation;
 use std::f64::consts::PI;
 
-/// Limits of the robot that a plan keeps, and settings of its search.
+/// Limits that a planned motion keeps, and settings of its search.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlanSettings {
-    /// Search, and period of the motion (s).
+    /// Settings of the search, with the period of the motion.
     pub excitation: Excitation,
-    /// Share of the range of positions that is used, about its middle.
+    /// Usable share of the range of positions, about its middle; above 0, at most 1.
     pub position_share: f64,
-    /// Share of the described speeds that is used.
+    /// Usable share of the described speeds; above 0, at most 1.
     pub velocity_share: f64,
-    /// Share of the described efforts that the motion may need by the described robot.
+    /// Usable share of the described efforts. The motion of the described robot needs at most these efforts. Above 0, at
+    /// most 1.
     pub effort_share: f64,
-    /// Largest acceleration [rad/s² or m/s²]; twice the largest speed per second if there is none.
+    /// Largest acceleration [rad/s² or m/s²]. `None` takes twice the usable speed per second.
     pub acceleration: Option<f64>,
-    /// Largest speed [rad/s or m/s] of joints without a described one.
+    /// Largest speed of joints without a described limit [rad/s or m/s].
     pub velocity: f64,
-    /// Range of positions \[m\] of prismatic joints without described ones; revolute ones may turn by ±π.
+    /// Range of positions of prismatic joints without described limits \[m\]. Revolute joints without described limits may
+    /// turn by ±π.
     pub travel: f64,
-    /// Largest turn \[rad\] of joints with a quaternion from where they stand at 0, below π: they have no described one.
+    /// Largest rotation of joints with a quaternion from their zero position \[rad\], above 0 and below π. A description
+    /// does not limit it.
     pub turn: f64,
-    /// Posture from which the robot goes to the beginning of the motion [rad or m], by joint; of a joint with a quaternion the
-    /// place and the rotation vector.
+    /// Posture from which the robot moves to the beginning of the motion [rad or m], by joint. A joint with a quaternion has
+    /// the coordinates of [`Approach`](super::Approach). `None` plans no approach.
     pub start: Option<Vec<f64>>,
 }
 
@@ -51,7 +54,7 @@ impl Default for PlanSettings {
     }
 }
 
-/// Fails if a share or a size is out of range.
+/// Fails if a share or a size is out of its range.
 pub(super) fn check(settings: &PlanSettings) -> Result<()> {
     let shares = [
         ("position share", settings.position_share),

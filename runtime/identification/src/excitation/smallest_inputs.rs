@@ -1,21 +1,22 @@
-//! The smallest inputs that have given forces at the joints, within limits if there are more inputs than joints.
+//! The smallest inputs that give certain joint forces, within limits if there are more inputs than joints.
 
 use super::Instant;
 use crate::numeric::spectrum::svd;
 use crate::robot::Robot;
 use nalgebra::{DMatrix, DVector, Dyn, SVD};
 
-/// Part of the largest force that no inputs need to make up.
+/// Share of the largest force that the inputs need not give.
 const RESIDUAL: f64 = 1e-9;
-/// Singular values of B below this part of the largest count as none: a cylinder at its dead centre.
+/// Share of the largest singular value of B below which a singular value counts as zero, as for a cylinder at its dead
+/// centre.
 pub(super) const SINGULAR: f64 = 1e-9;
-/// The decomposition leaves 6e-6 of the forces where columns of B differ in size, as those of geared motors and cylinders do; each
-/// correction leaves that part of the rest.
+/// Number of corrections of the solution. The decomposition has an error of 6e-6 of the forces if columns of B differ much
+/// in size, as those of geared motors and cylinders do. Each correction reduces the error by this factor.
 const CORRECTIONS: usize = 3;
-/// Part of an input's range, or of the largest input if it has no range, that it may be outside of: rounding about an end of 0.
+/// Share of an input's range by which it may exceed its limits, for rounding near an end at 0.
 const OUTSIDE: f64 = 1e-6;
 
-/// B, decomposed.
+/// The input matrix B and its singular value decomposition.
 pub(super) struct SmallestInputs {
     matrix: DMatrix<f64>,
     decomposed: SVD<f64, Dyn, Dyn>,
@@ -27,7 +28,7 @@ impl SmallestInputs {
         Self { matrix, decomposed }
     }
 
-    /// The smallest of the inputs u for which B u comes closest to the forces; `None` if there are no inputs.
+    /// The smallest of the inputs u for which B u is nearest to the forces; `None` if there are no inputs.
     pub(super) fn closest(&self, forces: &DVector<f64>) -> Option<DVector<f64>> {
         if self.matrix.is_empty() {
             return None;
@@ -41,7 +42,7 @@ impl SmallestInputs {
         Some(inputs)
     }
 
-    /// The smallest inputs with these forces; `None` if no inputs have them.
+    /// The smallest inputs with exactly these forces; `None` if no inputs give the forces.
     fn exact(&self, forces: &DVector<f64>) -> Option<DVector<f64>> {
         let inputs = self.closest(forces)?;
         let residual = (&self.matrix * &inputs - forces).amax();
@@ -49,10 +50,11 @@ impl SmallestInputs {
     }
 }
 
-/// The smallest inputs with B(y) u = M ÿ + k − q; `None` if no inputs have these forces.
+/// The smallest inputs with B(y) u = M ÿ + k − q; `None` if no inputs give these forces.
 ///
-/// Where there are more inputs than joints, those that would leave their limits stay at the end that they would leave: a propeller
-/// that only pushes stands still. Where no others make up for them, the smallest inputs are left as they are, beyond the limits.
+/// If there are more inputs than joints, inputs that would leave their limits are held at the exceeded limit: a propeller
+/// that only pushes then stands still. If the other inputs cannot replace them, the smallest inputs are returned, beyond
+/// their limits.
 pub(super) fn smallest_inputs(
     robot: &dyn Robot,
     matrix: &DMatrix<f64>,
@@ -68,7 +70,8 @@ pub(super) fn smallest_inputs(
     Some(within.unwrap_or(smallest).as_slice().to_vec())
 }
 
-/// Inputs of which one after the other is held at an end of its limits, until all are within.
+/// Holds one input after the other at an exceeded limit until all inputs are within their limits; `None` if the other inputs
+/// cannot give the forces.
 fn held_within(
     matrix: &DMatrix<f64>,
     forces: &DVector<f64>,
@@ -94,7 +97,7 @@ fn held_within(
     (residual <= RESIDUAL * forces.amax()).then_some(inputs)
 }
 
-/// The first input outside of its limits by more than rounding.
+/// Index of the first input that exceeds its limits by more than rounding; `None` if all inputs are within their limits.
 pub(super) fn first_outside(inputs: &[f64], limits: &[[f64; 2]]) -> Option<usize> {
     let largest = inputs.iter().fold(0.0_f64, |most, u| most.max(u.abs()));
     let is_outside = |(u, [low, high]): (&f64, &[f64; 2])| {

@@ -1,4 +1,4 @@
-//! Limits that a planned motion keeps, and assumptions if none are described.
+//! Limits that a planned motion keeps, and assumed limits if the description has none.
 
 use super::super::robot::{JointLimits, Robot};
 use super::chart::Chart;
@@ -6,8 +6,8 @@ use super::motors::joint_limits;
 use super::{ExcitationLimits, PlanSettings};
 use std::f64::consts::PI;
 
-/// Limits of the coordinates of the motion. Each entry of a rotation vector takes a share of the turn, so that all together
-/// keep it.
+/// Limits of the coordinates of the motion. Each entry of a rotation vector has a share of the largest rotation, so that the
+/// whole vector keeps it.
 pub(super) fn usable(robot: &dyn Robot, settings: &PlanSettings, chart: &Chart) -> Vec<ExcitationLimits> {
     let mut halves: Vec<f64> = robot.position_units().iter().map(|unit| half_range(unit, settings)).collect();
     chart.rotations().for_each(|(_, rows)| halves[rows].fill(settings.turn / 3.0_f64.sqrt()));

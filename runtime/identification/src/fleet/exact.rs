@@ -1,10 +1,11 @@
-//! Sums that do not depend on their order: integers of 2⁻⁷² in 128 bits.
+//! Sums that do not depend on the order of their terms: integers of 128 bits in units of 2⁻⁷².
 
 use super::super::error::{IdentificationError, Result};
 
-/// Numbers count in 2⁻⁷² ≈ 2.1e-22. A number of SI units that is smaller than 2⁻²⁰ loses digits beyond that.
+/// Number of binary digits after the point. The unit is 2⁻⁷² ≈ 2.1e-22. Numbers below 2⁻²⁰ lose digits of a floating-point
+/// number.
 const BITS: i32 = 72;
-/// Sums stay below 2⁵⁴ ≈ 1.8e16.
+/// Bound of the integers. Sums stay below 2⁵⁴ ≈ 1.8e16.
 const LARGEST: u128 = 1 << 126;
 
 /// A multiple of 2⁻⁷².
@@ -12,10 +13,11 @@ const LARGEST: u128 = 1 << 126;
 pub(super) struct Exact(i128);
 
 impl Exact {
-    /// The nearest multiple.
+    /// The multiple that is nearest to a number.
     ///
     /// # Errors
-    /// A number that is not finite or too large: the log's units are not SI.
+    /// [`IdentificationError::Overflow`] if the number is not finite or too large, which happens if the units of the log are
+    /// not SI units.
     pub(super) fn new(x: f64) -> Result<Self> {
         let scaled = (x * 2.0_f64.powi(BITS)).round_ties_even();
         if scaled.is_finite() && scaled.abs() < LARGEST as f64 {
@@ -24,10 +26,10 @@ impl Exact {
         Err(too_large(x))
     }
 
-    /// The sum, exactly.
+    /// The exact sum.
     ///
     /// # Errors
-    /// A sum that is too large.
+    /// [`IdentificationError::Overflow`] if the sum is too large.
     pub(super) fn plus(self, other: Self) -> Result<Self> {
         let sum = self.0.checked_add(other.0).filter(|sum| sum.unsigned_abs() < LARGEST);
         sum.map(Self).ok_or_else(|| too_large(self.value() + other.value()))
@@ -38,8 +40,8 @@ impl Exact {
         self.0 as f64 * 2.0_f64.powi(-BITS)
     }
 
-    /// Number of trailing zeros, number of bytes, and these bytes of the rest: nine bytes for a number that was
-    /// a floating-point one.
+    /// Writes the number of trailing zero bits, the number of bytes of the rest, and these bytes. A floating-point number
+    /// has at most nine bytes.
     pub(super) fn write(self, bytes: &mut Vec<u8>) {
         if self.0 == 0 {
             return bytes.extend([0, 0]);
@@ -47,14 +49,14 @@ impl Exact {
         let zeros = self.0.trailing_zeros();
         let odd = (self.0 >> zeros).to_le_bytes();
         let sign = if self.0 < 0 { 0xff } else { 0 };
-        // The last byte kept has to hold the sign.
+        // The last byte that is kept has to contain the sign.
         let kept =
             (1..16).rev().find(|&i| odd[i] != sign || (odd[i - 1] ^ sign) & 0x80 != 0).unwrap_or(0) + 1;
         bytes.extend([zeros as u8, kept as u8]);
         bytes.extend(&odd[..kept]);
     }
 
-    /// A number from its trailing zeros and bytes; `None` if there is none.
+    /// A number from its trailing zero bits and the bytes of the rest; `None` if the bytes are not a valid number.
     pub(super) fn read(zeros: u8, odd: &[u8]) -> Option<Self> {
         let negative = odd.last().is_some_and(|byte| byte & 0x80 != 0);
         let mut all = [if negative { 0xff } else { 0 }; 16];

@@ -1,4 +1,4 @@
-//! Moments as bytes: a line with the version, the values in little-endian order, and the SHA-256 of all of it.
+//! Moments as a file: a line with the version, the values in little-endian order, and the SHA-256 of both.
 
 use super::super::error::{IdentificationError, Result};
 use super::super::log::hexadecimal;
@@ -11,20 +11,21 @@ use sha2::{Digest, Sha256};
 use std::fs;
 use std::path::Path;
 
-/// First bytes of every version.
+/// First bytes of the file in every version.
 const MAGIC: &[u8] = b"gelenk moments ";
-/// First line of this version.
+/// First line of the file in this version.
 const FIRST_LINE: &[u8] = b"gelenk moments 4\n";
-/// Bytes of a SHA-256.
+/// Number of bytes of a SHA-256.
 const HASH: usize = 32;
-/// Largest file that is read: that of a robot with some hundred joints.
+/// Largest file that is read [bytes]: that of a robot with several hundred joints.
 const LARGEST: u64 = 1 << 30;
 
 impl LogMoments {
     /// Reads a file of moments.
     ///
     /// # Errors
-    /// A file that cannot be read, holds something else, has another version, or was cut off or changed.
+    /// [`IdentificationError::File`] if the file cannot be read, has no moments or moments of another version, or was
+    /// truncated or changed.
     pub fn read(path: &Path) -> Result<Self> {
         let place = path.display().to_string();
         let fault = |message: String| IdentificationError::File { place: place.clone(), message };
@@ -35,12 +36,14 @@ impl LogMoments {
         Self::from_bytes(&fs::read(path).map_err(|e| fault(e.to_string()))?, &place)
     }
 
-    /// Writes a file of moments, whole or not at all: a new file, an empty one, or one that holds moments.
+    /// Writes a file of moments. The file is written completely or not at all. It may be a new file, an empty file, or a
+    /// file of moments.
     ///
-    /// - `description`: as for [`super::reduce()`]
+    /// - `description`: source of the robot, as for [`super::reduce()`]
     ///
     /// # Errors
-    /// Moments of another description, a file that holds something else, or that cannot be written.
+    /// [`IdentificationError::File`] if the moments belong to another description, if the file has other content, or if it
+    /// cannot be written.
     pub fn write(&self, description: &[&[u8]], path: &Path) -> Result<()> {
         self.require_description(description)?;
         let fault = |message: String| IdentificationError::File {
@@ -53,7 +56,7 @@ impl LogMoments {
         write_whole(path, self.bytes()).map_err(|e| fault(e.to_string()))
     }
 
-    /// The file's bytes: the same for the same logs, in whatever order they were added.
+    /// The bytes of the file. They are the same for the same logs, whatever the order in which the logs were added.
     pub(crate) fn bytes(&self) -> Vec<u8> {
         let mut bytes = FIRST_LINE.to_vec();
         self.put(&mut bytes);
@@ -62,10 +65,13 @@ impl LogMoments {
         bytes
     }
 
-    /// Moments of a file's bytes; `place` names them in messages.
+    /// Moments from the bytes of a file.
+    ///
+    /// - `place`: name of the file in messages
     ///
     /// # Errors
-    /// Bytes that do not hold moments, have another version, or are cut off or changed.
+    /// [`IdentificationError::File`] if the bytes have no moments or moments of another version, or were truncated or
+    /// changed.
     pub(crate) fn from_bytes(bytes: &[u8], place: &str) -> Result<Self> {
         let fault =
             |message: &str| IdentificationError::File { place: place.into(), message: message.into() };
@@ -117,7 +123,8 @@ impl Share {
 }
 
 impl JointSums {
-    /// A square is not negative, and no more is a weight. Without weight there is nothing: the effort of the joint is in no log.
+    /// Whether the sums may come from a log: squares and weights are not negative, and without weight all sums are zero,
+    /// because the effort of the joint is in no log.
     fn is_consistent(&self, width: usize) -> bool {
         let size = width.checked_add(1).and_then(|next| width.checked_mul(next));
         if size.is_none_or(|size| size / 2 != self.products.len()) {
@@ -131,11 +138,12 @@ impl JointSums {
     }
 }
 
-/// A value in the bytes of moments.
+/// A value in the file of moments.
 trait Stored: Sized {
     fn put(&self, bytes: &mut Vec<u8>);
 
-    /// Takes a value off the bytes; `None` if they hold none. Nothing is allocated beyond them.
+    /// Reads a value from the beginning of `rest` and removes its bytes; `None` if they are not a valid value. No more memory
+    /// is allocated than the bytes justify.
     fn take(rest: &mut &[u8]) -> Option<Self>;
 }
 
@@ -194,7 +202,7 @@ impl Stored for f64 {
     }
 }
 
-/// Implements [`Stored`] for types that another one holds.
+/// Implements [`Stored`] for types that are stored as another type.
 macro_rules! stored_as {
     ($($kind:ty as $other:ty: $there:expr, $back:expr;)*) => {$(
         impl Stored for $kind {
@@ -211,7 +219,7 @@ macro_rules! stored_as {
     )*};
 }
 
-/// Kinds of efforts by their numbers.
+/// Kinds of efforts in the order of their numbers in the file.
 const EFFORTS: [Effort; 3] = [Effort::Joint, Effort::Input, Effort::Current];
 
 stored_as! {
@@ -242,7 +250,7 @@ impl<T: Stored> Stored for Vec<T> {
 
     fn take(rest: &mut &[u8]) -> Option<Self> {
         let length = usize::take(rest)?;
-        // Each entry takes at least a byte.
+        // Each entry has at least one byte.
         (length <= rest.len()).then(|| (0..length).map(|_| T::take(rest)).collect())?
     }
 }
@@ -281,8 +289,8 @@ impl Stored for Exact {
     }
 }
 
-/// SHA-256 of files' contents and of the words on how they are read, in hexadecimal: what moments know their
-/// description by. Paths do not count.
+/// SHA-256 of the contents of files and of the options for reading them, in hexadecimal. Moments identify their description
+/// by this hash. Paths are not part of it.
 pub(super) fn hash_of(parts: &[&[u8]]) -> String {
     let mut hasher = Sha256::new();
     for part in parts {

@@ -1,4 +1,4 @@
-//! A robot from moments.
+//! Identification of a robot from moments.
 
 use super::super::doubts::written::judge;
 use super::super::error::{IdentificationError, Result};
@@ -38,14 +38,15 @@ const OTHER_DELAYS: Rule = Rule::warning("different-delays");
 /// Fixture: `merge` in `codegen/tests/findings/arm.rs`.
 const OF_MOMENTS: Rule = Rule::note("moments");
 
-/// Identifies a robot from moments of its logs, as [`super::super::identify::identify`] does from the logs. What
-/// needs samples is empty: runs, efforts, predictions, offsets.
+/// Identifies a robot from moments of its logs, as [`super::super::identify::identify`] does from the logs. Results that
+/// need samples are empty: runs, efforts, predictions, offsets.
 ///
-/// - `description`: as for [`super::reduce()`]
-/// - `progress`: takes a sentence at each step
+/// - `description`: source of the robot, as for [`super::reduce()`]
+/// - `progress`: receives a sentence at each step
 ///
 /// # Errors
-/// Moments of another description, of too few logs, and estimates that explain nothing.
+/// [`IdentificationError::File`] if the moments belong to another description, were made by another version, or come from
+/// too few logs. The other errors are those of [`crate::estimation::estimate()`].
 pub fn identify_moments(
     robot: &dyn Robot,
     description: &[&[u8]],
@@ -97,21 +98,22 @@ impl LogMoments {
     /// Fails unless the moments belong to a description.
     ///
     /// # Errors
-    /// Another description.
+    /// [`IdentificationError::File`]
     pub(super) fn require_description(&self, description: &[&[u8]]) -> Result<()> {
         if hexadecimal(&self.about.description) == hash_of(description) {
             return Ok(());
         }
         Err(fault(
-            "they belong to another description, to another state of its files, or to other options of reading: name \
-             the description that the logs were reduced with, or reduce them again",
+            "the moments were made with another description, with files that have changed since, or with other options for \
+             reading: name the same description and options, or repeat `gelenk identify --reduce`",
         ))
     }
 
     /// The columns of the sums.
     ///
     /// # Errors
-    /// Sums of other columns, and currents of a robot whose joints have no inputs of their own.
+    /// [`IdentificationError::File`] if the sums have other columns, or if efforts are currents of a robot whose joints have
+    /// no inputs of their own.
     fn columns(&self, robot: &dyn Robot) -> Result<Columns> {
         let spans: Vec<f64> = self.joints.iter().map(|joint| joint.span).collect();
         let weighs = |joint: usize| {
@@ -126,10 +128,10 @@ impl LogMoments {
         Err(fault("they were made by another gelenk: reduce the logs again with this one"))
     }
 
-    /// Sums of the shares that have samples.
+    /// Sums of the shares that have samples. A share is a group of samples of many logs.
     ///
     /// # Errors
-    /// Too few of them.
+    /// [`IdentificationError::File`] if there are too few of these shares.
     fn share_sums(&self, columns: &Columns) -> Result<Vec<ShareSums>> {
         let fewest = levels::FEWEST_SHARES.get();
         let filled = self.shares.iter().filter(|share| share.samples > 0);
@@ -144,7 +146,7 @@ impl LogMoments {
         )))
     }
 
-    /// Friction of the joints that moved; those with a quaternion have none that is estimated.
+    /// Friction of the joints that moved. No friction is estimated for joints with a quaternion.
     fn friction(
         &self,
         data: &SharedData,
@@ -181,7 +183,7 @@ impl LogMoments {
         }
     }
 
-    /// How many logs there are, and their filters.
+    /// Sentence on the number of logs and on their filters.
     fn notes(&self) -> Vec<String> {
         let seconds: f64 = self.logs.iter().map(|log| log.seconds).sum();
         let [narrow, wide] = self.range(&|log| [log.bandwidth; 2]);
@@ -195,7 +197,7 @@ impl LogMoments {
         )]
     }
 
-    /// How far filters and delays differ, if they do.
+    /// Findings about different filters and different delays of the logs.
     fn differences(&self) -> Vec<Finding> {
         let [narrow, wide] = self.range(&|log| [log.bandwidth; 2]);
         let [early, late] = self.range(&|log| log.delays);
@@ -218,14 +220,14 @@ impl LogMoments {
 
     fn preparation(&self) -> Result<PreparationReport> {
         let bandwidth = self.range(&|log| [log.bandwidth; 2])[1];
-        // Nothing passes this filter any more.
+        // No signal passes this filter any more.
         let sample_rate = 10.0 * bandwidth;
         let filter = Filter::new(bandwidth, 1.0 / sample_rate)?;
         let findings = self.notes().into_iter().map(|note| OF_MOMENTS.found(note)).collect();
         Ok(PreparationReport { joints: Vec::new(), delays: Vec::new(), filter, sample_rate, findings })
     }
 
-    /// The logs for the comments of a law: all of them stand at the head of the description.
+    /// The logs as text for the comments of a law. The complete list is at the beginning of the description.
     fn source(&self) -> String {
         match self.logs.as_slice() {
             [only] => format!("{} (sha256 {})", only.name, &only.hash()[..16]),
@@ -255,13 +257,13 @@ impl Share {
     }
 }
 
-/// Friction of one joint: its terms against the residual of the rigid body.
+/// Friction of one joint, from the residual of the rigid body.
 struct JointMoments<'a> {
     joint: usize,
     facts: &'a JointFacts,
     shares: &'a [ShareSums],
     library: Vec<(String, usize)>,
-    /// Factors of the columns in the friction torque.
+    /// Factors of the joint's columns in its friction torque.
     factors: &'a DVector<f64>,
     gain: f64,
 }
@@ -305,7 +307,7 @@ impl JointMoments<'_> {
         }
     }
 
-    /// The library without asymmetries that the logs do not show.
+    /// The library without asymmetries that the logs do not show, and a sentence on the terms that were left out.
     fn seen(&self) -> (Vec<(String, usize)>, Option<String>) {
         let names: Vec<String> = self.library.iter().map(|(name, _)| name.clone()).collect();
         let [vv, v, tt, t] = self.facts.directions.map(Exact::value);
@@ -317,7 +319,7 @@ impl JointMoments<'_> {
         (kept.into_iter().map(|term| self.library[term].clone()).collect(), note)
     }
 
-    /// Products of the terms' columns and of the friction torque's.
+    /// Products of the columns of the terms and of the friction torque.
     fn moments(&self, share: &ShareSums, library: &[(String, usize)]) -> Moments {
         let products = &share.products[self.joint];
         let mut map = DMatrix::zeros(products.nrows(), library.len() + 1);

@@ -1,20 +1,20 @@
-//! Numbers that decide about moments of logs.
+//! Levels (numbers that decide) of moments of logs.
 
 use super::super::numeric::levels::levels;
 
 levels! {
-    /// Length of a piece in correlation times of the residuals: pieces are nearly independent then.
+    /// Length of a piece in correlation times of the residuals. Pieces of this length are nearly independent.
     PIECE: f64 = 10.0;
 
-    /// Fewest shares with samples: folds of the held-out error.
+    /// Smallest number of shares with samples, which are the folds of the held-out error.
     FEWEST_SHARES: usize = 4;
 
-    /// Ratio between bandwidths of logs beyond which it is said.
+    /// Ratio between bandwidths of logs from which on there is a finding.
     OTHER_FILTER: f64 = 1.5;
 
-    /// Difference between delays of logs beyond which it is said [s].
+    /// Difference between delays of logs from which on there is a finding [s].
     OTHER_DELAY: f64 = 2e-3;
 
-    /// Share of the logs below which a doubt about single ones is only counted.
+    /// Share of the logs below which a doubt about single logs is only counted.
     RARE: f64 = 0.1;
 }

@@ -14,75 +14,76 @@ use std::collections::BTreeMap;
 /// Fixture: `a_wrong_sign_is_refused_and_named` in `fleet/tests.rs`.
 const OF_LOGS: Rule = Rule::warning("doubts-of-logs");
 
-/// Shares that pieces of logs belong to: folds of the held-out error, and blocks of intervals.
+/// Number of shares to which the pieces of logs belong. Shares are the folds of the held-out error and the blocks of
+/// intervals.
 pub(super) const SHARES: usize = 16;
 /// A SHA-256.
 pub(super) type Hash = [u8; 32];
 
-/// Moments of a log, of a size that does not grow with its length: sums of products of the columns of
-/// each joint's equation, offsets of the runs taken out, in 16 shares.
+/// Moments of one or several logs: sums of products of the columns of each joint's equation, without the offsets of the
+/// runs, in 16 shares of the samples. Their size does not depend on the length of the logs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LogMoments {
     pub(super) about: About,
-    /// Ascending by hash.
+    /// Logs, ascending by their hashes.
     pub(super) logs: Vec<ReducedLog>,
-    /// Ascending.
+    /// Doubts of the fits to single logs, ascending by joint and kind.
     pub(super) doubts: Vec<Doubt>,
     pub(super) joints: Vec<JointFacts>,
-    /// [`SHARES`] of them.
+    /// The shares, [`SHARES`] in number.
     pub(super) shares: Vec<Share>,
 }
 
-/// Properties that have to agree between moments that are added.
+/// Properties that must be equal for moments to be added.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct About {
-    /// SHA-256 of the description and of how it is read.
+    /// SHA-256 of the description and of the options for reading it.
     pub(super) description: Hash,
     pub(super) effort: Effort,
     pub(super) gravity_compensated: bool,
-    /// Requested bandwidth \[Hz\]; `None` if each log has its own.
+    /// Requested bandwidth \[Hz\]; `None` if it was chosen for each log.
     pub(super) bandwidth: Option<f64>,
-    /// Requested delay \[s\]; `None` if each log has its own.
+    /// Requested delay \[s\]; `None` if it was estimated for each log.
     pub(super) delay: Option<f64>,
-    /// Columns of each joint.
+    /// Number of columns of each joint.
     pub(super) widths: Vec<usize>,
 }
 
-/// A log that was reduced.
+/// A log that was reduced to moments.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReducedLog {
-    /// File name.
+    /// File name of the log.
     pub name: String,
-    /// SHA-256 of its bytes.
+    /// SHA-256 of the bytes of the log.
     pub(super) hash: Hash,
-    /// SHA-256 of its samples: the same for copies that differ in empty lines or comments.
+    /// SHA-256 of the samples of the log. Copies that differ in empty lines or comments have the same hash.
     pub(super) content: Hash,
-    /// Samples on the even grid, after smoothing.
+    /// Number of samples of the smoothed log at which a joint moves.
     pub samples: u64,
-    /// Their duration \[s\].
+    /// Duration of the smoothed log \[s\].
     pub seconds: f64,
     /// Half-amplitude frequency of the filter \[Hz\].
     pub bandwidth: f64,
     /// Least and largest delay that was removed from an effort \[s\].
     pub delays: [f64; 2],
-    /// Samples after which residuals of the fit to this log forget, the largest of all joints.
+    /// Correlation time of the residuals of the fit to this log [samples], the largest of all joints.
     pub correlation: f64,
 }
 
-/// A doubt that the fits to single logs gave: as many kinds as joints and sentences, not as logs.
+/// A doubt of the fits to single logs. Doubts with the same joint and kind are combined and counted.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Doubt {
-    /// None if all joints are meant.
+    /// Index of the joint; `None` if the doubt is about all joints.
     pub(super) joint: Option<u32>,
-    /// The sentence without its numbers.
+    /// Code of the doubt's rule.
     pub(super) kind: String,
-    /// How many logs gave it.
+    /// Number of logs with this doubt.
     pub(super) logs: u64,
-    /// The one with the smallest hash, its name, and its sentence.
+    /// The log with the smallest hash that has this doubt: its hash, its name, and the sentence.
     pub(super) first: (Hash, String, String),
 }
 
-/// Knowledge about a joint in addition to its sums of products.
+/// Properties of a joint in addition to its sums of products.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct JointFacts {
     /// Largest range of positions in a run [rad or m].
@@ -96,18 +97,20 @@ pub(super) struct JointFacts {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Share {
     pub(super) samples: u64,
-    /// Sums of each joint; empty in a share without samples.
+    /// Sums of each joint; empty for a share without samples.
     pub(super) joints: Vec<JointSums>,
 }
 
-/// A joint's sums.
+/// Sums of one joint.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct JointSums {
-    /// Σ w.
+    /// Σ w, with the weights w of the samples.
     pub(super) weight: Exact,
-    /// Sums of squares that outliers lost with their weight: Σ (1 − w) r² and Σ (1 − w)(z − z̄)², in units of the effort.
+    /// Sums of squares that outliers lost with their weight: Σ (1 − w) r² and Σ (1 − w)(z − z̄)², in units of the effort,
+    /// with the residual r and the measured effort z.
     pub(super) lost: [Exact; 2],
-    /// Σ w (x − x̄)(x − x̄)ᵀ, or Σ w x xᵀ in the row of a joint with a quaternion: rows of the lower triangle.
+    /// Σ w (x − x̄)(x − x̄)ᵀ of the columns x with their means x̄; Σ w x xᵀ for a joint with a quaternion. Rows of the lower
+    /// triangle.
     pub(super) products: Vec<Exact>,
 }
 
@@ -124,12 +127,13 @@ impl LogMoments {
         &self.logs
     }
 
-    /// Samples of all logs.
+    /// Number of samples of all logs.
     pub(super) fn samples(&self) -> u64 {
         self.logs.iter().map(|log| log.samples).sum()
     }
 
-    /// Doubts of the fits to single logs: those of at least a tenth of them, and how many others there are.
+    /// Findings about the doubts of the fits to single logs: each doubt that at least a tenth of the logs have, and the
+    /// number of the other doubts.
     pub fn doubts(&self) -> Vec<Finding> {
         let logs = self.logs.len();
         let is_rare = |doubt: &&Doubt| (doubt.logs as f64) < levels::RARE.get() * logs as f64;
@@ -148,15 +152,18 @@ impl LogMoments {
         self.doubts.iter().filter(|doubt| !is_rare(doubt)).map(finding).chain(rare).collect()
     }
 
-    /// Shares with samples.
+    /// Number of shares with samples.
     pub fn shares(&self) -> usize {
         self.shares.iter().filter(|share| share.samples > 0).count()
     }
 
-    /// The sum of moments with the place of each: whatever the order, it is the same bytes.
+    /// The sum of moments. Its bytes do not depend on the order of the parts.
+    ///
+    /// - `parts`: moments with the name of their file
     ///
     /// # Errors
-    /// None of them, moments of different descriptions or options, and a log that is in two of them.
+    /// [`IdentificationError::Empty`] without parts, and [`IdentificationError::File`] if the parts have different
+    /// descriptions or options, or if a log occurs in two parts.
     pub fn sum<E: From<IdentificationError>>(
         parts: impl IntoIterator<Item = std::result::Result<(Self, String), E>>,
     ) -> std::result::Result<Self, E> {
@@ -168,7 +175,7 @@ impl LogMoments {
         Ok(sum.total.ok_or_else(|| IdentificationError::Empty { what: "the list of moments".into() })?)
     }
 
-    /// Adds moments that belong to the same robot and options.
+    /// Adds moments of the same robot and options.
     fn add(&mut self, other: Self) -> Result<()> {
         self.logs.extend(other.logs);
         self.logs.sort_by_key(|log| log.hash);
@@ -197,7 +204,7 @@ impl LogMoments {
 }
 
 impl Doubt {
-    /// Key that distinguishes doubts.
+    /// Key by which doubts are distinguished.
     pub(super) fn place(&self) -> (Option<u32>, &str) {
         (self.joint, &self.kind)
     }
@@ -235,18 +242,18 @@ fn add_all(sums: &mut [Exact], others: &[Exact]) -> Result<()> {
     })
 }
 
-/// A sum of moments in the making.
+/// A sum of moments while parts are added.
 #[derive(Debug, Default)]
 struct Sum {
     total: Option<LogMoments>,
-    /// Where the first moments came from.
+    /// Name of the file of the first moments.
     first: String,
-    /// Where each log came from, by the hash of its samples: the file of moments, and the log's name in it.
+    /// Origin of each log by the hash of its samples: the name of the file of moments, and the log's name in it.
     places: BTreeMap<Hash, (String, String)>,
 }
 
 impl Sum {
-    /// Adds moments that come from `place`.
+    /// Adds moments from the file `place`.
     fn add(&mut self, moments: LogMoments, place: &str) -> Result<()> {
         if let Some(total) = &self.total {
             require_same(&total.about, &moments.about, &self.first, place)?;
@@ -280,7 +287,7 @@ fn twice(place: &str, name: &str, before: &str, other: &str) -> IdentificationEr
     IdentificationError::File { place: place.into(), message }
 }
 
-/// Moments add up where everything that they were made with is the same.
+/// Fails unless two moments were made with the same description and options.
 fn require_same(first: &About, other: &About, before: &str, place: &str) -> Result<()> {
     let fault = |message: String| Err(IdentificationError::File { place: place.into(), message });
     if first.description != other.description {
@@ -302,7 +309,8 @@ fn require_same(first: &About, other: &About, before: &str, place: &str) -> Resu
     Ok(())
 }
 
-/// Options by which moments were made, and how logs are reduced that agree in them.
+/// Sentences on the options with which moments were made, and the options with which logs have to be reduced so that they
+/// agree.
 fn made_with(about: &About) -> [(String, &'static str); 4] {
     let said = |option: &str, value: Option<String>| {
         let option =

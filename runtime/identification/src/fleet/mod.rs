@@ -1,8 +1,9 @@
-//! Logs of a fleet: more than one machine holds, reduced to sums of products that add up in any order.
+//! Identification from more logs than one machine can hold. The logs are reduced to moments: sums of products that can be
+//! added in any order.
 //!
-//! The logs become [`LogMoments`] one by one (`reduce`), wherever they are: sums by joint and share that are exact integers
-//! (`exact`), so that they add up to the same bytes in any order and by any tree (`logs`, [`LogMoments::sum`]). `file` is
-//! their form on disk, and `fit` identifies the robot from them.
+//! Each log is reduced to [`LogMoments`] by itself ([`reduce()`]), on any machine. The sums of each joint and share are
+//! exact integers (`exact`), so that they give the same bytes in whatever order they are added ([`LogMoments::sum`]). They
+//! are written to a file (`file`), and [`identify_moments`] identifies the robot from them.
 
 mod exact;
 mod file;

@@ -1,4 +1,4 @@
-//! A log as moments.
+//! Reduction of a log to moments.
 
 use super::super::error::{IdentificationError, Result};
 use super::super::estimation::{
@@ -21,7 +21,8 @@ use gelenk_findings::{Finding, Severity};
 use std::ops::Range;
 use std::path::Path;
 
-/// A log of an arm without the efforts of a joint is one with the wrong columns. The rows of a base are fitted alone, too.
+/// Fails if an effort of an arm is missing, because the log then has the wrong columns. For a robot with quaternions, the
+/// rows of the base can be fitted alone.
 fn require_all_efforts(robot: &dyn Robot, preparation: &PreparationReport) -> Result<()> {
     match faults(preparation).next().filter(|_| robot.quaternion_joints().is_empty()) {
         None => Ok(()),
@@ -31,15 +32,16 @@ fn require_all_efforts(robot: &dyn Robot, preparation: &PreparationReport) -> Re
 
 /// Reduces one log to its moments.
 ///
-/// The log is fitted by itself first, as [`super::super::identify::identify`] does, for the weights of its outliers,
-/// the correlation time of its residuals, and its doubts; a fit that explains little is not an error here.
+/// First the log is fitted alone, as [`super::super::identify::identify`] does. This fit gives the weights of outliers, the
+/// correlation time of the residuals, and doubts about the log. It is not an error if the fit explains little.
 ///
-/// - `description`: source of the robot, e.g. the contents of its files and how they are read; moments carry
-///   its hash and cannot be added to those of another
+/// - `description`: source of the robot, e.g. the contents of its files and the options for reading them. Moments contain
+///   its hash and can be added only to moments with the same hash.
 /// - `progress`: receives a sentence at each step, and the findings about the log
 ///
 /// # Errors
-/// As [`super::super::identify::identify`], and numbers that are too large to be SI units.
+/// The errors are those of [`super::super::identify::identify`]. [`IdentificationError::Overflow`] if numbers are too large
+/// for SI units, and [`IdentificationError::File`] if a joint of the robot is moved from outside.
 pub fn reduce(
     robot: &dyn Robot,
     description: &[&[u8]],
@@ -77,7 +79,7 @@ pub fn reduce(
         name: log.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
         hash: hash.ok_or_else(|| IdentificationError::Empty { what: "the log's hash".into() })?,
         content: recording.content(),
-        // As the shares count them.
+        // The samples are counted as in the shares.
         samples: runs.iter().map(|run| run.count_moving(0..run.times.len()) as u64).sum(),
         seconds: runs.iter().map(|run| run.times.len() as f64).sum::<f64>() / preparation.sample_rate,
         bandwidth: preparation.filter.bandwidth(),
@@ -97,7 +99,7 @@ pub fn reduce(
     })
 }
 
-/// Properties that have to agree before moments may be added.
+/// Properties that must be equal for moments to be added.
 fn about(
     description: &[&[u8]],
     settings: &IdentificationSettings,
@@ -123,7 +125,7 @@ fn is_warning(finding: &Finding) -> bool {
     finding.severity == Severity::Warning
 }
 
-/// Doubts by joint and rule, ascending. That a joint does not move is none here: others may move it.
+/// Doubts by joint and rule, ascending. A joint that does not move gives no doubt, because it may move in other logs.
 fn doubts(estimate: &Estimate, log: &ReducedLog) -> Vec<Doubt> {
     let joints = &estimate.joints;
     let doubt = |finding: &Finding| {
@@ -149,7 +151,7 @@ fn doubts(estimate: &Estimate, log: &ReducedLog) -> Vec<Doubt> {
 struct Fitted<'a> {
     runs: &'a [PreparedRun],
     estimate: &'a Estimate,
-    /// Units of the effort times B, as the weights' deviations, `[run][joint][sample]`.
+    /// Residuals `[run][joint][sample]` in units of the effort times B.
     residuals: Vec<Vec<Vec<f64>>>,
     weights: Vec<Vec<Vec<f64>>>,
     correlation: f64,
@@ -215,7 +217,7 @@ impl<'a> Fitted<'a> {
     }
 }
 
-/// The samples of a run that tell about a joint, as the estimate takes them.
+/// The samples of a run that the estimate uses for a joint, in contiguous intervals.
 fn stretches(estimate: &Estimate, run: &PreparedRun, joint: usize) -> Vec<Range<usize>> {
     if estimate.joints[joint].moves {
         run.moving(joint)
@@ -224,7 +226,7 @@ fn stretches(estimate: &Estimate, run: &PreparedRun, joint: usize) -> Vec<Range<
     }
 }
 
-/// Weights of a joint's samples: none at rest or if the effort is not known, less for outliers.
+/// Weights of a joint's samples: zero at rest or if the effort is not known, below one for outliers, otherwise one.
 fn weights(residuals: &[f64], deviation: f64, stretches: &[Range<usize>]) -> Vec<f64> {
     let mut weights = vec![0.0; residuals.len()];
     for rows in stretches {
@@ -237,7 +239,7 @@ fn extreme(x: &[f64]) -> [f64; 2] {
     x.iter().fold([f64::MAX, f64::MIN], |[a, b], x| [a.min(*x), b.max(*x)])
 }
 
-/// Σ v², Σ v |v|, Σ t², Σ t |t| with t = tanh 20 v, of speeds in units of `scale`.
+/// Σ v², Σ v |v|, Σ t², Σ t |t| with t = tanh 20 v, for speeds in units of `scale`.
 fn directions(velocities: &[f64], scale: f64) -> Result<[Exact; 4]> {
     let mut sums = [0.0; 4];
     for v in velocities.iter().map(|v| v / scale) {
@@ -248,7 +250,7 @@ fn directions(velocities: &[f64], scale: f64) -> Result<[Exact; 4]> {
     Ok([a?, b?, c?, d?])
 }
 
-/// [`robust_deviation`] of a joint's residuals where it moves.
+/// [`robust_deviation`] of a joint's residuals over the samples in which it moves.
 fn deviation(residuals: &[Vec<Vec<f64>>], runs: &[PreparedRun], estimate: &Estimate, joint: usize) -> f64 {
     robust_deviation(runs.iter().zip(residuals).flat_map(|(run, residuals)| {
         let samples = stretches(estimate, run, joint).into_iter().flatten();
@@ -256,7 +258,8 @@ fn deviation(residuals: &[Vec<Vec<f64>>], runs: &[PreparedRun], estimate: &Estim
     }))
 }
 
-/// Contiguous pieces of the runs: as many as there are shares, or fewer that are long enough, but one for each run.
+/// Contiguous pieces of the runs. There are as many pieces as shares, or fewer if the pieces would be too short, and at
+/// least one for each run.
 fn pieces(runs: &[PreparedRun], correlation: f64) -> Vec<RunPiece> {
     let total: usize = runs.iter().map(|run| run.times.len()).sum();
     let length = (levels::PIECE.get() * correlation).max(total as f64 / SHARES as f64).max(1.0);
@@ -268,8 +271,8 @@ fn pieces(runs: &[PreparedRun], correlation: f64) -> Vec<RunPiece> {
     runs.iter().enumerate().flat_map(of_run).collect()
 }
 
-/// Pieces in their shares. The log's hash decides which share comes first, so that short logs fill all of them;
-/// neighbouring pieces lie in neighbouring shares.
+/// Assigns the pieces to the shares. The hash of the log determines the first share, so that short logs fill all shares.
+/// Neighbouring pieces are in neighbouring shares.
 fn shares(sums: &[ShareSums], hash: &Hash) -> Result<Vec<Share>> {
     let first = usize::from(hash[0]);
     let most = sums.len().max(SHARES);

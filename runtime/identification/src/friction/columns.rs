@@ -1,4 +1,4 @@
-//! Values of a library or a law at the samples, filtered like the torques if they are.
+//! Values of a library or a friction law at the samples. They pass the filter of the torques if there is one.
 
 use super::super::error::Result;
 use super::super::methods::filtered::Filtered;
@@ -9,8 +9,9 @@ use super::task::FrictionData;
 use nalgebra::DMatrix;
 
 impl FrictionData<'_> {
-    /// The least speed of samples that are farther from rests and reversals than the filter reaches, but for a few of them; the
-    /// largest speed if there are fewer.
+    /// The speed from which the data determine the law without the effect of the filter. It is the tenth smallest speed of
+    /// the samples that are farther from rests and reversals than the filter reaches. If there are fewer than ten of these
+    /// samples, it is the largest speed of all samples.
     pub(super) fn resolved_from(&self) -> f64 {
         let near = self.filtered.map_or_else(|| vec![false; self.velocities.len()], Filtered::near);
         let away = self.velocities.iter().zip(near).filter(|(_, near)| !near);
@@ -19,7 +20,7 @@ impl FrictionData<'_> {
         speeds.get(levels::RESOLVING.get() - 1).copied().unwrap_or_else(|| self.fastest())
     }
 
-    /// The largest speed.
+    /// The largest speed of the samples.
     pub(super) fn fastest(&self) -> f64 {
         self.velocities.iter().fold(0.0_f64, |most, v| most.max(v.abs()))
     }
@@ -46,7 +47,7 @@ impl FrictionData<'_> {
         }
     }
 
-    /// Derivatives of a law's torques by its coefficients at the samples.
+    /// Derivatives of a law's torques with respect to its coefficients, at the samples.
     pub(super) fn gradients_of(&self, law: &FrictionLaw) -> Result<DMatrix<f64>> {
         match self.filtered {
             Some(filtered) => {

@@ -1,10 +1,10 @@
-//! Covariance of a law's coefficients from the common estimate: errors of the rigid body and of the delay are in the torques
-//! that the law is fitted to, and no residual shows them.
+//! Covariance of a law's coefficients from the common estimate. Errors of the rigid body and of the delay are contained in
+//! the torques to which the law is fitted, and no residual shows them.
 //!
-//! The common estimate has friction terms F of its own with the covariance C. A law has other terms Θ, and is fitted to torques with
-//! the same errors: its coefficients have the covariance `P C Pᵀ`, and `P = (ΘᵀWΘ)⁻¹ ΘᵀW F` is the same least-squares fit; for a
-//! nonlinear law, Θ contains its derivatives. If the law
-//! has the terms of the estimate, P is one. Changes of the estimate without the samples near stops move the law by P in the same way.
+//! The common estimate has friction terms F of its own, with the covariance C of their coefficients. A law has other terms Θ
+//! and is fitted to torques with the same errors. So its coefficients have the covariance `P C Pᵀ`, where `P = (ΘᵀWΘ)⁻¹ ΘᵀW
+//! F` is the same least-squares fit. For a nonlinear law, Θ has the derivatives of the law. If the law has the terms of the
+//! estimate, P is the identity. The change of the estimate if the samples near stops are left out changes the law by P, too.
 
 use super::super::error::Result;
 use super::super::methods::confidence::quantile;
@@ -14,10 +14,11 @@ use super::task::CommonTerms;
 use nalgebra::{DMatrix, DVector};
 
 impl Errors {
-    /// Errors that count what the residuals do not show: the covariance of the common estimate if it is the larger one, and the
-    /// changes of this and of the law itself without the samples near rests and reversals.
+    /// Errors that include effects that the residuals do not show: the covariance of the common estimate if it is the larger
+    /// one, and the changes of the estimate and of the law if the samples near rests and reversals are left out.
     ///
-    /// - `common`: the common estimate, and P; `changes`: of the law itself
+    /// - `common`: terms of the common estimate, and P
+    /// - `changes`: changes of the law itself
     pub(super) fn with_biases(
         mut self,
         common: Option<(&CommonTerms, DMatrix<f64>)>,

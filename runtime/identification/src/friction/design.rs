@@ -1,8 +1,7 @@
-//! The regression without its offsets: from each run's columns and torque their means are taken.
+//! The regression without offsets: the mean of each run is subtracted from the columns and from the torque.
 //!
-//! Least squares on what remains gives the same coefficients as least squares with a constant for each run
-//! (Frisch, Waugh 1933; Lovell 1963). So an offset is separated before anything is asked of the law, and costs
-//! no term of the library.
+//! Least squares then gives the same coefficients as least squares with a constant for each run (Frisch, Waugh 1933; Lovell
+//! 1963). So offsets are separated before the law is fitted, and they cost no term of the library.
 
 use super::super::error::{IdentificationError, Result};
 use super::super::methods::confidence::LongRun;
@@ -16,22 +15,23 @@ use super::task::{FrictionData, FrictionIdentification, Offsets};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
-/// Share of a column that must remain when the runs' means are taken off. Less cannot be told from offsets: six
-/// digits of the data would be lost.
+/// Share of a column that must remain after the means of the runs are subtracted. With a smaller share the column cannot be
+/// distinguished from offsets, and six digits of the data would be lost.
 const LEAST_REMAINDER: f64 = 1e-6;
 
 /// Columns of the candidate terms and the torque, without offsets.
 pub(super) struct Design<'a> {
     pub(super) data: &'a FrictionData<'a>,
-    /// The library's terms that may enter the law.
+    /// The terms of the library that may be part of the law.
     pub(super) library: Library,
     columns: Vec<Vec<f64>>,
     torque: Vec<f64>,
     pub(super) runs: Vec<Range<usize>>,
     pub(super) separate: bool,
-    /// Terms left out of the library, with reasons.
+    /// Sentences on terms that were left out of the library, with reasons.
     pub(super) notes: Vec<String>,
-    /// Terms that friction may have and that the data hide in an offset, in one sentence.
+    /// Sentence on terms that friction may have but that the data do not distinguish from an offset; `None` if there are
+    /// none.
     pub(super) hidden: Option<String>,
 }
 
@@ -53,7 +53,7 @@ impl<'a> Design<'a> {
         Ok(Self { data, library, columns, torque, runs, separate, notes, hidden })
     }
 
-    /// Samples for least squares.
+    /// Samples of all terms for least squares.
     pub(super) fn samples(&self) -> Result<Samples<'_>> {
         self.samples_of(&(0..self.library.len()).collect::<Vec<_>>())
     }
@@ -65,12 +65,12 @@ impl<'a> Design<'a> {
         Samples::from_columns(&names, columns, vec![&self.torque])
     }
 
-    /// One term's column.
+    /// The column of a term.
     pub(super) fn column(&self, term: usize) -> &[f64] {
         &self.columns[term]
     }
 
-    /// `Θᵀ F`: products of some of the terms with those of another library, offsets taken out.
+    /// `Θᵀ F`: products of some of the terms with the terms of another library, without offsets.
     pub(super) fn products(&self, terms: &[usize], other: &Library) -> Result<DMatrix<f64>> {
         let mut others = self.data.columns(other)?;
         if self.separate {
@@ -82,7 +82,7 @@ impl<'a> Design<'a> {
         Ok(DMatrix::from_fn(terms.len(), others.len(), |i, k| product(terms[i], &others[k])))
     }
 
-    /// Folds of the cross-validation.
+    /// Moments of the folds of the cross-validation.
     pub(super) fn folds(&self, samples: &Samples, count: usize) -> Result<Vec<Moments>> {
         Moments::folds(samples, &folds(self.data, count))
     }
@@ -98,7 +98,7 @@ impl<'a> Design<'a> {
         residuals
     }
 
-    /// The constant of each run that goes with a law; none if constants belong to the law.
+    /// The constant of each run in addition to a law; empty if constants are part of the law or known.
     pub(super) fn offsets(&self, law: &[f64], residuals: &[f64]) -> Vec<Offset> {
         if !self.separate {
             return Vec::new();
@@ -107,20 +107,20 @@ impl<'a> Design<'a> {
     }
 }
 
-/// The folds that the data name, or contiguous blocks; at most one for each sample.
+/// The folds of the data, or contiguous blocks. There is at most one block for each sample.
 pub(super) fn folds(data: &FrictionData, count: usize) -> Vec<Vec<Range<usize>>> {
     let samples = data.velocities.len();
     let blocks = || contiguous_blocks(samples, count.clamp(1, samples)).map(|block| vec![block]).collect();
     data.folds.map_or_else(blocks, <[_]>::to_vec)
 }
 
-/// The runs of the data, or one that holds all samples.
+/// The runs of the data, or one run with all samples.
 pub(super) fn runs(data: &FrictionData) -> Vec<Range<usize>> {
     let whole = 0..data.velocities.len();
     data.runs.map_or_else(|| vec![whole], <[_]>::to_vec)
 }
 
-/// The mean of torque minus law in each run, with the standard error of the residuals' mean.
+/// The mean of torque minus law in each run, with the standard error of the mean of the residuals.
 pub(super) fn offsets(
     data: &FrictionData,
     runs: &[Range<usize>],
@@ -155,7 +155,8 @@ fn centre_term(term: &str, column: &mut [f64], runs: &[Range<usize>]) -> Result<
     })
 }
 
-/// The library with a constant in place of its own: collinear terms are named here as they were written.
+/// Fails if terms are collinear. The library is checked together with a constant, so that the message names the terms as
+/// they were written.
 fn require_independent(
     library: &Library,
     columns: &[Vec<f64>],
@@ -172,7 +173,7 @@ fn require_independent(
     Reduced::new(&Samples::from_columns(&names, all, vec![data.torques])?).map(|_| ())
 }
 
-/// The terms of a library that may enter a law of these velocities, and the terms that were left out.
+/// The terms of a library that may be part of a law at these velocities, and sentences on the terms that were left out.
 fn seen(library: &Library, offsets: Offsets, velocities: &[f64]) -> Result<(Library, Vec<String>)> {
     let library = if offsets == Offsets::PartOfLaw { library.clone() } else { without_constants(library)? };
     let matrix = library.matrix(&[velocities])?;
@@ -198,8 +199,9 @@ fn are_alike(one: &DVector<f64>, other: &DVector<f64>) -> bool {
     left.norm() < levels::LEAST_CHANGE.get() * one.norm()
 }
 
-/// The library without terms that are offsets in these data, as `sign(v)` where each run moves in one direction, and
-/// what was left out. A library of nothing else stays as it is, and is refused where it is used.
+/// The library without terms that act as offsets in these data, as `sign(v)` does if each run moves in one direction, and a
+/// sentence on the terms that were left out. A library with only terms of this kind is returned unchanged, and the fit
+/// refuses it.
 fn without_offsets(library: Library, data: &FrictionData) -> Result<(Library, Option<String>)> {
     let (matrix, runs) = (library.matrix(&[data.velocities])?, runs(data));
     let varies = |term: &usize| {
@@ -210,7 +212,7 @@ fn without_offsets(library: Library, data: &FrictionData) -> Result<(Library, Op
             > levels::LEAST_CHANGE.get() * levels::LEAST_CHANGE.get() * all
     };
     let (kept, out): (Vec<usize>, Vec<usize>) = (0..library.len()).partition(varies);
-    // Too few samples are said as such.
+    // A later check reports too few samples.
     if kept.is_empty() || out.is_empty() || data.velocities.len() <= library.len() {
         return Ok((library, None));
     }
@@ -225,7 +227,7 @@ fn without_offsets(library: Library, data: &FrictionData) -> Result<(Library, Op
 
 /// The library without terms that are constant at all speeds.
 fn without_constants(library: &Library) -> Result<Library> {
-    // Speeds at which no term of a friction law agrees by chance.
+    // At these speeds a term of a friction law that is not constant has different values.
     let speeds = [-17.3, -1.1, -0.07, 0.0, 0.003, 0.21, 2.9, 31.0];
     let matrix = library.matrix(&[&speeds])?;
     let varies = |i: &usize| matrix.column(*i).iter().any(|x| *x != matrix[(0, *i)]);

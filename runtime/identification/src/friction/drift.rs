@@ -9,9 +9,10 @@ use super::task::FrictionData;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use std::ops::Range;
 
-/// The drift over a log; `None` if the law is zero or the samples are too few.
+/// The drift over a log; `None` if the law is zero or there are too few samples.
 ///
-/// - `gradients`: the law's derivatives by its coefficients, which have taken their part of a trend
+/// - `gradients`: derivatives of the law with respect to its coefficients. The fit of the coefficients has explained a part
+///   of the trend.
 pub(super) fn drift(
     data: &FrictionData,
     law: &[f64],
@@ -37,7 +38,7 @@ pub(super) fn drift(
     })
 }
 
-/// Least squares on the law's columns.
+/// Projection on the columns of the law by least squares.
 struct Projection {
     columns: DMatrix<f64>,
     factor: Cholesky<f64, Dyn>,
@@ -63,7 +64,7 @@ impl Projection {
     }
 }
 
-/// Slope of `y` over `x`.
+/// Slope of `y` over `x`, with its standard error.
 fn trend(x: &[f64], y: &[f64], runs: &[Range<usize>]) -> Option<Trend> {
     let energy: f64 = x.iter().map(|x| x * x).sum();
     let product: f64 = x.iter().zip(y).map(|(x, y)| x * y).sum();

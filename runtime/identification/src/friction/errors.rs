@@ -1,4 +1,4 @@
-//! Standard errors of coefficients whose residuals are correlated: the bread of the normal equations around the
+//! Standard errors of coefficients with correlated residuals: the inverse normal matrix ("bread") on both sides of the
 //! long-run variance of the scores (White 1980; Newey, West 1987).
 
 use super::super::error::Result;
@@ -14,21 +14,23 @@ use super::design::Design;
 use super::task::CommonTerms;
 use nalgebra::{DMatrix, DVector};
 
-/// Standard errors of the chosen coefficients.
+/// Standard errors of the coefficients of the chosen terms.
 pub(super) struct Errors {
     pub(super) covariance: DMatrix<f64>,
     pub(super) standard: Vec<f64>,
-    /// Half the width of the interval, if it is not Student's alone, see [`FrictionTerm::reach`].
+    /// Half the width of the interval; `None` if it follows from the standard error and Student's t, see
+    /// [`FrictionTerm::reach`].
     pub(super) reach: Vec<Option<f64>>,
-    /// As if all other coefficients were known.
+    /// Standard errors if all other coefficients were known.
     pub(super) resolution: Vec<f64>,
     pub(super) freedom: f64,
-    /// Samples that would tell as much if their errors were independent.
+    /// Number of samples with independent errors that would give the same information.
     pub(super) effective_samples: f64,
 }
 
 impl Errors {
-    /// - `binding`: rows of constraints that the coefficients lie on; they count as known
+    /// - `active`: indices of the chosen terms
+    /// - `binding`: rows of active constraints. The combinations of coefficients that they fix count as known.
     pub(super) fn of_samples(
         design: &Design,
         active: &[usize],
@@ -99,7 +101,7 @@ impl Errors {
         }
     }
 
-    /// The k-th of the chosen coefficients with its errors.
+    /// The k-th chosen coefficient as a term with its errors.
     pub(super) fn term(&self, k: usize, basis: &str, coefficient: f64) -> FrictionTerm {
         let known = |error: f64| Some(error).filter(|e| e.is_finite());
         FrictionTerm {
@@ -113,14 +115,15 @@ impl Errors {
     }
 }
 
-/// Contributions of the samples to the normal equations of one term.
+/// Contributions of the samples to the normal equation of one term.
 fn score(design: &Design, term: usize, residuals: &[f64]) -> Vec<f64> {
     design.column(term).iter().zip(residuals).map(|(x, r)| x * r).collect()
 }
 
-/// Changes of the coefficients without the samples near rests and reversals, on the face where constraints bind.
+/// Changes of the coefficients if the samples near rests and reversals are left out, within the subspace that active
+/// constraints leave.
 ///
-/// - `scores`: of each coefficient
+/// - `scores`: scores of the samples, for each coefficient
 fn changes(design: &Design, active: &[usize], binding: &DMatrix<f64>, scores: &[Vec<f64>]) -> DVector<f64> {
     let Some(filtered) = design.data.filtered else { return DVector::zeros(active.len()) };
     let near = filtered.near();
@@ -135,13 +138,13 @@ fn changes(design: &Design, active: &[usize], binding: &DMatrix<f64>, scores: &[
     &face * change(&on_face(&|series| series.iter().sum()), &on_face(&away), &face.tr_mul(&left))
 }
 
-/// Standard error of a coefficient if all others were known.
+/// Standard error of a coefficient if all other coefficients were known.
 fn alone(design: &Design, term: usize, score: &[f64]) -> f64 {
     let energy: f64 = design.column(term).iter().map(|x| x * x).sum();
     LongRun::of_sum(score, &design.runs).standard_error() / energy
 }
 
-/// `(ΘᵀΘ)⁻¹` on the active terms, or on the face where constraints bind, by orthogonal factorization.
+/// `(ΘᵀΘ)⁻¹` of the active terms, within the subspace that active constraints leave, by orthogonal factorization.
 fn inverse_gram(design: &Design, active: &[usize], binding: &DMatrix<f64>) -> Result<DMatrix<f64>> {
     let (p, samples) = (active.len(), design.samples_of(active)?);
     let r = triangular_factor(&samples).view((0, 0), (p, p)).into_owned();
@@ -158,7 +161,7 @@ fn inverse_gram(design: &Design, active: &[usize], binding: &DMatrix<f64>) -> Re
     Ok(&z * inner * z.transpose())
 }
 
-/// The inverse of a Gram matrix, on the face where constraints bind.
+/// The inverse of a Gram matrix within the subspace that active constraints leave.
 fn inverse_on_face(gram: &DMatrix<f64>, binding: &DMatrix<f64>) -> DMatrix<f64> {
     let z = null_space(binding, gram.nrows());
     if z.ncols() == 0 {
@@ -180,7 +183,7 @@ fn null_space(rows: &DMatrix<f64>, count: usize) -> DMatrix<f64> {
     eigen.eigenvectors.select_columns(&kept)
 }
 
-/// Influence of each sample on each coefficient: the bread times the scores.
+/// Influence of each sample on each coefficient: the inverse normal matrix times the scores.
 fn combine(bread: &DMatrix<f64>, scores: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let samples = scores.first().map_or(0, Vec::len);
     let row = |j: usize| {
@@ -193,7 +196,7 @@ fn combine(bread: &DMatrix<f64>, scores: &[Vec<f64>]) -> Vec<Vec<f64>> {
     (0..scores.len()).map(row).collect()
 }
 
-/// A covariance with the correlations of `raw` and these standard errors.
+/// A covariance with the correlations of `raw` and the given standard errors.
 pub(super) fn rescaled(raw: DMatrix<f64>, standard: &[f64]) -> DMatrix<f64> {
     let factor = |i: usize| if raw[(i, i)] > 0.0 { standard[i] / raw[(i, i)].sqrt() } else { 0.0 };
     DMatrix::from_fn(standard.len(), standard.len(), |i, j| raw[(i, j)] * factor(i) * factor(j))

@@ -1,4 +1,4 @@
-//! Findings about a law on the way to it: doubts, and reasons to refuse it.
+//! Findings about a friction law while it is identified: doubts, and reasons to refuse it.
 
 use super::super::error::Result;
 use super::super::result::FrictionLaw;
@@ -25,7 +25,7 @@ const SLOW_LOG: Rule = Rule::warning("slow-log");
 /// Fixture: `laws_are_judged_at_speeds_that_the_joint_may_have` in `friction/findings.rs`.
 const BEYOND_EFFORT: Rule = Rule::error("law-beyond-effort");
 
-/// Inputs of the findings, and the findings so far.
+/// Inputs of the findings, and the findings that were made.
 pub(super) struct Findings<'a> {
     pub(super) data: &'a FrictionData<'a>,
     pub(super) unit: &'a str,
@@ -43,7 +43,7 @@ impl<'a> Findings<'a> {
         self.notes.push(text);
     }
 
-    /// Names the terms that the law may be made of.
+    /// Notes the terms from which the law is chosen.
     pub(super) fn note_library(&mut self, terms: &[String], separate: bool, condition: f64) {
         let offsets = if separate { " in addition to the offset of each run" } else { "" };
         self.note(format!("library [{}]{offsets}, condition number {condition:.1}", terms.join(", ")));
@@ -62,13 +62,14 @@ impl<'a> Findings<'a> {
         self.add(POOR_LAW.found(message).help(remedy));
     }
 
-    /// Doubts a law that takes more than the described effort at a speed that the joint may have and that the data do not show;
-    /// refuses it where the data show a small part of the speeds, or where it takes several times as much.
+    /// Adds findings if a law needs more than the described effort at a speed that the joint may have but the data do not
+    /// contain. The finding is a doubt. It refuses the law if the data contain only a small part of the speeds, or if the
+    /// law needs several times the described effort.
     ///
     /// - `fastest`: largest speed in the data
     ///
     /// # Errors
-    /// As [`FrictionLaw::torques`].
+    /// The errors are those of [`FrictionLaw::torques`].
     pub(super) fn judge_unseen_speeds(&mut self, law: &FrictionLaw, fastest: f64) -> Result<()> {
         let Some(limits) = self.data.limits else { return Ok(()) };
         let farthest = if limits.velocity.is_finite() { limits.velocity.max(fastest) } else { fastest };
@@ -109,7 +110,7 @@ impl<'a> Findings<'a> {
         )
     }
 
-    /// Settings, and findings about the joint.
+    /// The settings, and the findings about the joint.
     pub(super) fn parts(self) -> (Vec<String>, Vec<Finding>) {
         (self.notes, self.all)
     }

@@ -1,4 +1,4 @@
-//! R² on data that were left out: the choice of terms and the fit are repeated without each fold in turn.
+//! R² on held-out data: the choice of terms and the fit are repeated without each fold in turn.
 
 use super::super::error::Result;
 use super::super::methods::constrained::{breaks, constrained_fit};
@@ -20,36 +20,39 @@ use std::ops::Range;
 /// Fixture: `friction/tests.rs`.
 const NO_HELD_OUT: Rule = Rule::warning("no-held-out-error");
 
-/// Errors on folds that were left out.
+/// Errors on folds to which the law was not fitted.
 #[derive(Debug, Clone)]
 pub(super) struct Unseen {
-    /// `Σ r²` of each fold and its number of samples.
+    /// `Σ r²` and number of samples of each fold.
     pub(super) folds: Vec<[f64; 2]>,
     /// `Σ (τ − τ̄)²` over the folds.
     pub(super) total: f64,
 }
 
 impl Unseen {
-    /// `1 − RSS / Σ (τ − τ̄)²` with more of both sums; `None` if the torque never changes.
+    /// `1 − (RSS + more) / (Σ (τ − τ̄)² + more)` with the residual sum of squares RSS; `None` if the torque never changes.
     pub(super) fn r_squared(&self, more: f64) -> Option<f64> {
         let residual: f64 = self.folds.iter().map(|[residual, _]| residual).sum();
         let total = self.total + more;
         (total > 0.0).then(|| 1.0 - (residual + more) / total)
     }
 
-    /// Mean over the folds of their mean squared errors, with its standard error.
+    /// Mean over the folds of the mean squared error, and the standard error of this mean.
     pub(super) fn error(&self) -> [f64; 2] {
         let errors = self.folds.iter().map(|[residual, samples]| residual / samples.max(1.0));
         mean_with_error(&errors.collect::<Vec<_>>())
     }
 }
 
-/// Errors of laws of terms on the folds that they were not fitted to; `None`, with a warning, if a fold leaves too little to fit.
+/// Errors of laws of terms on the folds to which they were not fitted; `None`, with a warning, if a fold leaves too few data
+/// for a fit.
 ///
-/// Each run keeps the offset that it has on all of its samples, also where a part of it is left out: an offset
-/// belongs to a run, and no law can foretell it.
+/// Each run keeps the offset of all its samples, also if a part of the run is held out. An offset belongs to a run, and no
+/// law predicts it.
 ///
-/// - `total`: `Σ (τ − τ̄)²` over the folds; `selection`, `rows`: how a law is chosen and constrained
+/// - `total`: `Σ (τ − τ̄)²` over the folds
+/// - `selection`: method by which the terms of a law are chosen
+/// - `rows`: constraints of a law
 pub(super) fn held_out(
     folds: Result<Vec<Moments>>,
     total: f64,
@@ -65,7 +68,7 @@ pub(super) fn held_out(
     }
 }
 
-/// Σ r² and number of samples of each fold, for laws that were chosen and fitted without it.
+/// Σ r² and number of samples of each fold, for laws that were chosen and fitted without the fold.
 fn by_folds(folds: &[Moments], selection: &Selection, rows: Option<&DMatrix<f64>>) -> Result<Vec<[f64; 2]>> {
     let of_split = |split: Result<(Moments, &Moments)>| {
         let (training, fold) = split?;
@@ -83,7 +86,7 @@ fn fit(training: &Reduced, selection: &Selection, rows: Option<&DMatrix<f64>>) -
     }
 }
 
-/// `Σ (τ − τ̄)²` over the rows of `ranges`, τ̄ by run where offsets are separate.
+/// `Σ (τ − τ̄)²` over the samples of `ranges`. The mean τ̄ is that of the run if offsets are separate.
 pub(super) fn variation(data: &FrictionData, separate: bool, ranges: &[Range<usize>]) -> f64 {
     let mut torque = data.torques.to_vec();
     if separate {
@@ -92,6 +95,6 @@ pub(super) fn variation(data: &FrictionData, separate: bool, ranges: &[Range<usi
         let mean = mean(&torque);
         torque.iter_mut().for_each(|t| *t -= mean);
     }
-    // A row that stands in two folds is judged twice.
+    // A sample in two folds counts twice.
     ranges.iter().cloned().flatten().map(|i| torque[i] * torque[i]).sum()
 }

@@ -1,4 +1,4 @@
-//! The samples of one joint over all runs, from which its friction law is found.
+//! The samples of one joint over all runs, from which its friction law is identified.
 
 use super::super::error::Result;
 use super::super::estimation::{Estimate, FEWEST_MOTIONS};
@@ -12,26 +12,26 @@ use super::{
 use gelenk_findings::digits::plain;
 use std::ops::Range;
 
-/// Columns of one joint over all runs.
+/// Samples of one joint over all runs.
 pub(crate) struct JointSamples<'a> {
     joint: usize,
     pub(crate) name: &'a str,
     unit: &'a str,
-    /// Offset of the estimate in each run of the samples. The law is fitted to the residual.
+    /// Offset of the estimate in each run of the samples. It is subtracted before the law is fitted.
     offsets: Vec<Offset>,
     runs: Vec<Range<usize>>,
-    /// The samples of each motion, where runs repeat motions.
+    /// The samples of each motion; `None` if runs do not repeat motions.
     motions: Option<Vec<Vec<Range<usize>>>>,
-    /// The runs that samples are of, whole.
+    /// The complete runs to which the samples belong.
     whole: Vec<FilteredRun<'a>>,
     pub(crate) velocities: Vec<f64>,
     pub(crate) torques: Vec<f64>,
-    /// Friction of the common estimate.
+    /// Friction terms of the common estimate; `None` if the joint has none.
     common: Option<CommonTerms>,
 }
 
 impl<'a> JointSamples<'a> {
-    /// - `motions`: number of each run's motion, where runs repeat motions
+    /// - `motions`: index of the motion of each run; `None` if runs do not repeat motions
     pub(crate) fn new(
         joint: usize,
         (prepared, motions): (&'a [PreparedRun], Option<&[usize]>),
@@ -69,7 +69,7 @@ impl<'a> JointSamples<'a> {
         samples
     }
 
-    /// Motions in which the joint moves are folds, if there are enough.
+    /// Takes the motions in which the joint moves as folds, if there are enough of them.
     fn keep_motions(&mut self) {
         let Some(motions) = &mut self.motions else { return };
         motions.retain(|ranges| !ranges.is_empty());
@@ -78,9 +78,10 @@ impl<'a> JointSamples<'a> {
         }
     }
 
-    /// Adds the samples of a run in which the joint moves and its torque is known.
+    /// Adds the samples of a run at which the joint moves and its torque is known.
     ///
-    /// - `offset`: of the run, and its standard error
+    /// - `value`, `standard_error`: offset of the run, and its standard error
+    /// - `motion`: index of the run's motion
     fn extend(
         &mut self,
         (run, [value, standard_error]): (&'a PreparedRun, [f64; 2]),
@@ -104,10 +105,10 @@ impl<'a> JointSamples<'a> {
         }
     }
 
-    /// The friction law of the joint.
+    /// Identifies the friction law of the joint.
     ///
     /// # Errors
-    /// As [`FrictionIdentification::identify`].
+    /// The errors are those of [`FrictionIdentification::identify`].
     pub(crate) fn law(
         &mut self,
         robot: &dyn Robot,
@@ -143,7 +144,7 @@ impl<'a> JointSamples<'a> {
     }
 }
 
-/// Samples of a run in which a joint moves and its torque is known.
+/// Samples of a run at which a joint moves and its torque is known.
 pub(crate) fn kept(run: &PreparedRun, joint: usize, torques: &[f64]) -> impl Iterator<Item = usize> {
     (0..torques.len()).filter(move |i| torques[*i].is_finite() && !run.rests(joint, *i))
 }

@@ -1,4 +1,4 @@
-//! Report on a friction law: its R², its drift over the log, and findings about its residuals and the described limits.
+//! Report on a friction law: its R², its drift over the log, and findings about the described limits.
 
 use super::super::error::Result;
 use super::super::methods::offset::Offset;
@@ -23,7 +23,7 @@ pub(super) struct Judged {
 }
 
 impl Findings<'_> {
-    /// The report on a law, without results of some methods only.
+    /// The report on a law, without the fields that only some methods have.
     pub(super) fn report(
         mut self,
         settings: &FrictionIdentification,

@@ -1,11 +1,11 @@
-//! The friction law of one joint from its velocity and friction torque, with everything that says how far to
-//! trust it.
+//! The friction law of one joint, from samples of its velocity and friction torque, with the numbers that show its quality.
 //!
-//! Order of work: constant torques are separated (`design`), terms are chosen by one of the
-//! [`FrictionMethod`]s and refitted by least squares (`selection`, `terms`), standard errors are taken that hold
-//! for correlated residuals (`methods::confidence`), and the law is judged on data that were left out
-//! (`judgement`). The printed coefficients are those of the refit, never values that the LASSO has shrunk; the
-//! standard errors belong to them.
+//! [`FrictionIdentification::identify`] works in these steps:
+//! - Constant torques are separated (`design`).
+//! - Terms are chosen by a [`FrictionMethod`] and fitted by least squares (`selection`, `terms`). The coefficients are those
+//!   of this fit, never the values that the LASSO has shrunk.
+//! - Standard errors of the coefficients take correlated residuals into account (`methods::confidence`).
+//! - The law is tested on held-out data (`judgement`).
 
 mod columns;
 mod common;
@@ -41,12 +41,21 @@ use super::error::{
 };
 
 impl FrictionIdentification {
-    /// Finds the law of one joint.
+    /// Identifies the friction law of one joint.
+    ///
+    /// A law that explains too little is not an error. It has a [refusal](super::result::FrictionResult::refusals).
     ///
     /// # Errors
-    /// Lengths that disagree, values that are not finite, a velocity that never changes, and what the method
-    /// reports: collinear terms, too few samples, a threshold or λ that removes every term. A law that explains
-    /// nothing is not an error but a [`FrictionResult::refusals`](super::result::FrictionResult::refusals).
+    /// - [`Empty`](IdentificationError::Empty), [`TooFewSamples`](IdentificationError::TooFewSamples): fewer samples than
+    ///   the method needs
+    /// - [`Shape`](IdentificationError::Shape), [`NotFinite`](IdentificationError::NotFinite): lengths that differ, or
+    ///   values that are not finite
+    /// - [`Constant`](IdentificationError::Constant): a velocity that never changes
+    /// - [`Setting`](IdentificationError::Setting): a setting out of its range
+    /// - [`Collinear`](IdentificationError::Collinear), [`ZeroColumn`](IdentificationError::ZeroColumn),
+    ///   [`EverythingRemoved`](IdentificationError::EverythingRemoved): terms that are collinear or zero, or a threshold or
+    ///   λ that removes every term
+    /// - other errors of the chosen [`FrictionMethod`]
     pub fn identify(&self, data: &FrictionData) -> Result<FrictionReport> {
         check(data)?;
         let limit = self.least_r_squared;

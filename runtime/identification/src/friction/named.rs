@@ -1,4 +1,4 @@
-//! The terms of a friction law as people name them.
+//! The terms and methods of a friction law by the names that the command line takes.
 
 use super::super::error::{IdentificationError, Result};
 use super::super::methods::lasso::Lasso;
@@ -9,7 +9,7 @@ use super::selection::{FrictionMethod, LambdaChoice};
 use super::task::FrictionIdentification;
 use std::collections::BTreeMap;
 
-/// Words, and the terms that they stand for.
+/// Words, and the terms for which they stand.
 const WORDS: [(&str, &[&str]); 4] = [
     ("viscous", &["v"]),
     ("coulomb", &["sign(v)", "tanh(5*v)", "tanh(10*v)", "tanh(20*v)", "tanh(100*v)"]),
@@ -17,13 +17,13 @@ const WORDS: [(&str, &[&str]); 4] = [
     ("quadratic", &["v*abs(v)"]),
 ];
 
-/// The law with five parameters, which is not a sum of terms.
+/// The Stribeck law with five parameters, which is not a sum of terms.
 const STRIBECK: &str = "stribeck";
 
-/// A method for a threshold, which only that of STLS takes.
+/// A function that makes a method from a threshold. Only STLS (sequentially thresholded least squares) uses the threshold.
 type Make = fn(Option<f64>) -> FrictionMethod;
 
-/// Methods that choose terms: the word, a sentence, and the method itself.
+/// Methods that choose terms: name, description in one sentence, and a function that makes the method.
 pub const METHODS: [(&str, &str, Make); 4] = [
     (
         "subset",
@@ -43,13 +43,14 @@ pub const METHODS: [(&str, &str, Make); 4] = [
 ];
 
 impl FrictionIdentification {
-    /// The same search by another method.
+    /// Returns the same settings with another method.
     ///
-    /// - `word`: one of [`METHODS`]
-    /// - `threshold`: of `stls`, in the units of the coefficients; 0.1 if not given
+    /// - `word`: name of one of the [`METHODS`]
+    /// - `threshold`: threshold of `stls` in the units of the coefficients; 0.1 if it is `None`
     ///
     /// # Errors
-    /// Another word, a threshold of another method, or a method for the Stribeck law, which has no terms to choose from.
+    /// [`IdentificationError::Expression`] if the name is unknown or if these settings are for the Stribeck law, which has
+    /// no terms to choose from. [`IdentificationError::Setting`] if a threshold is given for another method than `stls`.
     pub fn by_method(&self, word: &str, threshold: Option<f64>) -> Result<Self> {
         let refused = |text: &str, message: &str| {
             Err(IdentificationError::Expression { text: text.to_owned(), message: message.to_owned() })
@@ -72,13 +73,14 @@ impl FrictionIdentification {
         }
     }
 
-    /// The same search over a library of the given terms.
+    /// Returns the same settings with a library of the given terms.
     ///
-    /// - `terms`: words and expressions in the speed `v` between commas, as in `viscous, coulomb, v*v*v`. The words are `viscous`, `coulomb`,
-    ///   `asymmetric` and `quadratic`; `stribeck` stands alone for the Stribeck law.
+    /// - `terms`: words and expressions in the speed `v`, separated by commas, as in `viscous, coulomb, v*v*v`. The words
+    ///   are `viscous`, `coulomb`, `asymmetric` and `quadratic`. The single word `stribeck` gives the Stribeck law.
     ///
     /// # Errors
-    /// No term, a term twice, an expression that cannot be read, or `stribeck` together with other terms.
+    /// [`IdentificationError::Expression`] if a term is not a known word or a valid expression, or if `stribeck` is combined
+    /// with other terms. Errors of [`Library::new`] if there is no term or a term twice.
     pub fn of_terms(&self, terms: &str) -> Result<Self> {
         let listed = between_commas(terms);
         if listed.iter().any(|term| term.eq_ignore_ascii_case(STRIBECK)) {
@@ -108,7 +110,7 @@ impl FrictionIdentification {
     }
 }
 
-/// A word alone is the speed or one of [`WORDS`].
+/// Fails if a term is a word, but neither the speed nor one of the [`WORDS`].
 fn require_known(term: &str) -> Result<()> {
     let is_word = term.chars().all(|c| c.is_ascii_alphabetic() || c == '_');
     let known = || WORDS.iter().map(|(word, _)| *word).chain([STRIBECK, "v"]);
@@ -122,7 +124,7 @@ fn require_known(term: &str) -> Result<()> {
     })
 }
 
-/// Refuses a term that a description cannot contain, because the law is written to one.
+/// Fails if a description cannot contain a term, because the law is written into a description.
 fn require_generated(term: &str) -> Result<()> {
     let found = gelenk_formula::parse(term, gelenk_formula::Allowed::Velocity, &BTreeMap::new());
     found
@@ -130,7 +132,7 @@ fn require_generated(term: &str) -> Result<()> {
         .map_err(|error| IdentificationError::Expression { text: term.into(), message: error.to_string() })
 }
 
-/// Parts between the commas outside of parentheses; empty ones are left out.
+/// Parts between the commas outside of parentheses, without empty parts.
 fn between_commas(text: &str) -> Vec<&str> {
     let (mut depth, mut start, mut parts) = (0_i32, 0, Vec::new());
     for (place, character) in text.char_indices() {

@@ -1,4 +1,4 @@
-//! Least squares for the chosen terms: passivity, and the text about terms that resemble each other.
+//! Constraints of the chosen terms (passivity), and the finding about collinear terms.
 
 use super::super::error::Result;
 use super::super::methods::constrained::{breaks, constrained_fit, face, nonnegative_rows, passivity_rows};
@@ -24,17 +24,17 @@ const RESTRICTED: Rule = Rule::warning("law-restricted");
 /// Fixture: `good` in `codegen/tests/findings/arm.rs`.
 const COLLINEAR: Rule = Rule::warning("terms-alike");
 
-/// Coefficients that contribute less than this share of the torque's rms are what rounding leaves of zero.
+/// Share of the rms torque below which the contribution of a coefficient counts as rounding of zero.
 const NOTHING: f64 = 1e-12;
 
-/// Speeds beyond those in the data, in units of the largest one.
+/// Ratios of speeds beyond the data to the largest speed in the data.
 pub(super) fn beyond() -> impl Iterator<Item = f64> {
     (1..=20).map(|i| levels::FARTHEST.get().powf(f64::from(i) / 20.0))
 }
 
-/// Rows of `A ξ ≥ 0`: the law dissipates, viscous friction is not negative, and beyond the speeds in the data the torque
-/// hardly grows faster than the speed. There least squares knows nothing, and terms that cancel each other within the data
-/// do so no longer.
+/// Matrix A of the constraints `A ξ ≥ 0` on the coefficients ξ: the law dissipates, viscous friction is not negative, and
+/// beyond the speeds in the data the torque hardly grows faster than the speed. At these speeds least squares has no data,
+/// and terms that cancel each other within the data no longer cancel.
 pub(super) fn passive(library: &Library, velocities: [f64; 2]) -> Result<DMatrix<f64>> {
     let fastest = velocities.iter().fold(0.0_f64, |a, v| a.max(v.abs()));
     let grid: Vec<f64> = (-200..=200).map(|i| fastest * f64::from(i) / 200.0).collect();
@@ -46,7 +46,8 @@ pub(super) fn passive(library: &Library, velocities: [f64; 2]) -> Result<DMatrix
     Ok(DMatrix::from_rows(&all))
 }
 
-/// Rows of `A ξ ≥ 0` beyond a speed `end`: `τ(c·end)` has its sign, and is at most [`levels::MOST_GROWTH`]` c τ(end)`.
+/// Matrix A of the constraints `A ξ ≥ 0` beyond a speed `end`, for factors c > 1: `τ(c·end)` has the sign of the speed, and
+/// its magnitude is at most [`levels::MOST_GROWTH`]` c` times that of `τ(end)`.
 fn rows_beyond(library: &Library, end: f64) -> Result<DMatrix<f64>> {
     let speeds: Vec<f64> = beyond().map(|factor| factor * end).collect();
     let signs = passivity_rows(library, &speeds)?;
@@ -60,7 +61,9 @@ fn rows_beyond(library: &Library, end: f64) -> Result<DMatrix<f64>> {
     Ok(DMatrix::from_rows(&all))
 }
 
-/// Least squares under the constraints, where the free solution breaks them, and the rows that bind.
+/// Least squares under the constraints if the unconstrained solution violates them, and the active constraints.
+///
+/// - `rows`: matrix A of the constraints `A ξ ≥ 0`; `None` without constraints
 pub(super) fn restrict(
     reduced: &Reduced,
     free: Solution,
@@ -94,7 +97,7 @@ fn remove_rounding(coefficients: &mut DVector<f64>, moments: &Moments, samples: 
     }
 }
 
-/// Doubts coefficients of chosen terms that resemble each other.
+/// Adds a finding if the chosen terms are nearly collinear.
 pub(super) fn doubt(reduced: &Reduced, active: &[usize], findings: &mut Findings) {
     let chosen = reduced.moments().correlation().select_rows(active).select_columns(active);
     let eigenvalues = symmetric_eigenvalues(&chosen);

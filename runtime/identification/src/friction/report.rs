@@ -1,50 +1,52 @@
-//! The law of a joint with its candidates.
+//! Report on the friction law of a joint and on its candidate terms.
 
 use super::super::methods::cross_validation::CrossValidation;
 use super::super::methods::subset::SubsetValidation;
 use super::super::result::{FrictionResult, FrictionTerm};
 use nalgebra::DMatrix;
 
-/// The law, and its candidates.
+/// The friction law of a joint, with its candidate terms.
 #[derive(Debug, Clone)]
 pub struct FrictionReport {
-    /// The law with its numbers.
+    /// The law with its errors and statistics.
     pub result: FrictionResult,
-    /// Candidate terms of the law: the library's without constants, where offsets are separated.
+    /// Candidate terms of the law. These are the terms of the library, without constant ones if offsets are separated or
+    /// known.
     pub terms: Vec<String>,
-    /// Cosines between the candidate terms, offsets taken off `[p × p]`.
+    /// Cosines between the columns of the candidate terms after the offsets are removed `[p × p]`, for p terms.
     pub correlation: DMatrix<f64>,
-    /// Condition number of the candidate terms, columns scaled.
+    /// Condition number of the columns of the candidate terms, scaled to unit length.
     pub condition: f64,
-    /// Covariance of the law's coefficients, for correlated residuals; rows and columns as in the law.
+    /// Covariance of the law's coefficients for correlated residuals, in the order of the law's terms.
     pub covariance: DMatrix<f64>,
-    /// Cross-validated path, for the LASSO.
+    /// Cross-validated path of the LASSO; `None` for other methods.
     pub validation: Option<CrossValidation>,
-    /// Pareto table of the choice; none for least squares on all terms and the Stribeck law.
+    /// Pareto table of the choice of terms; `None` for least squares on all terms and for the Stribeck law.
     pub subsets: Option<SubsetValidation>,
-    /// Probabilities of the candidate terms; none for the Stribeck law and for libraries of more than twelve terms.
+    /// Probabilities of the candidate terms; `None` for the Stribeck law and for libraries of more than twelve terms.
     pub(crate) probabilities: Option<Vec<f64>>,
-    /// Mean squared error over folds that were left out, and its standard error.
+    /// Mean squared error over held-out folds, and its standard error; `None` if it is not known.
     pub(super) unseen_error: Option<[f64; 2]>,
-    /// Torque minus offset minus law at the samples.
+    /// Torque minus offset minus law, for each sample.
     pub residuals: Vec<f64>,
 }
 
-/// A term that a law has, or could have had, with its evidence in the data.
+/// A term that is part of a law or could have been, with its evidence in the data.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Candidate<'a> {
-    /// The term in the velocity v, or the name of a Stribeck parameter.
+    /// The term as an expression in the velocity v, or the name of a Stribeck parameter.
     pub basis: &'a str,
-    /// Its coefficient, if the law has it.
+    /// Coefficient of the term with its errors; `None` if the law does not have the term.
     pub chosen: Option<&'a FrictionTerm>,
-    /// Ends of its interval at 95 %, if its error is known.
+    /// Ends of the coefficient's interval at 95 %; `None` if the error is not known.
     pub interval: Option<[f64; 2]>,
-    /// Its probability: the weight of all subsets of the candidates that have it.
+    /// Probability of the term: the weight of all subsets of the candidates that contain it. `None` if it is not known.
     pub probability: Option<f64>,
 }
 
 impl FrictionReport {
-    /// The terms of the law with its constant, then those that were left out. Friction under load is in neither.
+    /// The terms of the law and its constant, then the candidate terms that were not chosen. Friction under load is not part
+    /// of the list.
     pub fn candidates(&self) -> Vec<Candidate<'_>> {
         let law = self.result.law.coefficients();
         let t = self.result.interval_factor();
@@ -65,7 +67,7 @@ impl FrictionReport {
         chosen.chain(others).collect()
     }
 
-    /// A report of nothing but the law.
+    /// A report with only the law and its residuals.
     pub(super) fn alone(result: FrictionResult, residuals: Vec<f64>) -> Self {
         Self {
             result,

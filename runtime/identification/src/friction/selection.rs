@@ -1,4 +1,4 @@
-//! The choice of terms, repeatable on other moments: on those of folds.
+//! The choice of terms from moments (sums of products). It can be repeated on the moments of folds.
 
 use super::super::error::Result;
 use super::super::methods::cross_validation::{CrossValidation, refit};
@@ -10,35 +10,35 @@ use super::super::methods::subset::{Conditions, SubsetValidation, best_of_size, 
 use super::super::methods::thresholding::Thresholding;
 use gelenk_findings::digits::plain;
 
-/// Which λ of a cross-validated path is taken.
+/// Rule that chooses λ from a cross-validated path of the LASSO.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LambdaChoice {
-    /// The one with the least error on left-out blocks.
+    /// The λ with the least error on held-out blocks.
     Minimum,
-    /// The largest one whose error is within one standard error of the least.
+    /// The largest λ whose error exceeds the least one by at most one standard error.
     OneStandardError,
 }
 
-/// How the law is found.
+/// Method by which a friction law is identified.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FrictionMethod {
     /// Least squares on all terms of the library.
     LeastSquares,
     /// Sequentially thresholded least squares.
     Thresholding(Thresholding),
-    /// LASSO on 100 values of λ, cross-validated on contiguous blocks, then least squares on the chosen
-    /// terms.
+    /// LASSO on 100 values of λ, cross-validated on contiguous blocks, then least squares on the chosen terms.
     Lasso(Lasso, LambdaChoice),
-    /// The subset with the fewest terms whose error on left-out blocks is within one standard error of the
-    /// least, for libraries of at most twelve terms.
+    /// The subset with the fewest terms whose error on held-out blocks exceeds the least one by at most one standard error,
+    /// for libraries of at most twelve terms.
     BestSubset,
-    /// Nonlinear regression of the Stribeck law; the library is not used.
+    /// Nonlinear regression of the Stribeck law. The library is not used.
     Stribeck(StribeckRegression),
-    /// [`FrictionMethod::BestSubset`], or the Stribeck law if its error on left-out data is less by more than one standard error.
+    /// [`FrictionMethod::BestSubset`], or the Stribeck law if its error on held-out data is smaller by more than one
+    /// standard error.
     Ladder(StribeckRegression),
 }
 
-/// A choice of terms.
+/// A rule that chooses terms from moments.
 pub(super) enum Selection {
     All,
     Thresholding(Thresholding),
@@ -46,7 +46,7 @@ pub(super) enum Selection {
     BestOfSize(usize, Conditions),
 }
 
-/// A choice with its fit on all samples and the words that say how it came about.
+/// A choice of terms with its fit on all samples and a note on the choice.
 pub(super) struct Chosen {
     pub(super) selection: Selection,
     pub(super) solution: Solution,
@@ -56,7 +56,7 @@ pub(super) struct Chosen {
 }
 
 impl Chosen {
-    /// The choice of a selection that needs no folds.
+    /// The choice by a rule that needs no folds.
     fn directly(selection: Selection, reduced: &Reduced, note: String) -> Result<Self> {
         let solution = selection.fit(reduced)?;
         Ok(Self { selection, solution, validation: None, subsets: None, note })
@@ -83,13 +83,13 @@ impl Selection {
     }
 }
 
-/// A solution with the terms that its terms need.
+/// A solution that also contains the terms that the law of its terms needs.
 fn completed(solution: Solution, reduced: &Reduced) -> Result<Solution> {
     let active = with_needed(solution.active.clone(), reduced);
     if active == solution.active { Ok(solution) } else { reduced.fit(0, &active) }
 }
 
-/// A set of terms with those that its terms need.
+/// A set of terms, extended by the terms that its terms need.
 fn with_needed(mut active: Vec<usize>, reduced: &Reduced) -> Vec<usize> {
     for requirement in requirements(reduced.moments().names()) {
         if active.contains(&requirement.term) && !active.contains(&requirement.needs) {
@@ -100,9 +100,10 @@ fn with_needed(mut active: Vec<usize>, reduced: &Reduced) -> Vec<usize> {
     active
 }
 
-/// Chooses terms by a method; `folds` are made where it needs them.
+/// Chooses terms by a method.
 ///
-/// - `conditions`: that subsets have to meet
+/// - `folds`: makes the moments of the folds, if the method needs them
+/// - `conditions`: conditions that subsets have to meet
 pub(super) fn choose(
     method: &FrictionMethod,
     reduced: &Reduced,
@@ -139,7 +140,8 @@ fn by_subsets(reduced: &Reduced, folds: &[Moments], conditions: Conditions) -> R
     })
 }
 
-/// The sets of terms of rising thresholds, each above the smallest coefficient of the set before; at most one for each term.
+/// The sets of terms for increasing thresholds. Each threshold is above the smallest coefficient of the set before. There is
+/// at most one set for each term.
 fn by_threshold(settings: &Thresholding, reduced: &Reduced) -> Vec<Vec<usize>> {
     let mut threshold = 0.0_f64;
     let mut next = |_| {
@@ -151,7 +153,7 @@ fn by_threshold(settings: &Thresholding, reduced: &Reduced) -> Vec<Vec<usize>> {
     (0..reduced.moments().terms()).map_while(&mut next).collect()
 }
 
-/// The Pareto table of sets of terms.
+/// The Pareto table of sets of terms; `None` if it cannot be made.
 fn along(
     mut sets: Vec<Vec<usize>>,
     folds: &[Moments],

@@ -1,4 +1,5 @@
-//! The friction law of one joint from sums of products by share, where the samples are gone.
+//! The friction law of one joint from sums of products by share, if the samples are not available. A share is an independent
+//! group of samples of many logs.
 
 use super::super::error::Result;
 use super::super::methods::least_squares::Reduced;
@@ -17,24 +18,24 @@ use nalgebra::DVector;
 /// Friction data of one joint without its samples.
 #[derive(Debug, Clone)]
 pub(crate) struct SharedFriction<'a> {
-    /// Name, units, limits, source and settings; no samples.
+    /// Name, units, limits, source and settings. The samples are empty.
     pub(crate) about: FrictionData<'a>,
-    /// Sums over each share of the columns of terms and torque, offsets of the runs taken out. The terms are those
-    /// of a library in `v`.
+    /// For each share, the sums of products of the columns of terms and torque, without the offsets of the runs. The terms
+    /// are those of a library in `v`.
     pub(crate) shares: Vec<Moments>,
-    /// Sum of squares that outliers lost with their weight: Σ (1 − w) r². It counts as residual and as variation of
-    /// the torque, because the sums hold no more: an outlier's torque is mostly its residual.
+    /// Sum of squares that outliers lost with their weight w: Σ (1 − w) r² with the residual r. It is added to the residual
+    /// and to the variation of the torque, because the torque of an outlier is mostly its residual.
     pub(crate) lost: f64,
-    /// Least and largest ẏ.
+    /// Least and largest ẏ [rad/s or m/s].
     pub(crate) velocity_range: [f64; 2],
 }
 
 impl FrictionIdentification {
-    /// Finds the law of one joint as [`Self::identify`] does, the shares being folds and blocks. What needs samples is
-    /// left out: drift, dependences of the residual, offsets.
+    /// Identifies the law of one joint as [`Self::identify`] does. Shares are the folds and the blocks of the errors.
+    /// Results that need samples are left out: drift, residuals, offsets.
     ///
     /// # Errors
-    /// As [`Self::identify`].
+    /// The errors are those of [`Self::identify`].
     pub(crate) fn identify_shares(&self, data: &SharedFriction) -> Result<FrictionReport> {
         let reduced = Reduced::from_moments(Moments::sum(&data.shares)?)?;
         let library = Library::new(reduced.moments().names(), &["v"])?;

@@ -1,4 +1,4 @@
-//! Stribeck laws: nonlinear regression with offsets, and the same acceptance tests as for terms.
+//! Stribeck laws by nonlinear regression with offsets, with the same acceptance tests as for laws of terms.
 
 use super::super::error::Result;
 use super::super::methods::library::Library;
@@ -40,7 +40,7 @@ const NO_STRIBECK: Rule = Rule::error("no-stribeck-law");
 /// Fixture: `friction/tests.rs`.
 const DRIVES: Rule = Rule::error("law-drives");
 
-/// The Stribeck law of one joint.
+/// Identifies the Stribeck law of one joint.
 pub(super) fn identify(
     settings: &FrictionIdentification,
     data: &FrictionData,
@@ -53,11 +53,12 @@ pub(super) fn identify(
     attempt.judged(settings)
 }
 
-/// The Stribeck law of one joint if its error on left-out data is less than that of a law of terms by more than one standard
-/// error of its own (Breiman 1984), else that law.
+/// The Stribeck law of one joint if its error on held-out data is smaller than that of a law of terms by more than one
+/// standard error of its own (Breiman 1984), otherwise the law of terms.
 ///
-/// It is taken as a curve: its parameters may have no physical meaning. A law with a peak at speeds that are not resolved is
-/// refused, because sticking before a reversal gives such a peak. If the regression fails, the law of terms is returned.
+/// The Stribeck law is taken as a curve, whose parameters may have no physical meaning. A law with a peak at speeds at which
+/// the data do not determine it is refused, because sticking before a reversal causes such a peak. If the regression fails,
+/// the law of terms is returned.
 pub(super) fn or_simpler(
     settings: &FrictionIdentification,
     data: &FrictionData,
@@ -75,14 +76,14 @@ pub(super) fn or_simpler(
     Ok(if is_better && stribeck.result.refusals().next().is_none() { stribeck } else { terms })
 }
 
-/// A Stribeck law before it is judged on data that are left out.
+/// A Stribeck law before its test on held-out data.
 struct Attempt<'a> {
     regression: StribeckRegression,
     samples: Observed<'a>,
     fit: StribeckFit,
-    /// Why its parameters have no physical meaning.
+    /// The finding that its parameters have no physical meaning; `None` if they have.
     other_law: Option<Finding>,
-    /// Refusals of the curve.
+    /// Findings that refuse the curve.
     findings: Findings<'a>,
 }
 
@@ -142,8 +143,8 @@ impl<'a> Attempt<'a> {
         Ok(FrictionReport { condition: fit.condition, covariance: errors.covariance, ..report })
     }
 
-    /// Errors as of a law of terms: they count errors of the common estimate, and the change without the samples near rests
-    /// and reversals.
+    /// Errors of the parameters as for a law of terms: they include errors of the common estimate, and the change if the
+    /// samples near rests and reversals are left out.
     fn errors(&self) -> Result<Errors> {
         let Self { samples, fit, findings, .. } = self;
         let data = findings.data;
@@ -169,7 +170,7 @@ impl<'a> Attempt<'a> {
         own.with_biases(common.transpose()?, changes.unwrap_or_else(|| DVector::zeros(5)))
     }
 
-    /// The fit repeated without each fold in turn, from the law of all samples. A fold is left out by weights of zero.
+    /// The fit is repeated without each fold in turn, starting at the law of all samples. Weights of zero leave a fold out.
     fn held_out(&self, settings: &FrictionIdentification) -> Result<Unseen> {
         let Self { regression, samples, fit, findings, .. } = self;
         let data = findings.data;
@@ -184,7 +185,7 @@ impl<'a> Attempt<'a> {
             let torques = data.torques_of(&FrictionLaw::stribeck(law, [None; 5], [None; 5]))?;
             residuals.iter_mut().zip(torques).for_each(|(left, law)| *left -= law);
             if regression.offset {
-                // As for terms, a run keeps its offset if a part of it is left out.
+                // As for laws of terms, a run keeps its offset if a part of the run is held out.
                 centre(&mut residuals, samples.runs);
             }
             let squares = fold.iter().cloned().flatten().map(|i| residuals[i] * residuals[i]);
@@ -194,15 +195,16 @@ impl<'a> Attempt<'a> {
     }
 }
 
-/// Whether static friction is not less than Coulomb friction, and the law has no peak at speeds that are not resolved.
+/// Whether static friction is not less than Coulomb friction, and the law has no peak at speeds at which the data do not
+/// determine it.
 fn falls(fit: &StribeckFit, data: &FrictionData) -> bool {
     let resolved = data.resolved_from();
     let bound = levels::MOST_UNRESOLVED.get() * fit.torque(resolved).abs();
     fit.parameters[3] >= 0.0 && slower(resolved).all(|v| fit.torque(v).abs() <= bound)
 }
 
-/// Whether the law without viscous friction rises above F_c anywhere. It does not where the fall is over before the step at
-/// zero is.
+/// Whether the law without viscous friction rises above the Coulomb friction F_c at some speed. It does not if the fall from
+/// static to Coulomb friction is complete before the smoothed step at zero is.
 fn stands_out(fit: &StribeckFit) -> bool {
     let [_, coulomb, step, excess, fall] = fit.parameters;
     let without = [0.0, coulomb, step, excess, fall];
@@ -210,7 +212,8 @@ fn stands_out(fit: &StribeckFit) -> bool {
     speeds.any(|v| stribeck_torque(v, &without) > coulomb + levels::REACHED.get() * excess)
 }
 
-/// Why a fit is not a Stribeck law: its words (Coulomb, static, Stribeck speed) would mean nothing.
+/// The finding that a fit is not a Stribeck law, because Coulomb friction, static friction or Stribeck speed would have no
+/// physical meaning; `None` if it is one.
 fn other_law(fit: &StribeckFit, data: &FrictionData) -> Option<Finding> {
     let words = fit.words();
     let [coulomb, highest, speed] =
@@ -250,7 +253,7 @@ fn other_law(fit: &StribeckFit, data: &FrictionData) -> Option<Finding> {
 
 fn refuse_driving(fit: &StribeckFit, findings: &mut Findings) {
     let fastest = findings.data.fastest();
-    // The law is odd: one direction is enough.
+    // The law is odd, so that one direction is enough.
     let speeds = (1..=200).map(|i| fastest * f64::from(i) / 200.0);
     let speeds = speeds.chain(slower(fastest)).chain(beyond().map(|factor| factor * fastest));
     let driving = speeds.filter(|v| fit.torque(*v) < -1e-9 * fit.torque(fastest).abs()).fold(0.0, f64::max);

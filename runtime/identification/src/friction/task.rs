@@ -1,4 +1,4 @@
-//! Samples of one joint, and the settings by which its law is found.
+//! Samples of one joint, and the settings of the identification of its friction law.
 
 use super::super::error::Result;
 use super::super::methods::filtered::Filtered;
@@ -19,25 +19,26 @@ pub struct FrictionData<'a> {
     pub unit: &'a str,
     /// Unit of the velocity, `rad/s` or `m/s`.
     pub velocity_unit: &'a str,
-    /// ẏ.
+    /// Velocity ẏ of each sample.
     pub velocities: &'a [f64],
-    /// τ_f (N·m or N), the effort minus the rigid-body part at the joint.
+    /// Friction torque τ_f of each sample [N·m or N]: the effort minus the rigid-body force at the joint.
     pub torques: &'a [f64],
-    /// Folds of the cross-validation, each of several ranges of samples, e.g. the runs that repeat one motion; contiguous
-    /// blocks of equal size where absent.
+    /// Folds of the cross-validation. Each fold has several ranges of samples, e.g. the runs that repeat one motion. `None`
+    /// takes contiguous blocks of equal size.
     pub folds: Option<&'a [Vec<Range<usize>>]>,
-    /// Ranges of samples that were recorded without interruption. They follow each other and hold all samples;
-    /// each has an offset of its own, and no error is taken to be correlated between them. One run where absent.
+    /// Ranges of samples that were recorded without interruption. They are contiguous and contain all samples. Each run has
+    /// an offset of its own. Errors of different runs count as uncorrelated. `None` takes all samples as one run.
     pub runs: Option<&'a [Range<usize>]>,
-    /// The filter that the torques passed: laws pass it too.
+    /// The filter that the torques passed. Friction laws pass it, too. `None` if the torques passed no filter.
     pub(crate) filtered: Option<&'a Filtered<'a>>,
-    /// Friction terms of the common estimate: the intervals are at least as wide as its own.
+    /// Friction terms of the common estimate; `None` if there are none. The errors of the law are at least as large as those
+    /// that follow from the estimate.
     pub(crate) common: Option<&'a CommonTerms>,
-    /// Limits of the joint, where samples beyond them are to be noticed.
+    /// Limits of the joint; `None` if the law is not compared with limits.
     pub limits: Option<JointLimits>,
     /// Source and hash of the log.
     pub data: &'a str,
-    /// How these samples were made: differentiation, selection.
+    /// Sentences on the processing of the samples, as differentiation and selection.
     pub settings: &'a [String],
 }
 
@@ -48,12 +49,12 @@ impl<'a> FrictionData<'a> {
     }
 }
 
-/// Friction by the common estimate.
+/// Friction terms of the common estimate.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct CommonTerms {
     /// Terms in the velocity `v`.
     pub(crate) bases: Vec<String>,
-    /// Their changes without the samples near rests and reversals.
+    /// Changes of the coefficients if the samples near rests and reversals are left out.
     pub(crate) margins: DVector<f64>,
     /// Covariance of the coefficients.
     pub(crate) covariance: DMatrix<f64>,
@@ -64,42 +65,43 @@ pub(crate) struct CommonTerms {
 /// Meaning of a constant torque in the data.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Offsets {
-    /// A constant of each run: an offset of the sensor, or gravity that the model has wrong. It is estimated with
-    /// the law, reported, never restricted and never written; constant terms of the library belong to it.
-    /// Coulomb friction that differs by direction cannot be told from it unless the data hold slow motion.
+    /// A constant of each run is an offset of the sensor, or an error of the modelled gravity. It is estimated together with
+    /// the law and reported, but neither constrained nor written. Constant terms of the library are left out. Coulomb
+    /// friction that differs by direction cannot be distinguished from an offset unless the data contain slow motion.
     #[default]
     Separate,
-    /// Known: it was taken off the torques before, and constant terms of the library, which would be one more, are left out.
+    /// The offsets are known and were subtracted from the torques before. Constant terms of the library are left out.
     Known,
-    /// Friction: torques are known to have no offset, and constant terms of the library belong to the law.
+    /// A constant is friction: the torques have no offset, and constant terms of the library are part of the law.
     PartOfLaw,
 }
 
-/// Settings.
+/// Settings of the identification of a friction law.
 #[derive(Debug, Clone)]
 pub struct FrictionIdentification {
-    /// Terms in the velocity `v`.
+    /// Candidate terms in the velocity `v`.
     pub library: Library,
-    /// How the law is found.
+    /// Method by which the law is identified.
     pub method: FrictionMethod,
     /// Meaning of a constant torque.
     pub offsets: Offsets,
-    /// Contiguous blocks of the cross-validation, if the data name no folds.
+    /// Number of contiguous blocks of the cross-validation, if the data have no folds.
     pub folds: usize,
-    /// Forces `τ v ≥ 0` at all speeds up to ten times the largest one in the data, viscous friction ≥ 0, and a torque that
-    /// grows beyond the data at most half as fast again as the speed, where least squares would break them. Terms are chosen
-    /// among laws that meet this. Offsets are separated before. A Stribeck law that drives the joint is refused.
+    /// Whether the law must be passive: `τ v ≥ 0` at all speeds up to ten times the largest one in the data, viscous
+    /// friction ≥ 0, and at c times the largest speed (c > 1) a torque of at most 1.5 c times that at the largest speed.
+    /// Terms are chosen among laws that meet these constraints. Offsets are separated before. A Stribeck law that drives the
+    /// joint is refused.
     pub passive: bool,
-    /// R² on left-out data below which a law is refused.
+    /// Least R² on held-out data. A law with a lower R² is refused.
     pub least_r_squared: f64,
 }
 
 impl FrictionIdentification {
-    /// The usual terms of a joint, thresholding at 0.1, offsets separated, ten folds; the law is passive, and refused below a
-    /// held-out R² of 0.05.
+    /// Settings with the usual terms of a joint, thresholding at 0.1, separate offsets and ten folds. The law is passive. It
+    /// is refused if its held-out R² is below 0.05.
     ///
     /// # Errors
-    /// None in practice; the signature is that of [`Library::new`].
+    /// An error of [`Library::new`], which does not occur.
     pub fn new() -> Result<Self> {
         Ok(Self {
             library: Library::joint_friction()?,

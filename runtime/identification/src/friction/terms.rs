@@ -1,4 +1,4 @@
-//! Laws that are sums of terms: choice, least squares, passivity, standard errors.
+//! Laws that are sums of terms: choice of terms, least squares, passivity, standard errors.
 
 use super::super::error::Result;
 use super::super::methods::least_squares::{Reduced, Solution, Solver};
@@ -24,7 +24,7 @@ use nalgebra::DMatrix;
 /// Fixture: `parameters_that_the_data_do_not_show` in `runtime/tests/identification_bad_input.rs`.
 const HIDDEN: Rule = Rule::warning("terms-hidden");
 
-/// The law of terms.
+/// Identifies a law that is a sum of terms.
 pub(super) fn identify(settings: &FrictionIdentification, data: &FrictionData) -> Result<FrictionReport> {
     let design = Design::new(settings, data)?;
     let samples = design.samples()?;
@@ -59,7 +59,7 @@ fn describe_library(design: &Design, reduced: &Reduced, findings: &mut Findings)
     }
 }
 
-/// Terms that a law may be made of, with their data.
+/// Terms from which a law is chosen, with their data.
 pub(super) struct Candidates<'a> {
     pub(super) library: &'a Library,
     pub(super) reduced: &'a Reduced,
@@ -70,10 +70,10 @@ pub(super) struct Candidates<'a> {
 /// Terms that were chosen, fitted under the constraints.
 pub(super) struct Fitted {
     chosen: Chosen,
-    /// Rows of `A ξ ≥ 0`, if the law has to dissipate.
+    /// Matrix A of the constraints `A ξ ≥ 0`; `None` if the law need not be passive.
     rows: Option<DMatrix<f64>>,
     pub(super) solution: Solution,
-    /// The rows that bind.
+    /// The active constraints.
     pub(super) binding: DMatrix<f64>,
 }
 
@@ -98,8 +98,8 @@ impl Candidates<'_> {
         Ok(Fitted { chosen, rows, solution, binding })
     }
 
-    /// Values of the terms at speeds of the data in both directions, from a hundredth of the fastest on; zeros for a constant,
-    /// with which a law is zero at some speed.
+    /// Values of the terms at speeds of the data in both directions, from a hundredth of the largest speed on; zeros for a
+    /// constant term.
     fn values(&self) -> Result<DMatrix<f64>> {
         let share = |i: i32| 0.01_f64.powf(f64::from(i) / 20.0);
         let speeds = self.velocity_range.into_iter().flat_map(|end| (0..=20).map(move |i| end * share(i)));
@@ -113,7 +113,7 @@ impl Candidates<'_> {
     }
 }
 
-/// Probabilities of the terms, if they are few enough.
+/// Probabilities of the terms; `None` if there are too many terms.
 pub(super) fn probabilities(reduced: &Reduced, errors: &Errors) -> Result<Option<Vec<f64>>> {
     if reduced.moments().terms() > MOST_TERMS {
         return Ok(None);
@@ -123,7 +123,7 @@ pub(super) fn probabilities(reduced: &Reduced, errors: &Errors) -> Result<Option
 }
 
 impl Fitted {
-    /// How the law is found on other moments.
+    /// Rule and constraints by which the law is identified on other moments.
     pub(super) fn way(&self) -> (&Selection, Option<&DMatrix<f64>>) {
         (&self.chosen.selection, self.rows.as_ref())
     }
@@ -136,7 +136,7 @@ impl Fitted {
         FrictionLaw::Terms(self.solution.active.iter().enumerate().map(term).collect())
     }
 
-    /// The report on a law with its candidates.
+    /// Adds the candidate terms to the report on a law.
     pub(super) fn complete(
         self,
         report: FrictionReport,

@@ -1,11 +1,11 @@
-//! Inertial parameters of bodies that can exist, as a convex program.
+//! Inertial parameters of physically possible bodies, as a convex program.
 //!
-//! `minimize ½ xᵀ H x − gᵀ x` over parameters whose bodies have positive semidefinite pseudo-inertias (Sousa,
-//! Cortesão 2014; Wensing, Kim, Slotine 2017) and whose listed further entries are not negative. For least
-//! squares `H = Wᵀ W` and `g = Wᵀ τ`, plus a distance from the description.
+//! `minimize ½ xᵀ H x − gᵀ x` over parameters x whose bodies have positive semidefinite pseudo-inertias (Sousa, Cortesão
+//! 2014; Wensing, Kim, Slotine 2017), with a list of other entries that are not negative. For least squares it is `H = Wᵀ W`
+//! and `g = Wᵀ τ`, plus the distance from the description.
 //!
-//! The method is a primal-dual interior-point method over the 4 × 4 pseudo-inertias; it needs ten to thirty
-//! factorizations of a matrix as large as H. It always returns the global minimum, up to a gap that it states.
+//! The method is a primal-dual interior-point method over the 4 × 4 pseudo-inertias. It needs ten to thirty factorizations
+//! of a matrix of the size of H. It finds the global minimum up to a known gap.
 
 use super::interior_point::{Cone, Point};
 use super::pseudo_inertia::{PER_BODY, from_pseudo_inertia, margin, pseudo_inertia};
@@ -16,40 +16,42 @@ use nalgebra::{DMatrix, DVector, Matrix4};
 /// Smallest [`margin`] of a body in a solution.
 pub(crate) const MARGIN: f64 = 1e-6;
 
-/// Least entry of Σ's diagonal as a share of its trace: moments of inertia are sums of these, and rounding would take smaller ones.
+/// Least diagonal entry of Σ as a share of its trace. Moments of inertia are sums of diagonal entries, so smaller entries
+/// would be lost by rounding.
 const THINNEST: f64 = 1e-12;
 
-/// Gap and residual of a solution, relative to what the objective gains from zero to its free minimum; larger
-/// ones are an error.
+/// Largest gap and residual of a solution, relative to the decrease of the objective from zero to its unconstrained minimum.
+/// Larger ones are an error.
 pub(crate) const TOLERANCE: f64 = 1e-8;
 
-/// `minimize ½ xᵀ H x − gᵀ x` over bodies that can exist.
+/// `minimize ½ xᵀ H x − gᵀ x` over physically possible bodies.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ConsistentProblem {
     /// H, `n × n`, symmetric and positive definite up to rounding.
     pub hessian: DMatrix<f64>,
     /// g, n entries.
     pub linear: DVector<f64>,
-    /// Number of bodies: the first `10 · bodies` entries of x are their parameters.
+    /// Number of bodies. The first `10 · bodies` entries of x are their parameters.
     pub bodies: usize,
-    /// Further entries which are not negative, e.g. rotor inertias and viscous friction.
+    /// Indices of other entries that must not be negative, e.g. rotor inertias and viscous friction.
     pub nonnegative: Vec<usize>,
 }
 
-/// The minimum.
+/// The solution of a [`ConsistentProblem`].
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ConsistentSolution {
-    /// x. Each body's [`margin`] is at least [`MARGIN`] (up to rounding). Listed entries that would be negative without the bound
-    /// are exactly zero.
+    /// Solution x. Each body's [`margin`] is at least [`MARGIN`] (up to rounding). An entry of
+    /// [`ConsistentProblem::nonnegative`] is exactly zero if it would be negative without the bound.
     pub parameters: DVector<f64>,
-    /// Bodies which the data would make impossible: their pseudo-inertias are singular up to the margin.
+    /// Indices of bodies that the data would make impossible. Their pseudo-inertias are singular up to the margin.
     pub on_boundary: Vec<usize>,
 }
 
 /// Solves the program.
 ///
 /// # Errors
-/// Values that are not finite, an iteration that does not reach [`TOLERANCE`], or a body that rounding makes impossible.
+/// [`IdentificationError::NotFinite`] if values are not finite, and [`IdentificationError::NotConverged`] if the iteration
+/// does not reach [`TOLERANCE`] or if rounding makes a body impossible.
 pub(crate) fn solve(problem: &ConsistentProblem) -> Result<ConsistentSolution> {
     let (mut parameters, point) = minimum(problem)?;
     for &i in problem.nonnegative.iter().filter(|&&i| point.u[i] < point.z[i]) {
@@ -60,7 +62,8 @@ pub(crate) fn solve(problem: &ConsistentProblem) -> Result<ConsistentSolution> {
     Ok(ConsistentSolution { parameters, on_boundary })
 }
 
-/// The iteration's last x, inside all cones. Scaled entries and multipliers are of one size: the smaller one of the two is zero.
+/// The last x of the iteration, which lies inside all cones, and the last point. Scaled entries and multipliers are of one
+/// size, so the smaller one of the two counts as zero.
 fn minimum(problem: &ConsistentProblem) -> Result<(DVector<f64>, Point)> {
     require_finite("the Hessian", problem.hessian.as_slice())?;
     require_finite("the linear term", problem.linear.as_slice())?;
@@ -76,7 +79,8 @@ fn minimum(problem: &ConsistentProblem) -> Result<(DVector<f64>, Point)> {
     Ok((scaled.parameters(&point.u), point))
 }
 
-/// Moves bodies away from the boundary by enlarging the diagonal of their pseudo-inertias; returns which.
+/// Moves bodies away from the boundary by increasing the diagonal of their pseudo-inertias. Returns the indices of these
+/// bodies.
 fn keep_margin(bodies: usize, parameters: &mut DVector<f64>) -> Vec<usize> {
     let mut moved = Vec::new();
     for (b, pi) in parameters.as_mut_slice().chunks_exact_mut(PER_BODY).take(bodies).enumerate() {
@@ -94,7 +98,7 @@ fn keep_margin(bodies: usize, parameters: &mut DVector<f64>) -> Vec<usize> {
     moved
 }
 
-/// Sums of a pseudo-inertia's entries can lose the smaller ones entirely; then there is no result.
+/// Fails if a body is impossible. Sums of a pseudo-inertia's entries can lose the smaller entries by rounding.
 fn require_possible(bodies: usize, parameters: &DVector<f64>, iterations: usize) -> Result<()> {
     for (b, pi) in parameters.as_slice().chunks_exact(PER_BODY).take(bodies).enumerate() {
         let possible = margin(&std::array::from_fn(|k| pi[k])) > 0.0;

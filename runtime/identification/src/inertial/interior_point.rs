@@ -1,35 +1,34 @@
-//! Primal-dual interior points for a quadratic function over positive semidefinite 4 × 4 blocks.
+//! Primal-dual interior-point method for a quadratic function over positive semidefinite 4 × 4 blocks.
 //!
-//! `minimize ½ uᵀ H u − gᵀ u` where the first `10 · blocks` entries of u are symmetric 4 × 4 matrices `S ⪰ 0`
-//! (diagonal, then the entries above it times √2, so that products of vectors are those of the matrices),
-//! the entries of `scalars` are ≥ 0 and all others are free. With the multipliers z of the cones the solution
-//! is `H u − g − z = 0`, `z ⪰ 0`, `uᵀ z = 0`, z zero at the free entries.
+//! `minimize ½ uᵀ H u − gᵀ u`. The first `10 · blocks` entries of u are symmetric 4 × 4 matrices `S ⪰ 0`. An S has the
+//! order: diagonal, then the entries above it times √2, so that products of vectors equal products of matrices. The entries
+//! with the indices `scalars` are ≥ 0. All other entries are free. With the multipliers z of the cones the solution meets `H
+//! u − g − z = 0`, `z ⪰ 0`, `uᵀ z = 0`, and z is zero for the free entries.
 //!
-//! Each iteration linearizes `S Z = μ 1` in the scaling of Nesterov and Todd (1998), where S and Z are the
-//! same diagonal matrix Λ, with predictor and corrector (Mehrotra 1992). Both take the same step, as a
-//! quadratic objective asks for.
+//! Each iteration linearizes `S Z = μ 1` in the scaling of Nesterov and Todd (1998), in which S and Z are the same diagonal
+//! matrix Λ, with predictor and corrector (Mehrotra 1992). Both take the same step, as a quadratic objective requires.
 
 use crate::numeric::spectrum;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix4, Vector4};
 
-/// Entries of a symmetric 4 × 4 block.
+/// Number of entries of a symmetric 4 × 4 block.
 pub(super) const BLOCK: usize = 10;
 
 /// Row and column of each entry of a block.
 pub(super) const PLACES: [(usize, usize); BLOCK] =
     [(0, 0), (1, 1), (2, 2), (3, 3), (0, 1), (0, 2), (1, 2), (0, 3), (1, 3), (2, 3)];
 
-/// Share of the way to the boundary that a step goes.
+/// Share of the distance to the boundary by which a step goes.
 const TO_BOUNDARY: f64 = 0.99;
 
-/// Gap and residual that end the iteration; better values are rounding.
+/// Gap and residual at which the iteration ends. Better values are below rounding.
 const TARGET: f64 = 1e-13;
 
-/// Most iterations; ten to thirty are usual.
+/// Largest number of iterations. Ten to thirty are usual.
 const LIMIT: usize = 100;
 
-/// Added to the diagonal of free entries in the linear equations only, so that one which H does not determine
-/// stays where it is.
+/// Added to the diagonal of free entries in the linear equations only, so that an entry that H does not determine stays the
+/// same.
 const STATIC: f64 = 1e-14;
 
 /// A problem whose entries have sizes near one.
@@ -40,26 +39,26 @@ pub(super) struct Cone<'a> {
     pub scalars: &'a [usize],
 }
 
-/// A point inside the cones, and its multipliers.
+/// A point inside the cones, with its multipliers.
 #[derive(Debug, Clone)]
 pub(super) struct Point {
     pub u: DVector<f64>,
     pub z: DVector<f64>,
-    /// `uᵀ z`: how far the objective can be above the smallest, up to the residual.
+    /// `uᵀ z`. The objective exceeds its minimum at most by this value, up to the residual.
     pub gap: f64,
-    /// Largest entry of `H u − g − z` by one plus the size of its terms.
+    /// Largest entry of `H u − g − z`, each divided by one plus the size of its terms.
     pub residual: f64,
     pub iterations: usize,
 }
 
 impl Point {
-    /// The larger of gap and residual: what an iteration makes smaller.
+    /// The larger one of gap and residual, which the iterations decrease.
     fn error(&self) -> f64 {
         self.gap.max(self.residual)
     }
 
-    /// A step that would make the gap larger ends where the gap is least: `Δuᵀ Δz = Δuᵀ H Δu > 0`, so that longer steps go around the
-    /// solution for ever (Curtis and Nocedal 2007).
+    /// Length of a step, shortened to the least gap if a longer step would increase the gap. It is `Δuᵀ Δz = Δuᵀ H Δu > 0`,
+    /// so that longer steps would circle the solution (Curtis and Nocedal 2007).
     fn shortened(&self, length: f64, Direction { u, z, .. }: &Direction) -> f64 {
         let (slope, curvature) = (self.u.dot(z) + self.z.dot(u), u.dot(z));
         let raises = slope < 0.0 && slope + length * curvature > 0.0;
@@ -67,7 +66,7 @@ impl Point {
     }
 }
 
-/// Symmetric matrix of a block's entries.
+/// Symmetric matrix from the entries of a block.
 pub(super) fn matrix(entries: &[f64]) -> Matrix4<f64> {
     let mut s = Matrix4::zeros();
     for (&(r, c), &x) in PLACES.iter().zip(entries) {
@@ -78,7 +77,7 @@ pub(super) fn matrix(entries: &[f64]) -> Matrix4<f64> {
     s
 }
 
-/// Entries of a symmetric matrix.
+/// Entries of a block from a symmetric matrix.
 pub(super) fn entries(s: &Matrix4<f64>) -> [f64; BLOCK] {
     PLACES.map(
         |(r, c)| {
@@ -87,14 +86,14 @@ pub(super) fn entries(s: &Matrix4<f64>) -> [f64; BLOCK] {
     )
 }
 
-/// Scaling of one block: `R⁻¹ S R⁻ᵀ = Rᵀ Z R = Λ`, held by R⁻¹.
+/// Scaling R of one block, `R⁻¹ S R⁻ᵀ = Rᵀ Z R = Λ`, stored as R⁻¹.
 struct Scaling {
     inverse: Matrix4<f64>,
     lambda: Vector4<f64>,
 }
 
 impl Scaling {
-    /// From Cholesky factors of S and Z and one singular value decomposition; `None` on the boundary.
+    /// The scaling from Cholesky factors of S and Z and one singular value decomposition; `None` on the boundary.
     fn new(s: &Matrix4<f64>, z: &Matrix4<f64>) -> Option<Self> {
         let (ls, lz) = (s.cholesky()?.unpack(), z.cholesky()?.unpack());
         let svd = spectrum::svd(lz.transpose() * ls);
@@ -106,7 +105,7 @@ impl Scaling {
         Some(Self { inverse: root * u.transpose() * lz.transpose(), lambda })
     }
 
-    /// `R⁻ᵀ E R⁻¹`: multipliers of a scaled matrix.
+    /// `R⁻ᵀ E R⁻¹`: multipliers of a scaled matrix E.
     fn to_multipliers(&self, e: &Matrix4<f64>) -> Matrix4<f64> {
         self.inverse.transpose() * e * self.inverse
     }
@@ -122,7 +121,7 @@ impl Scaling {
         Matrix4::from_fn(|i, j| 2.0 * target[(i, j)] / (l[i] + l[j]))
     }
 
-    /// Matrix of `S ↦ W⁻¹ S W⁻¹`, `W⁻¹ = R⁻ᵀ R⁻¹`, on a block's entries.
+    /// Matrix of `S ↦ W⁻¹ S W⁻¹` with `W⁻¹ = R⁻ᵀ R⁻¹`, for the entries of a block.
     fn curvature(&self) -> [[f64; BLOCK]; BLOCK] {
         let w = self.inverse.transpose() * self.inverse;
         std::array::from_fn(|k| {
@@ -132,7 +131,7 @@ impl Scaling {
         })
     }
 
-    /// Longest step with `Λ + α D ⪰ 0`.
+    /// Longest step α with `Λ + α D ⪰ 0`.
     fn longest(&self, d: &Matrix4<f64>) -> f64 {
         let l = &self.lambda;
         let scaled = Matrix4::from_fn(|i, j| 0.5 * (d[(i, j)] + d[(j, i)]) / (l[i] * l[j]).sqrt());
@@ -145,11 +144,11 @@ fn longest(d: f64) -> f64 {
     if d < 0.0 { -1.0 / d } else { f64::INFINITY }
 }
 
-/// The equations of one iteration, factored: scalings of all cones and `H + G`.
+/// The factored equations of one iteration: scalings of all cones, and `H + G` with the curvature G of the cones.
 struct Newton<'a> {
     cone: &'a Cone<'a>,
     scalings: Vec<Scaling>,
-    /// `√(s z)` and `√(s / z)` of the scalars.
+    /// `√(s z)` and `√(s / z)` of each scalar entry s with its multiplier z.
     scalars: Vec<(f64, f64)>,
     factor: Cholesky<f64, Dyn>,
     /// `H u − g − z`.
@@ -172,7 +171,7 @@ struct Direction {
 }
 
 impl<'a> Newton<'a> {
-    /// `None` if a cone is left or the factorization breaks down: the iteration is at its rounding.
+    /// Returns `None` if the point lies outside of a cone or if the factorization fails, which are effects of rounding.
     fn new(cone: &'a Cone, point: &Point, residual: DVector<f64>) -> Option<Self> {
         let pair = |b: usize| (matrix(block(&point.u, b)), matrix(block(&point.z, b)));
         let scalings: Option<Vec<Scaling>> =
@@ -197,7 +196,7 @@ impl<'a> Newton<'a> {
         Some(Self { cone, scalings, scalars, factor: Cholesky::new(matrix)?, residual })
     }
 
-    /// Solves `H Δu − Δz = −(residual)`, `Λ ∘ (ΔŜ + ΔẐ) = target`.
+    /// Solves `H Δu − Δz = −residual`, `Λ ∘ (ΔŜ + ΔẐ) = target`.
     fn direction(&self, target: &Targets) -> Direction {
         let pairs = self.scalings.iter().zip(&target.blocks);
         let divided: Vec<Matrix4<f64>> = pairs.map(|(scaling, t)| scaling.divided(t)).collect();
@@ -237,7 +236,7 @@ impl<'a> Newton<'a> {
         }
     }
 
-    /// `−Λ²`: the targets of the predictor.
+    /// `−Λ²`: targets of the predictor.
     fn predictor(&self) -> Targets {
         Targets {
             blocks: self.scalings.iter().map(|s| Matrix4::from_diagonal(&s.lambda.map(|x| -x * x))).collect(),
@@ -245,8 +244,9 @@ impl<'a> Newton<'a> {
         }
     }
 
-    /// `σ μ 1 − Λ² − α ΔŜ ∘ ΔẐ`, of the predictor's direction and its step α: the whole correction of a short step leads away from
-    /// the central path, and the iteration can cycle (Colombo and Gondzio 2008).
+    /// `σ μ 1 − Λ² − α ΔŜ ∘ ΔẐ` with the predictor's direction and its step α: targets of the corrector. The whole
+    /// correction for a short step would lead away from the central path, and the iteration could cycle (Colombo and Gondzio
+    /// 2008).
     fn corrector(&self, affine: &Direction, centre: f64, length: f64) -> Targets {
         let mut target = self.predictor();
         for ((t, s), z) in target.blocks.iter_mut().zip(&affine.primal.blocks).zip(&affine.dual.blocks) {
@@ -290,7 +290,7 @@ impl Cone<'_> {
         }
     }
 
-    /// `H u − g − z`, and its largest entry by one plus the size of its terms.
+    /// `H u − g − z`, and the largest of its entries, each divided by one plus the size of its terms.
     fn residual(&self, u: &DVector<f64>, z: &DVector<f64>) -> (DVector<f64>, f64) {
         let product = self.hessian * u;
         let sizes = self.hessian.abs() * u.abs();
@@ -306,7 +306,7 @@ impl Cone<'_> {
         (Point { u, z, gap, residual, iterations }, vector)
     }
 
-    /// The best point that rounding allows: smallest larger value of gap and residual.
+    /// The best point within rounding: the one with the smallest [`Point::error`].
     pub(super) fn minimize(&self) -> Point {
         let (mut u, mut z) = (DVector::zeros(self.linear.len()), DVector::zeros(self.linear.len()));
         self.set_identity(&mut u, 1.0);
@@ -322,7 +322,7 @@ impl Cone<'_> {
             if point.error() < best.error() {
                 best = point.clone();
             }
-            // Ten iterations without a better point: only rounding is left.
+            // Ten iterations without a better point show that only rounding is left.
             if best.error() <= TARGET || iteration >= best.iterations + 10 {
                 break;
             }
@@ -330,7 +330,7 @@ impl Cone<'_> {
         best
     }
 
-    /// One predictor and corrector; `None` if rounding or the cones allow no further step.
+    /// One iteration of predictor and corrector; `None` if rounding or the cones allow no further step.
     fn advance(&self, point: &Point, residual: DVector<f64>) -> Option<(DVector<f64>, DVector<f64>)> {
         let newton = Newton::new(self, point, residual)?;
         let affine = newton.direction(&newton.predictor());

@@ -1,11 +1,12 @@
-//! Inertial parameters π of `W π = M ÿ + k − q_gravity`: those of bodies that can exist, and a payload's.
+//! Inertial parameters π of `W π = M ÿ + k − q_gravity`, with the constraints of physically possible bodies.
 //!
-//! π has ten numbers per body, all in the body's frame: m, m cₓ, m c_y, m c_z, then Ixx, Ixy, Iyy, Ixz, Iyz,
-//! Izz about the frame's origin, in the order of a generated module's `INERTIAL_PARAMETER_NAMES`. Further parameters (rotor inertias) may stand behind those
-//! of the bodies. A body exists with these numbers if and only if its pseudo-inertia `[[Σ, m c], [m cᵀ, m]]`,
-//! `Σ = ½ tr(I) 1 − I`, is positive definite (Wensing, Kim, Slotine 2017).
+//! π has ten numbers per body in the body's frame: mass m, first moments m cₓ, m c_y, m c_z, then the moments of inertia
+//! Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the frame's origin, in the order of `INERTIAL_PARAMETER_NAMES` of a generated module.
+//! Other parameters (rotor inertias) may follow those of the bodies. A body with these numbers is physically possible if and
+//! only if its pseudo-inertia `[[Σ, m c], [m cᵀ, m]]` with `Σ = ½ tr(I) 1 − I` is positive definite (Wensing, Kim, Slotine
+//! 2017).
 //!
-//! `consistent` minimizes a quadratic function over bodies that can exist.
+//! `consistent` minimizes a quadratic function over physically possible bodies.
 
 pub(crate) mod consistent;
 mod interior_point;

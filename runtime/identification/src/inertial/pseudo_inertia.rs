@@ -1,9 +1,9 @@
-//! The pseudo-inertia of a body, and whether the body can exist.
+//! The pseudo-inertia of a body, and its margin from a physically impossible body.
 
 use crate::numeric::spectrum::symmetric_eigenvalues;
 use nalgebra::{Matrix3, Matrix4};
 
-/// Parameters per body.
+/// Number of parameters per body.
 pub(crate) const PER_BODY: usize = 10;
 
 /// Pseudo-inertia of ten parameters [kg, kg m, kg m²].
@@ -21,7 +21,7 @@ pub(crate) fn pseudo_inertia(pi: &[f64; PER_BODY]) -> Matrix4<f64> {
     j
 }
 
-/// Ten parameters of a pseudo-inertia; linear in it.
+/// Ten parameters of a pseudo-inertia. They are linear in it.
 pub(crate) fn from_pseudo_inertia(j: &Matrix4<f64>) -> [f64; PER_BODY] {
     let trace = j[(0, 0)] + j[(1, 1)] + j[(2, 2)];
     [
@@ -38,18 +38,18 @@ pub(crate) fn from_pseudo_inertia(j: &Matrix4<f64>) -> [f64; PER_BODY] {
     ]
 }
 
-/// Whether a body with these parameters can exist.
+/// Whether a body with these parameters is physically possible.
 #[cfg(test)]
 pub(crate) fn is_physically_consistent(pi: &[f64; PER_BODY]) -> bool {
     pseudo_inertia(pi).cholesky().is_some()
 }
 
-/// Smallest eigenvalue of the pseudo-inertia whose diagonal is scaled to one: how far, relative to its own
-/// size, a body is from one that cannot exist.
+/// Margin of a body from physically impossible ones: the smallest eigenvalue of the pseudo-inertia after its diagonal is
+/// scaled to one.
 ///
-/// The margin is positive exactly if the body can exist, and at most one. Rounding every parameter to a
-/// relative error well below a quarter of it leaves the body possible. A diagonal that is not positive gives
-/// `-∞`.
+/// The margin is positive if and only if the body is physically possible, and at most one. If every parameter is rounded
+/// with a relative error well below a quarter of the margin, the body stays possible. The result is `-∞` if a diagonal entry
+/// is not positive.
 pub fn margin(pi: &[f64; 10]) -> f64 {
     let j = pseudo_inertia(pi);
     let d = j.diagonal();

@@ -1,37 +1,37 @@
-//! A consistent program in variables of size one.
+//! The program of physically possible bodies in variables of size one.
 //!
-//! A body's pseudo-inertia is `J = T S T` with a diagonal T of four sizes, chosen such that H has a diagonal
-//! near one in the entries of S; a congruence keeps the cone. Other entries are scaled one by one. All are
-//! scaled together, and so is the objective, by what it gains without cones. Without this a problem with
-//! 100 kg and 10⁻⁶ kg m² loses its smaller digits, and the iteration starts far from its end.
+//! A body's pseudo-inertia is `J = T S T` with a diagonal matrix T of four sizes. They are chosen such that H has a diagonal
+//! near one in the entries of S. This congruence keeps the cone. Other entries are scaled one by one. Then all entries are
+//! scaled together, and so is the objective, by its decrease without cones. Without the scaling a problem with 100 kg and
+//! 10⁻⁶ kg m² loses its smaller digits, and the iteration starts far from its solution.
 
 use super::consistent::ConsistentProblem;
 use super::interior_point::{BLOCK, PLACES};
 use super::pseudo_inertia::{PER_BODY, from_pseudo_inertia};
 use nalgebra::{DMatrix, DVector, Matrix4, SMatrix, Vector4};
 
-/// A curvature below this share of the largest one is rounding: the direction is not seen.
+/// A curvature below this share of the largest one is rounding: the data do not determine the direction.
 const UNSEEN: f64 = 1e-24;
 
-/// Share of the diagonal that makes a Hessian definite which rounding made indefinite.
+/// Share of the diagonal that is added to a Hessian that rounding made indefinite.
 const ROUNDING: f64 = 1e-9;
 
-/// Share of the scaled distance from a body of unit sizes in the objective: rounding where H determines the body.
-/// Where it does not, the multipliers would have no interior, and the iteration would stop early.
+/// Weight of the scaled distance from a body of unit sizes in the objective. It has the size of rounding if H determines the
+/// body. If H does not, the multipliers would have no interior without this term, and the iteration would stop early.
 const PULL: f64 = 1e-12;
 
 type Block = SMatrix<f64, PER_BODY, BLOCK>;
 
-/// The scaled program, and the way back.
+/// The scaled program, and the map of its solution to the parameters.
 pub(super) struct Scaled {
     pub hessian: DMatrix<f64>,
     pub linear: DVector<f64>,
     blocks: Vec<Block>,
-    /// Sizes of the entries behind the bodies.
+    /// Sizes of the entries after those of the bodies.
     sizes: Vec<f64>,
 }
 
-/// Ten parameters of the entries of a body's S, `J = T S T`.
+/// Matrix that maps the entries of a body's S to its ten parameters, `J = T S T`.
 fn parameters_of_block(sizes: &Vector4<f64>) -> Block {
     let mut map = Block::zeros();
     for (k, &(r, c)) in PLACES.iter().enumerate() {
@@ -45,7 +45,7 @@ fn parameters_of_block(sizes: &Vector4<f64>) -> Block {
     map
 }
 
-/// Sizes T of a body: least squares over the logarithms of H's diagonal in the entries of J.
+/// Sizes T of a body, by least squares over the logarithms of H's diagonal in the entries of J.
 fn balance(curvature: &[f64; BLOCK], largest: f64) -> Vector4<f64> {
     let (mut a, mut b) = (Matrix4::identity() * 1e-6, Vector4::zeros());
     for (&(r, c), &h) in PLACES.iter().zip(curvature).filter(|(_, h)| **h > UNSEEN * largest) {
@@ -94,7 +94,7 @@ impl Scaled {
         for (i, size) in self.sizes.iter().enumerate() {
             right.column_mut(others + i).scale_mut(*size);
         }
-        // Hᵀ is H: the same for the rows.
+        // H is symmetric, so the rows are scaled as the columns of the transpose.
         let mut both = right.transpose();
         for b in 0..bodies {
             let columns = both.fixed_columns::<PER_BODY>(PER_BODY * b) * self.blocks[b];
@@ -120,12 +120,12 @@ impl Scaled {
         scaled
     }
 
-    /// Scales all entries together, and the objective, such that it gains one without cones.
+    /// Scales all entries together, and the objective, such that the objective decreases by one without cones.
     fn normalize(&mut self) {
         let gain = 0.5 * free_gain(&self.hessian, &self.linear);
         if gain > 0.0 && gain.is_finite() {
             let size = gain.sqrt();
-            // u = size · u', f = energy · f': H stays, g falls.
+            // With u = size · u' and f = energy · f', H stays the same and g decreases.
             self.linear /= size;
             self.blocks.iter_mut().for_each(|block| *block *= size);
             self.sizes.iter_mut().for_each(|s| *s *= size);
@@ -144,7 +144,7 @@ impl Scaled {
         }
     }
 
-    /// x of scaled entries u.
+    /// Parameters x of scaled entries u.
     pub(super) fn parameters(&self, u: &DVector<f64>) -> DVector<f64> {
         let mut x = u.clone();
         for (b, block) in self.blocks.iter().enumerate() {

@@ -1,15 +1,15 @@
-//! Rows that come in bursts: their times are those of arrival.
+//! Detection of rows that come in bursts. Their times are times of arrival.
 
 use super::super::error::{IdentificationError, Result};
 use super::super::numeric::statistics::median;
 use super::levels;
 use gelenk_findings::digits::plain;
 
-/// Refuses times of arrival: rows that a network or a buffer hands on in bursts were recorded at other times. Pauses of a
-/// recording are few, those between bursts come with each of them.
+/// Fails if times are times of arrival: rows that a network or a buffer delivers in bursts were recorded at other times. A
+/// recording has few pauses, but bursts have a pause between each two of them.
 ///
 /// # Errors
-/// [`IdentificationError::File`], with the period that counts the rows.
+/// [`IdentificationError::File`], with the period by which rows can be counted instead.
 pub(super) fn require_steady(parts: &[Vec<usize>], times: &[i128], unit: f64, source: &str) -> Result<()> {
     let pairs = parts.iter().flat_map(|part| part.windows(2));
     let steps: Vec<f64> = pairs.map(|pair| (times[pair[1]] - times[pair[0]]) as f64 * unit / 1e12).collect();
@@ -17,7 +17,7 @@ pub(super) fn require_steady(parts: &[Vec<usize>], times: &[i128], unit: f64, so
     let pauses: Vec<usize> = (0..steps.len()).filter(|i| steps[*i] > levels::BURST.get() * usual).collect();
     let paused: f64 = pauses.iter().map(|i| steps[*i]).sum();
     let is_rare = (pauses.len() as f64) < levels::PAUSES.get() * steps.len() as f64;
-    // Whole bursts lie between the first pause and the last.
+    // Whole bursts lie between the first and the last pause.
     let [first, .., last] = pauses[..] else { return Ok(()) };
     if is_rare || 2.0 * paused < steps.iter().sum::<f64>() {
         return Ok(());

@@ -1,4 +1,4 @@
-//! Checks of a log by its runs: columns that are not velocities, efforts on the other side of a gear, turns.
+//! Checks of the runs of a log: columns that are not velocities, efforts on the other side of a gear, full turns.
 
 use super::super::numeric::statistics::span;
 use super::super::robot::Robot;
@@ -9,7 +9,7 @@ use gelenk_findings::Finding;
 use gelenk_findings::digits::plain;
 use std::f64::consts::{PI, TAU};
 
-/// Findings of all joints, pooled over the runs.
+/// Findings about all joints, from all runs together.
 pub(super) fn findings(runs: &[Run], robot: &dyn Robot) -> Vec<Finding> {
     let (names, units) = (robot.joint_names(), robot.position_units());
     let unit = |joint: usize| units.get(joint).copied().unwrap_or("rad");
@@ -20,18 +20,18 @@ pub(super) fn findings(runs: &[Run], robot: &dyn Robot) -> Vec<Finding> {
     disagree.chain(gears(runs, robot)).collect()
 }
 
-/// A joint that moves by less than this stands still [rad or m].
+/// Travel below which a joint is at rest [rad or m].
 fn least_travel(unit: &str) -> f64 {
     if unit == "m" { 0.1 * levels::TRAVEL.get() } else { levels::TRAVEL.get() }
 }
 
-/// Whether a joint stood still in all runs, outliers aside.
+/// Whether a joint is at rest in all runs, without outliers.
 fn stands_still(runs: &[Run], joint: usize, unit: &str) -> bool {
     let travel = |run: &Run| span(run.positions[joint].clone()).map_or(0.0, |[low, high]| high - low);
     runs.iter().all(|run| travel(run) < least_travel(unit))
 }
 
-/// Units that a column of velocities may be in instead of rad/s or m/s: factors and names.
+/// Units in which a column of velocities may be instead of rad/s or m/s: factors and names.
 const UNITS: [(f64, &str); 5] = [
     (PI / 180.0, "deg/s"),
     (PI / 30.0, "rpm"),
@@ -40,7 +40,8 @@ const UNITS: [(f64, &str); 5] = [
     (1e3, "thousands, or a time that is in s"),
 ];
 
-/// A column of velocities against the slope of the positions, by windows of a few samples.
+/// Message about a column of velocities that differs from the slope of the positions; `None` if it agrees. They are compared
+/// by windows of a few samples.
 fn velocity(runs: &[Run], joint: usize) -> Option<String> {
     let (mut qq, mut qv, mut vv) = (0.0, 0.0, 0.0);
     for run in runs {
@@ -90,8 +91,8 @@ fn travels<'a>(run: &'a Run, joint: usize, v: &'a [f64]) -> impl Iterator<Item =
     })
 }
 
-/// Whether efforts at the joints were taken for those of the motors, or the other way round: where a gear stands
-/// between them, the joint that carries the largest weight shows it.
+/// The finding that efforts at the joints seem to be those of the motors, or the other way round. It is decided at the joint
+/// that carries the largest weight, if there is a gear between motor and joint.
 fn gears(runs: &[Run], robot: &dyn Robot) -> Option<Finding> {
     let (n, m, matrix) = (robot.joint_names().len(), robot.input_names().len(), robot.input_matrix());
     let effort = runs.first()?.effort;
@@ -106,7 +107,7 @@ fn gears(runs: &[Run], robot: &dyn Robot) -> Option<Finding> {
         return None;
     }
     let ratio = if effort == Effort::Input { recorded * gear / weight } else { recorded / weight };
-    // Half of the gear, in logarithms: friction and motion change the effort by less than that.
+    // The limit is half of the gear's logarithm. Friction and motion change the effort by less.
     let is_doubtful = match effort {
         Effort::Input => ratio.ln() / gear.ln() > 0.5,
         _ => -ratio.ln() / gear.ln() > 0.5,
@@ -148,7 +149,8 @@ fn root_mean_square(values: impl Iterator<Item = f64>) -> f64 {
     if count > 0.0 { f64::sqrt(sum / count) } else { 0.0 }
 }
 
-/// Undoes jumps by a turn: an encoder that counts one turn only, or one that was set anew.
+/// Removes jumps by a full turn, as of an encoder that counts one turn only, or that was reset. Returns findings about the
+/// jumps.
 pub(super) fn unwrap_turns(run: &mut Run, robot: &dyn Robot, source: &str) -> Vec<Finding> {
     let (names, units) = (robot.joint_names(), robot.position_units());
     let mut findings = Vec::new();
@@ -165,9 +167,9 @@ pub(super) fn unwrap_turns(run: &mut Run, robot: &dyn Robot, source: &str) -> Ve
     findings
 }
 
-/// Adds or subtracts 2π after each jump by 2π (within 0.5 rad) from the last value; returns the rows of the jumps.
+/// Adds or subtracts 2π after each jump by 2π (within 0.5 rad) from the last value. Returns the indices of the jumps.
 ///
-/// No joint turns by 5.8 rad between two samples, so nothing else is mistaken for a turn.
+/// No joint turns by 5.8 rad between two samples, so no other motion is mistaken for a full turn.
 fn take_out_turns(values: &mut [f64]) -> Vec<usize> {
     let (mut offset, mut last, mut turns) = (0.0, f64::NAN, Vec::new());
     for (i, value) in values.iter_mut().enumerate().filter(|(_, value)| value.is_finite()) {

@@ -1,9 +1,9 @@
-//! Forces at the joints of what acts at inputs: those at frames, as cylinders, have levers that depend on the positions.
+//! Joint forces of inputs. Inputs at frames, as cylinders, have levers that depend on the positions.
 
 use super::super::robot::Robot;
 use super::super::run::{Effort, Run};
 
-/// Replaces the inputs u of a run by the forces at the joints, where inputs act at frames.
+/// Replaces the inputs u of a run by the joint forces, if inputs act at frames.
 pub(super) fn move_to_joints(run: &mut Run, robot: &dyn Robot) {
     if run.effort == Effort::Input && robot.has_inputs_at_frames() {
         run.efforts = forces_of_inputs(&run.positions, &run.efforts, robot);
@@ -11,12 +11,12 @@ pub(super) fn move_to_joints(run: &mut Run, robot: &dyn Robot) {
     }
 }
 
-/// `B(y) u` of all samples, one column for each joint. The columns of joints are NaN on which an input acts that was not
-/// measured in all samples, or which something else moves.
+/// `B(y) u` of all samples, one column for each joint. The column of a joint is NaN if an input acts on it that was not
+/// measured in all samples, or if the joint is moved from outside.
 ///
-/// The positions are the measured ones: their noise passes through the levers of the forces.
+/// The positions are the measured ones, so the levers contain their noise.
 ///
-/// - `positions`: y, one column for each entry, with those of quaternions
+/// - `positions`: y, one column for each entry, including those of quaternions
 /// - `inputs`: u, one column for each input
 pub(super) fn forces_of_inputs(
     positions: &[Vec<f64>],

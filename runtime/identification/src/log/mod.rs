@@ -1,10 +1,10 @@
-//! Logs of a robot as runs: the columns of the robot are found in tables that other programs wrote.
+//! Logs of a robot as runs. The columns of the robot are found in tables that other programs wrote.
 //!
-//! Nothing is repaired silently: what is suspicious or left out is a finding of the recording.
-//! Modules are listed from the lowest floor to the highest, one paragraph for each: a file imports from floors below its own.
-//! The order of work is `packed` and `bag` (files that are not text), `sheet` (separators, header, rows), `columns` (which column is which
-//! quantity, in which unit), `runs` (samples, cut into runs), `bursts` (times of arrival), `unroll` (poses with quaternions), `joint_forces`
-//! (inputs at frames), `health` (checks of the runs).
+//! Nothing is repaired silently: everything that is suspicious or left out is a finding of the recording. Modules are listed
+//! from the lowest level to the highest one, one paragraph for each. A file imports only from levels below its own. A log
+//! passes these modules: `packed` and `bag` (files that are not text), `sheet` (separators, header, rows), `columns`
+//! (assignment of columns to quantities, units), `runs` (samples, cut into runs), `bursts` (times of arrival), `unroll`
+//! (poses with quaternions), `joint_forces` (inputs at frames), `health` (checks of the runs).
 
 mod levels;
 

@@ -1,16 +1,16 @@
-//! Numbers as text, and times without a lost digit.
+//! Numbers as text, and times without a loss of digits.
 
-/// How a file writes decimals.
+/// Decimal sign of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) enum Decimals {
-    /// `0.5`
+    /// A point: `0.5`
     #[default]
     Point,
-    /// `0,5`
+    /// A comma: `0,5`
     Comma,
 }
 
-/// A number, or a word for a value that is not there (NaN).
+/// A number, or NaN for a word that stands for a missing value; `None` for other text.
 pub(super) fn number(field: &[u8], decimals: Decimals) -> Option<f64> {
     let text = std::str::from_utf8(field.trim_ascii()).ok()?;
     if is_missing(text) {
@@ -18,21 +18,21 @@ pub(super) fn number(field: &[u8], decimals: Decimals) -> Option<f64> {
     }
     match decimals {
         Decimals::Point => text.parse().ok(),
-        // A point in such a file would be a separator of thousands: no number is better than a wrong one.
+        // A point in a file with decimal commas would be a separator of thousands. No number is better than a wrong one.
         Decimals::Comma if text.contains('.') => None,
         Decimals::Comma => text.replace(',', ".").parse().ok(),
     }
 }
 
-/// Words that programs write if there is no number.
+/// Whether a text is a word that programs write for a missing number.
 fn is_missing(text: &str) -> bool {
     const WORDS: [&str; 7] = ["na", "n/a", "null", "none", "-nan", "-nan(ind)", "nan(ind)"];
     WORDS.iter().any(|word| word.eq_ignore_ascii_case(text))
 }
 
-/// A decimal number as a count of 10⁻¹²: epoch times in nanoseconds keep every digit.
+/// A decimal number as a multiple of 10⁻¹², so that epoch times in nanoseconds keep every digit; `None` for other text.
 ///
-/// Digits beyond the twelfth after the point are dropped; numbers of 10²⁴ and more are none.
+/// Digits after the twelfth decimal place are dropped. Numbers of 10²⁴ and more give `None`.
 pub(super) fn exact(field: &[u8], decimals: Decimals) -> Option<i128> {
     let text = std::str::from_utf8(field.trim_ascii()).ok()?;
     let (mantissa, exponent) = match text.find(['e', 'E']) {
@@ -53,7 +53,7 @@ pub(super) fn exact(field: &[u8], decimals: Decimals) -> Option<i128> {
     Some(if negative { -count } else { count })
 }
 
-/// `whole.fraction · 10^shift`, cut to an integer below 10³⁶.
+/// `whole.fraction · 10^shift`, cut to an integer; `None` if it is 10³⁶ or more.
 fn scaled(whole: &str, fraction: &str, shift: i32) -> Option<i128> {
     let length = i32::try_from(whole.len()).ok()?.checked_add(shift)?;
     let digits = whole.bytes().chain(fraction.bytes()).chain(std::iter::repeat(b'0'));

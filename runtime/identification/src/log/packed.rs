@@ -1,4 +1,4 @@
-//! Packed bytes: gzip, zstd and LZ4.
+//! Compressed files: gzip, zstd and LZ4.
 
 use flate2::bufread::GzDecoder;
 use lz4_flex::frame::FrameDecoder;
@@ -6,10 +6,10 @@ use ruzstd::decoding::StreamingDecoder;
 use std::borrow::Cow;
 use std::io::Read;
 
-/// Largest log that is read, in bytes: it is in memory as a whole.
+/// Largest log that is read [bytes]. A log is in memory as a whole.
 pub(super) const LARGEST: u64 = 8 << 30;
 
-/// Formats of frames. A packed file is a sequence of them.
+/// Formats of frames. A compressed file is a sequence of frames.
 #[derive(Clone, Copy)]
 enum Format {
     Gzip,
@@ -30,7 +30,7 @@ impl Format {
         }
     }
 
-    /// Unpacks the frame at the beginning of `rest`, at most one byte more than `most`.
+    /// Decompresses the frame at the beginning of `rest`, to at most one byte more than `most`.
     fn frame(self, rest: &mut &[u8], most: u64) -> Result<Vec<u8>, String> {
         let whole = *rest;
         match self {
@@ -38,7 +38,7 @@ impl Format {
             Self::Zstd => read(StreamingDecoder::new(rest).map_err(|error| error.to_string())?, most),
             Self::Lz4 => {
                 let content = read(FrameDecoder::new(&mut *rest), most)?;
-                // The decoder takes the end of the bytes for that of the frame. A checksum of the content comes last.
+                // The decoder takes the end of the bytes as the end of the frame. A checksum of the content is at the end.
                 let taken = &whole[..whole.len() - rest.len()];
                 let checksum = if taken.get(4).is_some_and(|flags| flags & 4 != 0) { 4 } else { 0 };
                 let is_whole = taken[..taken.len() - checksum].ends_with(&[0; 4]);
@@ -56,10 +56,10 @@ impl Format {
 
 const CUT: &str = "it ends within a frame";
 
-/// The content of bytes that begin as a packed file does; other bytes as they are.
+/// The content of compressed bytes. Other bytes are returned unchanged.
 ///
 /// # Errors
-/// Frames that cannot be unpacked, and more than `most` bytes of content.
+/// A message if frames cannot be decompressed, or if the content has more than `most` bytes.
 pub(super) fn unpacked(bytes: &[u8], most: u64) -> Result<Cow<'_, [u8]>, String> {
     let Some((_, name)) = Format::of(bytes) else { return Ok(Cow::Borrowed(bytes)) };
     let (mut rest, mut content) = (bytes, Vec::new());

@@ -22,39 +22,44 @@ use std::slice;
 pub struct Recording {
     /// Runs in the order of the files and rows.
     pub runs: Vec<Run>,
-    /// The kind of the runs' efforts, the same in all logs.
+    /// Kind of the runs' efforts. It is the same in all logs.
     pub effort: Effort,
-    /// Suspicious or repaired values.
+    /// Findings about values that are suspicious, left out or repaired.
     pub findings: Vec<Finding>,
     /// Names of the columns in the first log.
     pub(crate) labels: Labels,
-    /// The columns that were taken: one line for each quantity.
+    /// The columns that are used: one line for each quantity.
     pub columns: Vec<String>,
-    /// Headers of columns that nothing uses.
+    /// Headers of columns that are not used.
     pub unused: Vec<String>,
     /// Path and SHA-256 of each log, in hexadecimal.
     pub hashes: Vec<(String, String)>,
 }
 
-/// Most headers of unused columns in a line.
+/// Largest number of headers of unused columns in a line.
 const MOST_UNUSED: usize = 12;
 
 /// Reads logs as runs of a robot.
 ///
-/// Columns are found by their names or by the user's options ([`ColumnOptions`]); measured columns go before commanded
-/// ones, names of joints before numbers, a message's own stamp before the time of its arrival. Times keep every
-/// digit of the file. A run ends where the run's number changes, where time goes back, and with the file. Rows without
-/// a time, a position or an effort are left out, samples with the time of the one before too; joints without limits
-/// whose positions jump by a turn are unwrapped. [`Recording::findings`] reports all of this.
+/// Columns are found by their names or by the user's options ([`ColumnOptions`]). Measured columns are preferred to
+/// commanded ones, names of joints to numbers, and the stamp of a message to the time of its arrival. Times keep every digit
+/// of the file.
+///
+/// A run ends if the number of the run changes, if the time goes back, or with the file. Rows without a time, a position or
+/// an effort are left out, and so are samples with the time of the sample before. Jumps of a revolute joint's position by a
+/// full turn are removed. [`Recording::findings`] reports all of this.
 ///
 /// # Errors
-/// Files that cannot be read or are not tables, columns that are missing or ambiguous, units that do not fit, logs
-/// without two complete rows, and logs whose efforts are of different kinds.
+/// [`IdentificationError::Empty`] without logs. [`IdentificationError::File`] if a file cannot be read or is not a table, if
+/// columns are missing or ambiguous, if a unit does not fit, if a log does not have two complete rows, or if logs have
+/// efforts of different kinds.
 pub fn runs(paths: &[PathBuf], robot: &dyn Robot, columns: &ColumnOptions) -> Result<Recording> {
     runs_noting(paths, robot, columns, &mut Vec::new())
 }
 
-/// As [`runs`]. Where it fails, `findings` holds what was noticed before.
+/// Does the work of [`runs`].
+///
+/// - `findings`: receives the findings before an error
 pub(crate) fn runs_noting(
     paths: &[PathBuf],
     robot: &dyn Robot,
@@ -81,12 +86,12 @@ pub(crate) fn runs_noting(
     Ok(recording)
 }
 
-/// As [`runs`], of text in memory.
+/// Reads one log as [`runs`] does, from bytes in memory.
 ///
-/// - `source`: name for messages and of the runs
+/// - `source`: name of the log in messages and in the runs
 ///
 /// # Errors
-/// As [`runs`].
+/// The errors are those of [`runs`].
 pub fn runs_of(bytes: &[u8], source: &str, robot: &dyn Robot, columns: &ColumnOptions) -> Result<Recording> {
     let mut findings = Vec::new();
     let mut recording = read_bytes(bytes, source, (robot, columns), &mut findings)?;
@@ -96,11 +101,11 @@ pub fn runs_of(bytes: &[u8], source: &str, robot: &dyn Robot, columns: &ColumnOp
 }
 
 impl Recording {
-    /// Adds the findings of the runs about their logs.
+    /// Adds the findings from the checks of the runs.
     fn look(&mut self, robot: &dyn Robot) {
         self.leave_out_short();
         let columns = &self.labels.efforts.columns;
-        // Efforts of inputs at frames have become forces at joints, which no column holds.
+        // Efforts of inputs at frames have been converted to joint forces, for which there is no column.
         let names = match self.effort {
             Effort::Joint if !robot.has_inputs_at_frames() => robot.joint_names(),
             Effort::Joint => Vec::new(),
@@ -112,7 +117,7 @@ impl Recording {
         self.findings.extend(cut_off);
     }
 
-    /// Leaves out runs that no filter can be applied to, if there are longer ones.
+    /// Leaves out runs that are too short for a filter, if there are longer runs.
     fn leave_out_short(&mut self) {
         let is_long = |run: &Run| run.times.len() >= FEWEST_SAMPLES;
         let short = self.runs.iter().filter(|run| !is_long(run)).count();
@@ -124,7 +129,7 @@ impl Recording {
         self.findings.push(LEFT_OUT.found(message));
     }
 
-    /// The columns that were taken, one note for each quantity, and one note for the columns that nothing uses.
+    /// Notes on the columns that are used, one for each quantity, and one note on the columns that are not used.
     pub(crate) fn columns_found(&self) -> Vec<Finding> {
         let shown: Vec<String> =
             self.unused.iter().take(MOST_UNUSED).map(|header| format!("`{header}`")).collect();
@@ -134,7 +139,7 @@ impl Recording {
         self.columns.iter().cloned().chain(unused).map(|line| COLUMNS.found(line)).collect()
     }
 
-    /// SHA-256 of the samples, whatever else stands in the log: empty lines, comments, columns that nothing uses.
+    /// SHA-256 of the samples. It does not depend on empty lines, comments and unused columns of the log.
     pub(crate) fn content(&self) -> [u8; 32] {
         content(&self.runs)
     }
@@ -150,16 +155,17 @@ fn content(runs: &[Run]) -> [u8; 32] {
     hasher.finalize().into()
 }
 
-/// The columns of a log as far as they are found, as a line of `--columns`.
+/// The columns of a log that are found, as an argument of `--columns`.
 ///
 /// # Errors
-/// Files that cannot be read or are not tables, and options that cannot be read. Columns that are not found are not an error.
+/// [`IdentificationError::File`] if a file cannot be read or is not a table, or if the options cannot be read. Columns that
+/// are not found are not an error.
 pub fn guess_columns(path: &Path, robot: &dyn Robot, columns: &ColumnOptions) -> Result<ColumnGuess> {
     let source = path.display().to_string();
     guess_columns_of(&bytes_of(path)?, &source, robot, columns)
 }
 
-/// As [`guess_columns`], of text in memory.
+/// Does the work of [`guess_columns`], for bytes in memory.
 pub(super) fn guess_columns_of(
     bytes: &[u8],
     source: &str,
@@ -209,7 +215,7 @@ fn read_bytes(
     let new: Vec<Finding> = warnings.into_iter().filter(|warning| !findings.contains(warning)).collect();
     findings.extend(new);
     Ok(Recording {
-        // Inputs at frames have become forces at the joints.
+        // Inputs at frames have been converted to joint forces.
         effort: runs.first().map_or(effort, |run| run.effort),
         runs,
         findings: Vec::new(),
@@ -220,7 +226,7 @@ fn read_bytes(
     })
 }
 
-/// The text of a file: packed ones are unpacked, bags of ROS 2 become tables.
+/// The text of a file. Compressed files are decompressed, bags of ROS 2 are converted to tables.
 fn text_of<'a>(bytes: &'a [u8], source: &str) -> Result<Cow<'a, [u8]>> {
     let fault = |message: String| IdentificationError::File { place: source.into(), message };
     let content = unpacked(bytes, LARGEST).map_err(fault)?;
@@ -270,20 +276,20 @@ fn join(mut before: Recording, one: Recording) -> Result<Recording> {
     Ok(before)
 }
 
-/// Paths of a log that is there twice: copies may differ in empty lines or comments.
+/// Paths of a log that occurs twice; `None` if there is none. Copies may differ in empty lines or comments.
 fn twice(before: &Recording, one: &Recording) -> Option<(String, String)> {
     let ((path, _), run) = (one.hashes.first()?, one.runs.first()?);
     let samples = content(slice::from_ref(run));
-    // Times tell nearly all runs apart, for less than a hash.
+    // Times distinguish nearly all runs and are cheaper to compare than hashes.
     let is_same = |known: &&Run| known.times == run.times && content(slice::from_ref(*known)) == samples;
     let known = before.runs.iter().find(is_same)?;
     let logs = before.hashes.iter().map(|(path, _)| path);
-    // The path of one log may begin that of another.
+    // The path of one log may be the beginning of the path of another log.
     let log = logs.filter(|path| known.name.starts_with(path.as_str())).max_by_key(|path| path.len());
     Some((log.unwrap_or(&known.name).clone(), path.clone()))
 }
 
-/// Runs carry file names instead of paths, where these tell the files apart.
+/// Replaces the paths in names of runs and findings by file names, if the file names are distinct.
 fn name_by_file(recording: &mut Recording, paths: &[PathBuf]) {
     let name = |path: &PathBuf| path.file_name().map(|n| n.to_string_lossy().into_owned());
     let names: Vec<Option<String>> = paths.iter().map(name).collect();

@@ -20,15 +20,15 @@ use std::ops::Range;
 /// Complete rows of a log.
 #[derive(Debug, Default)]
 pub(super) struct Samples {
-    /// In 10⁻¹² of the time column's unit.
+    /// Times in 10⁻¹² of the time column's unit.
     times: Vec<i128>,
-    /// Row of each sample, as an editor shows it.
+    /// Row of each sample in the file, as in an editor.
     lines: Vec<usize>,
-    /// Number of each sample's run in `names`.
+    /// Index of each sample's run in `names`.
     labels: Vec<usize>,
     names: Vec<String>,
     numbers: BTreeMap<String, usize>,
-    /// Positions, velocities (NaN if there is no column), efforts, commanded positions, and poses, one column each.
+    /// Positions, velocities (NaN if there is no column), efforts, and poses, one column each.
     values: Vec<Vec<f64>>,
 }
 
@@ -37,13 +37,13 @@ pub(super) struct Samples {
 struct Gaps {
     count: usize,
     rows: Option<(usize, usize)>,
-    /// The first of them that is text.
+    /// The first of these values that is text; `None` if there is none.
     text: Option<String>,
-    /// Rows with text there that is not a number.
+    /// Number of rows whose field is text but not a number.
     unread: usize,
-    /// Rows that end before the column.
+    /// Number of rows that end before the column.
     short: usize,
-    /// The column has a finite value.
+    /// Whether the column has a finite value.
     alive: bool,
 }
 
@@ -75,10 +75,10 @@ impl Gaps {
 }
 
 impl Samples {
-    /// Reads the mapped columns; rows without time, a position or an effort are left out and said.
+    /// Reads the mapped columns. Rows without a time, a position or an effort are left out, with a finding.
     ///
     /// # Errors
-    /// Columns without any number, or fewer than two complete rows.
+    /// [`IdentificationError::File`] if a column has no number, or if there are fewer than two complete rows.
     pub(super) fn read(
         sheet: &Sheet,
         mapping: &Mapping,
@@ -98,7 +98,7 @@ impl Samples {
         let widest = sheet.width.max(sheet.headers.len());
         sheet.rows(source, |line, record| {
             total += 1;
-            // A field too many has moved the others.
+            // An additional field has shifted the other fields.
             if record.iter().skip(widest).any(|field| !field.trim_ascii().is_empty()) {
                 long.add(line);
                 return Ok(());
@@ -167,8 +167,8 @@ impl Samples {
         }
     }
 
-    /// Leaves out rows without an effort that most rows have. Efforts that most rows lack do not remove a row,
-    /// unless all efforts are like that.
+    /// Leaves out rows without an effort that most rows have. An effort that most rows lack removes no row, unless all
+    /// efforts are like that.
     fn leave_out_gaps(&mut self, efforts: Range<usize>) {
         let known = |i: &usize| self.values[*i].iter().filter(|u| u.is_finite()).count();
         let usual = efforts.clone().filter(|i| 2 * known(i) >= self.lines.len());
@@ -182,7 +182,7 @@ impl Samples {
         self.retain(&kept);
     }
 
-    /// Leaves out rows in which nothing was recorded.
+    /// Leaves out rows of zeros, in which no values were recorded.
     fn leave_out_zeros(&mut self, positions: usize) -> Tally {
         let is_same_run = |row: usize| self.labels[row] == self.labels[row - 1];
         let zeros = zero_rows(&self.values, positions, is_same_run);
@@ -262,7 +262,8 @@ fn label(sheet: &Sheet, column: usize) -> String {
     sheet.headers.get(column).map_or_else(|| format!("column {}", column + 1), |h| format!("column `{h}`"))
 }
 
-/// An effort without any number is its joint's loss alone, where other efforts have numbers.
+/// Fails if a column has no number. An effort without numbers is accepted if other efforts have numbers, because then only
+/// its joint lacks an effort.
 fn require_alive(
     sheet: &Sheet,
     sources: &[Option<&Column>],
@@ -291,13 +292,13 @@ fn require_alive(
     Ok(())
 }
 
-/// Columns of the file by the order of their gaps: those of the samples, then that of the time.
+/// Columns of the file in the order of their gaps: the columns of the samples, then the column of times.
 fn labels(mapping: &Mapping, sources: &[Option<&Column>]) -> Vec<Option<usize>> {
     sources.iter().map(|s| s.map(|s| s.index)).chain([mapping.time.column]).collect()
 }
 
-/// Refuses a log most of whose rows cannot be read: the rest would not be the recorded motion. Empty fields are
-/// allowed, for example if two topics share one table.
+/// Fails if most rows of a log cannot be read, because the remaining rows would not be the recorded motion. Empty fields are
+/// accepted, for example if two topics share one table.
 fn require_most_readable(
     sheet: &Sheet,
     (columns, gaps): (&[Option<usize>], &[Gaps]),
@@ -335,7 +336,7 @@ fn gap_findings(
     left_out: usize,
 ) -> Vec<Finding> {
     let columns = labels(mapping, sources);
-    // Columns with the same gaps are one finding.
+    // Columns with the same gaps give one finding.
     let mut alike: Vec<(Vec<String>, &Gaps)> = Vec::new();
     for (column, gaps) in columns.into_iter().zip(gaps).filter(|(_, gaps)| gaps.count > 0) {
         let Some(column) = column else { continue };
@@ -353,10 +354,11 @@ fn gap_findings(
     findings
 }
 
-/// Samples as runs: cut where the run's number changes and where time goes back, without repeated times.
+/// Cuts samples into runs: at changes of the run's number, and where the time goes back. Samples with repeated times are
+/// left out.
 ///
 /// # Errors
-/// No run of two samples.
+/// [`IdentificationError::File`] if no run has two samples.
 pub(super) fn split(
     samples: Samples,
     mapping: &Mapping,
@@ -402,7 +404,7 @@ pub(super) fn split(
     Ok(runs)
 }
 
-/// Samples of each run, and the median step between them.
+/// Indices of the samples of each run, and the median step between samples.
 fn parts(samples: &Samples, source: &str, findings: &mut Vec<Finding>) -> (Vec<Vec<usize>>, i128) {
     let mut parts: Vec<Vec<usize>> = Vec::new();
     let mut steps: Vec<i128> = Vec::new();
@@ -456,7 +458,7 @@ impl Tally {
     }
 }
 
-/// File and run, with a number where several have the same name.
+/// Name of each run: file and run, with a number if several runs have the same name.
 fn run_names(samples: &Samples, parts: &[Vec<usize>], source: &str) -> Vec<String> {
     let label = |part: &Vec<usize>| samples.labels[part[0]];
     let mut same = vec![0_usize; samples.names.len()];

@@ -1,13 +1,14 @@
-//! Efforts that stand at their extremes: a sensor, a drive or a program had its limit there.
+//! Efforts that are at an extreme value for a part of the motion, because a sensor, a drive or a program had a limit there.
 
 use super::super::run::Run;
 use super::finding::CUT_OFF;
 use super::levels;
 use gelenk_findings::Finding;
 
-/// Efforts that were cut off, by their columns.
+/// Findings about efforts that are cut off.
 ///
-/// - `names`: of the joints or inputs; `columns`: names of their efforts in the log
+/// - `names`: names of the joints or inputs
+/// - `columns`: names of the columns of their efforts in the log
 pub(super) fn cut_off(runs: &[Run], names: &[String], columns: &[String]) -> Vec<Finding> {
     let of = |(place, name): (usize, &String)| {
         let values: Vec<f64> = runs.iter().flat_map(|run| moving(run, place)).collect();
@@ -36,14 +37,15 @@ pub(super) fn cut_off(runs: &[Run], names: &[String], columns: &[String]) -> Vec
     names.iter().enumerate().filter_map(of).collect()
 }
 
-/// Efforts of the samples before which something moved: at rest the same effort may stand for long.
+/// Efforts of the samples before which a joint moved. At rest, the same effort may last for long.
 fn moving(run: &Run, place: usize) -> Vec<f64> {
     let Some(efforts) = run.efforts.get(place) else { return Vec::new() };
     let moved = |i: &usize| run.positions.iter().any(|q| q[*i] != q[*i - 1]);
     (1..efforts.len()).filter(moved).map(|i| efforts[i]).filter(|x| x.is_finite()).collect()
 }
 
-/// The first value of a sorted list and its count, if the count is too high. Zero does not count as a limit.
+/// The first value of a sorted list and its count, if the count is too high; otherwise `None`. Zero does not count as a
+/// limit.
 fn crowd(sorted: &[f64]) -> Option<(f64, usize)> {
     let value = *sorted.first().filter(|value| **value != 0.0)?;
     let count = sorted.iter().take_while(|x| **x == value).count();

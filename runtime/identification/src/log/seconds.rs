@@ -1,13 +1,13 @@
-//! Seconds of counted times: the unit if none is named, and counts as seconds.
+//! Conversion of counted times to seconds: the unit if none is named, and the counts.
 
 use super::finding::UNIT_ASSUMED;
 use super::levels;
 use gelenk_findings::Finding;
 
-/// Seconds of a unit that nobody names, by the usual step: robots are sampled between 5 Hz and 20 kHz.
+/// Seconds of a unit that is not named, by the median step. It is assumed that robots are sampled with 5 Hz to 20 kHz.
+/// Returns the factor, and a message if the factor is not 1.
 ///
 /// - `step`: median step in 10⁻¹² of the unit
-/// - returns the factor, and a message if it is not 1
 pub(super) fn assumed_unit(step: i128) -> (f64, Option<String>) {
     let steps = step as f64 / 1e12;
     let (factor, name) = match steps {
@@ -24,9 +24,11 @@ pub(super) fn assumed_unit(step: i128) -> (f64, Option<String>) {
     (factor, Some(message))
 }
 
-/// A finding if all steps are exactly one second: nobody records a robot so slowly, and a counter of samples looks like that.
+/// A finding if all steps are exactly one second. Robots are not recorded so slowly, but a counter of samples has steps of
+/// one.
 ///
-/// - `times`: in 10⁻¹² of the unit; `unit`: in seconds
+/// - `times`: times in 10⁻¹² of the unit
+/// - `unit`: unit of the times [s]
 pub(super) fn counter_finding(times: &[i128], unit: f64, place: &str) -> Option<Finding> {
     const ONE: i128 = 1_000_000_000_000;
     let counts = unit == 1.0 && times.len() > 1 && times.windows(2).all(|pair| pair[1] - pair[0] == ONE);
@@ -37,16 +39,17 @@ pub(super) fn counter_finding(times: &[i128], unit: f64, place: &str) -> Option<
     })
 }
 
-/// Conversion of counts to seconds since the log's beginning, or since 0 if times have no epoch.
+/// Conversion of counts to seconds since the beginning of the log if the times have an epoch, otherwise since 0.
 pub(super) struct Clock {
     zero: i128,
     per_second: f64,
 }
 
 impl Clock {
-    /// The clock of times that count `unit` seconds in 10⁻¹² of it.
+    /// The clock of times in 10⁻¹² of a unit of `unit` seconds.
     pub(super) fn new(times: &[i128], unit: f64) -> Self {
-        // Powers of ten that are doubles: a quotient by them is the double that is nearest to the decimal.
+        // These powers of ten are exact floating-point numbers. A quotient by them is the floating-point number nearest to
+        // the decimal number.
         let exact = [1e12, 1e15, 1e18, 1e21].into_iter().find(|p| (p * unit / 1e12 - 1.0).abs() < 1e-9);
         let per_second = exact.unwrap_or(1e12 / unit);
         let first = times.first().copied().unwrap_or(0);

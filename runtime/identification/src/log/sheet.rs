@@ -1,5 +1,4 @@
-//! A file of numbers as it comes: which bytes separate fields and decimals, which row is the header, where the
-//! numbers begin.
+//! A file of numbers: detection of the field separator, the decimal sign, the header, and the first row of numbers.
 
 use super::super::error::{IdentificationError, Result};
 use super::number::{Decimals, number};
@@ -7,20 +6,20 @@ use super::units;
 use std::borrow::Cow;
 use std::io::Read;
 
-/// Text that has been understood as a table; its rows are read by [`Self::rows`].
+/// Text that was recognized as a table. [`Self::rows`] reads its rows.
 #[derive(Debug)]
 pub(super) struct Sheet<'a> {
-    /// Names of the columns, without their units' row; empty if the file has no header.
+    /// Names of the columns, without the row of their units; empty if the file has no header.
     pub headers: Vec<String>,
-    /// Units of a row below the header, one for each column that has one.
+    /// Units in a row below the header; `None` for a column without a unit there.
     pub units: Vec<Option<String>>,
     /// Number of fields in a row of numbers.
     pub width: usize,
-    /// Separator of fields.
+    /// Field separator.
     pub separator: u8,
-    /// How decimals are written.
+    /// Decimal sign.
     pub decimals: Decimals,
-    /// Fields of the first row of numbers, for messages and for names that stand in the rows.
+    /// Fields of the first row of numbers, for messages and for names in the rows.
     pub first: Vec<String>,
     /// Fields of the first rows of numbers.
     pub sample: Vec<Vec<String>>,
@@ -29,7 +28,7 @@ pub(super) struct Sheet<'a> {
     line: usize,
 }
 
-/// Counts lines: the CSV reader's own count stands before the empty lines that it skips.
+/// A counter of lines. The count of the CSV reader does not include the empty lines that it skips before a row.
 struct Lines<'t> {
     text: &'t [u8],
     at: usize,
@@ -37,7 +36,7 @@ struct Lines<'t> {
 }
 
 impl Lines<'_> {
-    /// Line of the first row at or behind `byte`; bytes increase from call to call.
+    /// Line of the first row at or after `byte`. `byte` must increase from call to call.
     fn line_from(&mut self, byte: u64) -> usize {
         let byte = usize::try_from(byte).unwrap_or(usize::MAX);
         while let Some(&sign) = self.text.get(self.at)
@@ -50,10 +49,10 @@ impl Lines<'_> {
     }
 }
 
-/// Calls `each` with the fields of every row that is not empty, and the byte behind the row before it.
+/// Calls `each` with the fields of every row that is not empty, and the index of the byte after the row before.
 ///
 /// # Errors
-/// The result of `each`, and the state of the reader.
+/// The errors of `each`, and [`IdentificationError::File`] for bytes that are not rows.
 fn records(
     reader: impl Read,
     separator: u8,
@@ -74,23 +73,24 @@ fn records(
     Ok(())
 }
 
-/// A row of more lines has swallowed the ones behind it.
+/// Largest number of lines of a row. A longer row contains the rows after it by mistake.
 const MOST_LINES_OF_A_ROW: usize = 50;
 
-/// A table with more columns is not a log of a robot.
+/// Largest number of columns. A table with more columns is not a log of a robot.
 const MOST_COLUMNS: usize = 20_000;
 
-/// Lines that are looked at to understand a file.
+/// Number of lines by which the format of a file is detected.
 const SAMPLE: usize = 600;
 
 impl<'a> Sheet<'a> {
     /// Detects the format of a file's text.
     ///
-    /// - `separator`: of the fields, if it is known
-    /// - `source`: name for messages
+    /// - `separator`: field separator; `None` detects it
+    /// - `source`: name of the file in messages
     ///
     /// # Errors
-    /// Bytes that are not text, no rows of numbers, or a header that does not fit to its rows.
+    /// [`IdentificationError::File`] if the bytes are not text, if there are no rows of numbers, or if the header does not
+    /// fit its rows.
     pub(super) fn new(bytes: &'a [u8], separator: Option<char>, source: &str) -> Result<Self> {
         let fault = |message: String| IdentificationError::File { place: source.into(), message };
         refuse_binary(bytes).map_err(fault)?;
@@ -127,10 +127,10 @@ impl<'a> Sheet<'a> {
         Ok(sheet)
     }
 
-    /// Calls `each` with line (counted from 1, as an editor does) and fields of every row of numbers.
+    /// Calls `each` with the line (counted from 1, as in an editor) and the fields of every row of numbers.
     ///
     /// # Errors
-    /// Errors that `each` returns; bytes that are not rows.
+    /// The errors of `each`, and [`IdentificationError::File`] for bytes that are not rows.
     pub(super) fn rows(
         &self,
         source: &str,
@@ -153,7 +153,7 @@ impl<'a> Sheet<'a> {
         })
     }
 
-    /// A header with fewer names than the rows have fields would give columns the wrong names.
+    /// Fails if the header has fewer names than the rows have fields, because columns would have wrong names.
     fn require_alignment(&self) -> std::result::Result<(), String> {
         let filled = self.first.iter().rposition(|f| !f.is_empty()).map_or(0, |last| last + 1);
         if self.headers.is_empty() || filled <= self.headers.len() {
@@ -170,7 +170,7 @@ impl<'a> Sheet<'a> {
     }
 }
 
-/// The first names of a list.
+/// The first names of a list as text, and the number of the other names.
 pub(super) fn shortened(names: &[String]) -> String {
     const SHOWN: usize = 40;
     let shown: Vec<String> = names.iter().take(SHOWN).map(|n| n.chars().take(60).collect()).collect();
@@ -208,7 +208,7 @@ fn refuse_binary(bytes: &[u8]) -> std::result::Result<(), String> {
     Ok(())
 }
 
-/// Lines that end with a carriage return alone get line feeds.
+/// Text with line feeds instead of carriage returns, if its lines end with carriage returns only.
 fn unify_line_ends(bytes: &[u8]) -> Cow<'_, [u8]> {
     if bytes.contains(&b'\n') || !bytes.contains(&b'\r') {
         return Cow::Borrowed(bytes);
@@ -216,7 +216,7 @@ fn unify_line_ends(bytes: &[u8]) -> Cow<'_, [u8]> {
     Cow::Owned(bytes.iter().map(|b| if *b == b'\r' { b'\n' } else { *b }).collect())
 }
 
-/// Blanks and tabs between fields become one tab, blanks at the ends of lines vanish.
+/// Text with one tab instead of blanks and tabs between fields, and without blanks at the ends of lines.
 fn collapse_blanks(bytes: &[u8]) -> Vec<u8> {
     let lines = bytes.split(|b| *b == b'\n').map(|line| {
         let words: Vec<&[u8]> =
@@ -228,11 +228,11 @@ fn collapse_blanks(bytes: &[u8]) -> Vec<u8> {
 
 /// A line that is not blank.
 struct Line<'t> {
-    /// Counted from 1.
+    /// Line in the file, counted from 1.
     number: usize,
-    /// Where it starts.
+    /// Index of the line's first byte.
     start: usize,
-    /// Without the signs that make it a comment.
+    /// Text without the signs that make the line a comment.
     text: &'t [u8],
     is_comment: bool,
 }
@@ -259,14 +259,14 @@ fn sample(text: &[u8]) -> Vec<Line<'_>> {
     lines
 }
 
-/// Text after the signs of a comment.
+/// Text after the signs of a comment; `None` if the line is not a comment.
 fn comment(line: &[u8]) -> Option<&[u8]> {
     let trimmed = line.trim_ascii_start();
     let signs = [&b"#"[..], b"%", b"//"];
     signs.iter().find_map(|sign| trimmed.strip_prefix(*sign))
 }
 
-/// Fields of a line, without blanks and quotation marks around them.
+/// Fields of a line, without surrounding blanks and quotation marks.
 fn fields(line: &[u8], separator: u8) -> Vec<String> {
     if separator == b' ' {
         let words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
@@ -288,8 +288,8 @@ fn fields(line: &[u8], separator: u8) -> Vec<String> {
     fields
 }
 
-/// Text of a field. Bytes that are not UTF-8 are decoded as Windows writes western European languages: letters have the
-/// numbers that they have in Unicode.
+/// Text of a field. Bytes that are not UTF-8 are decoded as in the western European code page of Windows, in which letters
+/// have the numbers of Unicode.
 fn decoded(field: &[u8]) -> String {
     let letter = |byte: &u8| match byte {
         0..=0x7f | 0xc0..=0xff => char::from(*byte),
@@ -299,13 +299,13 @@ fn decoded(field: &[u8]) -> String {
     text.unwrap_or_else(|_| field.iter().map(letter).collect())
 }
 
-/// Blanks before a quotation mark would make it part of the field.
+/// A line without blanks at its beginning. A blank before a quotation mark would make the mark part of the field.
 fn trim_start_but(line: &[u8], separator: u8) -> &[u8] {
     let start = line.iter().position(|b| !b.is_ascii_whitespace() || *b == separator);
     start.map_or(&[], |start| &line[start..])
 }
 
-/// How many fields there are, and how many of them are numbers.
+/// Number of fields that are not empty, and number of those that are numbers.
 fn count(fields: &[String]) -> (usize, usize) {
     let filled = fields.iter().filter(|f| !f.is_empty());
     let numbers = filled.clone().filter(|f| {
@@ -315,7 +315,8 @@ fn count(fields: &[String]) -> (usize, usize) {
     (filled.count(), numbers.count())
 }
 
-/// The separator that leaves the largest share of numbers in the sample's last lines, where numbers are.
+/// The separator with the largest share of numbers in the last sampled lines, which contain numbers; `None` if no separator
+/// fits.
 fn guess_separator(lines: &[Line]) -> Option<u8> {
     let plain: Vec<&Line> = lines.iter().filter(|l| !l.is_comment).collect();
     let last = &plain[plain.len().saturating_sub(50).max(plain.len() / 3)..];
@@ -338,7 +339,8 @@ fn guess_separator(lines: &[Line]) -> Option<u8> {
     best.map(|(separator, _)| separator)
 }
 
-/// The first line of numbers: at least half of its fields are numbers, and it has at least half of the usual fields.
+/// Index of the first line of numbers: at least half of its fields are numbers, and it has at least half of the usual number
+/// of fields.
 fn first_data(lines: &[Line], split: &[Vec<String>]) -> Option<usize> {
     let is_row = |i: &usize| {
         let (filled, numbers) = count(&split[*i]);
@@ -370,20 +372,20 @@ fn header(lines: &[Line], split: &[Vec<String>], data: usize) -> (Vec<String>, V
     }
 }
 
-/// A header whose names something else separates than the numbers: `# t,q1,q2` above `0 0.1 0.2`.
+/// A header with another separator than the numbers, as `# t,q1,q2` above `0 0.1 0.2`; `None` if there is none.
 fn otherwise_separated(before: &[Line], width: usize) -> Option<Vec<String>> {
     let last = before.last()?;
     let mut split = [b',', b';', b'\t', b' '].into_iter().map(|separator| fields(last.text, separator));
     split.find(|names| names.len() == width && width > 1 && count(names) == (width, 0))
 }
 
-/// A unit in a row of units, which may stand in brackets.
+/// A unit in a row of units, with or without brackets; `None` for other text.
 fn unit_field(field: &str) -> Option<String> {
     let inner = field.trim().trim_start_matches(['[', '(']).trim_end_matches([']', ')']);
     units::find(inner).map(|_| inner.to_owned())
 }
 
-/// Decimal sign of most numbers. If commas separate fields, a comma within a field needs quotation marks.
+/// Decimal sign of most numbers. If commas separate fields, a comma in a field needs quotation marks.
 fn decimals(lines: &[Line], split: &[Vec<String>]) -> Decimals {
     let rows = lines.iter().zip(split).filter(|(line, _)| !line.is_comment);
     let (mut points, mut commas) = (0_usize, 0_usize);

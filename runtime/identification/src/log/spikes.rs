@@ -1,4 +1,4 @@
-//! Single efforts that are far beyond all others: values that a driver writes if it has none, and lost bits.
+//! Single efforts far beyond all others: values that a driver writes if it has no value, and bit errors.
 
 use super::super::numeric::statistics::quantile;
 use super::finding::OUTLIER;
@@ -6,9 +6,10 @@ use super::levels;
 use gelenk_findings::Finding;
 use gelenk_findings::digits::plain;
 
-/// Takes spikes of a column for no values, and says so.
+/// Replaces the spikes of a column by NaN, with a finding; `None` if there are none.
 ///
-/// - `lines`: of the samples in the file; `named`: the column, and the file
+/// - `lines`: lines of the samples in the file
+/// - `label`, `place`: name of the column, and of the file
 pub(super) fn leave_out_spikes(
     column: &mut [f64],
     lines: &[usize],

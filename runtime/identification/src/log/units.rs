@@ -1,19 +1,20 @@
-//! Units in headers of logs, and their values in SI.
+//! Units in headers of logs, and their values in SI units.
 
 use super::levels;
 use std::f64::consts::PI;
 
-/// A unit: its value in the SI unit of the same kind.
+/// A unit with its value in the SI unit of the same kind.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Unit {
     pub factor: f64,
-    /// The SI unit, which names the kind: `s`, `rad`, `rad/s`, `m`, `N*m`, …
+    /// The SI unit, which identifies the kind of the quantity: `s`, `rad`, `rad/s`, `m`, `N*m`, …
     pub si: &'static str,
 }
 
 const DEGREE: f64 = PI / 180.0;
 
-/// Units by the SI unit of their kind: the value in it, and spellings without blanks and multiplication signs. The first one is shown.
+/// Units by the SI unit of their kind: the value in the SI unit, and spellings without blanks and multiplication signs.
+/// Messages have the first spelling.
 #[rustfmt::skip]
 const UNITS: [(&str, &[(f64, &str)]); 12] = [
     ("s", &[
@@ -48,7 +49,7 @@ const UNITS: [(&str, &[(f64, &str)]); 12] = [
     ("1", &[(1.0, "1")]),
 ];
 
-/// `Grad` outside of German headers: a degree or a gon, a hundredth of a right angle.
+/// `Grad` in headers that are not German: a degree, or a gon (a hundredth of a right angle).
 pub(super) const GRAD: &str = "grad";
 
 /// All units with their spellings.
@@ -60,25 +61,27 @@ fn units() -> impl Iterator<Item = (&'static str, Unit)> {
     UNITS.iter().flat_map(of)
 }
 
-/// The value of a unit in the SI unit of its kind.
+/// The value of a unit in the SI unit of its kind; `None` for unknown units.
 pub(crate) fn unit_value(unit: &str) -> Option<f64> {
     named(unit).map(|unit| unit.factor)
 }
 
-/// Whether values that are this share of a limit may be in the right unit: they are within it, and use a visible part of it.
+/// Whether values may be in the right unit, by their share of a limit: they are within the limit, and use a noticeable part
+/// of it.
 pub(crate) fn is_seen(share: f64) -> bool {
     let [least, most] = levels::SEEN.get();
     (least..=most).contains(&share)
 }
 
-/// Whether speeds that are `times` their limit would be within it, and use a visible part of it, if times were
-/// minutes.
+/// Whether speeds may be per minute: divided by 60 they are within their limit and use a noticeable part of it.
+///
+/// - `times`: ratio of the speeds to their limit
 pub(crate) fn are_minutes(times: f64) -> bool {
     is_seen(times / 60.0)
 }
 
 impl Unit {
-    /// The unit as [`find`] reads it.
+    /// The unit in a spelling that [`find`] reads.
     pub(super) fn text(&self) -> String {
         let known = units().find(|(_, unit)| unit == self);
         let name = known.and_then(|(spellings, _)| spellings.split(' ').next());
@@ -86,7 +89,7 @@ impl Unit {
     }
 }
 
-/// The unit of one of its spellings; a number before it is a factor, as in `0.0879 deg`.
+/// The unit of a spelling; `None` for unknown units. A number before the unit is a factor, as in `0.0879 deg`.
 pub(super) fn find(text: &str) -> Option<Unit> {
     let text = text.trim();
     if let Some(unit) = named(text) {
@@ -98,7 +101,7 @@ pub(super) fn find(text: &str) -> Option<Unit> {
     Some(Unit { factor: factor * unit.factor, ..unit })
 }
 
-/// The unit in a header, which may be in a language in which `Grad` is a degree.
+/// The unit in a header. In headers of a language in which `Grad` is a degree, it is read as a degree.
 pub(super) fn in_header(text: &str, is_translated: bool) -> Option<Unit> {
     let grad = || {
         let lower = text.trim().to_lowercase();
@@ -115,14 +118,15 @@ fn named(text: &str) -> Option<Unit> {
         .map(|c| match c {
             'µ' | 'μ' => 'u',
             '²' => '2',
-            // A degree sign in a file that is not UTF-8.
+            // This is a degree sign in a file that is not UTF-8.
             'º' | char::REPLACEMENT_CHARACTER => '°',
             c => c,
         })
         .collect();
     let plain = plain.replace("s2", "s^2").replace("s^^2", "s^2").replace("s**2", "s^2");
     let spelled = |is_same: &dyn Fn(&str) -> bool| units().find(|(names, _)| names.split(' ').any(is_same));
-    // `nm` and `NM` are newton metres: no joint moves by nanometres. `MA` and `MNm` are no milliampere and so on.
+    // `nm` and `NM` are newton metres, because no joint moves by nanometres. `MA`, `MNm` and `MN` are not `mA`, `mNm` and
+    // `mN`.
     let is_mega = ["MA", "MNm", "MN"].contains(&plain.as_str());
     let loose = || spelled(&|name| !is_mega && name.to_lowercase() == plain.to_lowercase());
     spelled(&|name| name == plain).or_else(loose).map(|(_, unit)| unit)

@@ -1,4 +1,4 @@
-//! Recorded poses as ways that can be filtered, and inputs as forces in the rows of a robot with quaternions.
+//! Recorded poses as paths that can be filtered, and inputs as forces in the rows of a robot with quaternions.
 
 use super::super::error::{IdentificationError, Result};
 use super::super::pose::QuaternionJoint;
@@ -7,11 +7,12 @@ use super::super::run::{Effort, Run};
 use super::joint_forces::forces_of_inputs;
 use super::levels;
 
-/// A run of a robot with quaternions: its joints have been read without the velocities of those with a quaternion, and its
-/// poses are all that has been read of these.
+/// Completes a run of a robot with quaternions. The run was read with the joints without a quaternion and with the poses of
+/// the joints with a quaternion.
 ///
 /// # Errors
-/// Quaternions that are zero or far from unit length, and runs in which no force is known that acts on the robot.
+/// [`IdentificationError::File`] if a quaternion is zero or far from unit length, or if no force that acts on the robot is
+/// known in the run.
 pub(super) fn unrolled(read: &Run, robot: &dyn Robot, source: &str) -> Result<Run> {
     let joints = robot.quaternion_joints();
     let n = robot.joint_names().len();
@@ -43,7 +44,7 @@ pub(super) fn unrolled(read: &Run, robot: &dyn Robot, source: &str) -> Result<Ru
     Ok(run)
 }
 
-/// Sums of the ways from sample to sample.
+/// Sums of the displacements from sample to sample.
 fn ways(joint: &QuaternionJoint, poses: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let pose = |i: usize| poses.iter().map(|column| column[i]).collect::<Vec<f64>>();
     let samples = poses.first().map_or(0, Vec::len);
@@ -55,7 +56,7 @@ fn ways(joint: &QuaternionJoint, poses: &[Vec<f64>]) -> Vec<Vec<f64>> {
     ways
 }
 
-/// Unit length for all quaternions, and the sign of the one before.
+/// Scales all quaternions to unit length, and gives each the sign that is nearer to the quaternion before.
 fn normalize(run: &mut Run, joints: &[QuaternionJoint], source: &str) -> Result<()> {
     let mut first = 0;
     for joint in joints {
@@ -94,8 +95,8 @@ fn require_unit(q: &[f64; 4], length: f64, joint: &QuaternionJoint, row: usize, 
     })
 }
 
-/// Forces in each row: those of joints without a quaternion as measured, or of the inputs. NaN if an input acts that the
-/// log does not have.
+/// Forces in each row: measured forces of joints without a quaternion, or forces of the inputs. NaN if an input acts that
+/// the log does not have.
 fn forces(run: &Run, read: Run, robot: &dyn Robot) -> Vec<Vec<f64>> {
     if read.effort != Effort::Joint {
         return forces_of_inputs(&run.poses, &read.efforts, robot);
@@ -108,7 +109,8 @@ fn forces(run: &Run, read: Run, robot: &dyn Robot) -> Vec<Vec<f64>> {
     forces
 }
 
-/// Rows in which nothing acts tell ratios of the parameters alone: a robot without mass would explain them best.
+/// Fails if no force acts. Rows without a force determine only ratios of the parameters: a robot without mass would explain
+/// them best.
 fn require_some_force(run: &Run, source: &str) -> Result<()> {
     if run.efforts.iter().flatten().any(|force| force.is_finite() && *force != 0.0) {
         return Ok(());

@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
-/// Rows that hold nothing but zeros and to which positions jump: further than ever between two rows of the log that hold values. A
-/// robot that starts or rests at zero does not jump.
+/// Indices of rows that contain only zeros and to which positions jump: by more than between any two neighbouring rows with
+/// values. A robot that starts or rests at zero does not jump.
 ///
-/// - `columns`: all values, those of positions first; NaN is a missing value
+/// - `columns`: all values, with those of positions first; NaN is a missing value
 /// - `is_same_run`: whether a row belongs to the run of the row before
 pub(super) fn zero_rows(
     columns: &[Vec<f64>],

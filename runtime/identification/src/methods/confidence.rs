@@ -1,19 +1,19 @@
-//! Standard errors that hold where the errors of neighbouring samples are correlated.
+//! Standard errors for samples whose errors are correlated with those of their neighbours.
 //!
-//! Residuals of a smoothed log are correlated over tenths of a second: independent errors would make the
-//! standard errors several times too small. The variance of a sum is estimated here from the sums over blocks
-//! that overlap (Meketon, Schmeiser 1984; asymptotically Newey and West's estimator, 1987, with a lag of the
-//! block's length). The length is doubled from one sample to a twelfth of the data, and the largest result
-//! counts (blocking; Flyvbjerg, Petersen 1989). A lag from the first autocorrelation (Andrews 1991) is too
-//! short where white noise hides a slow error, which is what logs of robots hold.
+//! Residuals of a smoothed log are correlated over tenths of a second. Standard errors for independent errors would be
+//! several times too small. Here the variance of a sum is estimated from the sums over overlapping blocks (Meketon,
+//! Schmeiser 1984; asymptotically the estimator of Newey and West, 1987, with a lag of the block's length). The length is
+//! doubled from one sample to a twelfth of the data, and the largest variance is taken (blocking; Flyvbjerg, Petersen 1989).
+//! A lag from the first autocorrelation (Andrews 1991) is too short if white noise hides a slow error, as it does in logs of
+//! robots.
 
 use super::super::error::{Result, require_setting};
 use nalgebra::DMatrix;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 use std::ops::Range;
 
-/// Degrees of freedom from which the first term of the expansion about the normal quantile (Abramowitz and Stegun
-/// 26.7.5) leaves less than 1e-11. statrs searches without an end for 1e9 degrees of freedom.
+/// Degrees of freedom from which the first term of the expansion about the normal quantile (Abramowitz and Stegun 26.7.5)
+/// has an error below 1e-11. statrs does not return for 1e9 degrees of freedom.
 const NEARLY_NORMAL: f64 = 1e6;
 
 /// Fewest blocks from which a variance is estimated.
@@ -24,7 +24,7 @@ const FEWEST_BLOCKS: usize = 12;
 pub(crate) struct LongRun {
     /// Variance of the sum.
     pub variance: f64,
-    /// Length of the blocks that gave it, in samples: beyond it the series is hardly correlated.
+    /// Length of the blocks from which the variance follows [samples]. Samples at a larger distance are hardly correlated.
     pub block: usize,
     /// Degrees of freedom of the variance.
     pub freedom: f64,
@@ -33,8 +33,7 @@ pub(crate) struct LongRun {
 impl LongRun {
     /// Variance of the sum of `series`, whose expectation is zero.
     ///
-    /// - `runs`: ranges of samples that follow each other without interruption; nothing is assumed to be
-    ///   correlated between them
+    /// - `runs`: ranges of samples that were recorded without interruption. Samples of different runs count as uncorrelated.
     pub(crate) fn of_sum(series: &[f64], runs: &[Range<usize>]) -> Self {
         let samples: usize = runs.iter().map(ExactSizeIterator::len).sum();
         let mut best = Self { variance: 0.0, block: 1, freedom: samples as f64 };
@@ -44,7 +43,7 @@ impl LongRun {
             let shared = 1.0 - block as f64 / (samples as f64 + 1.0);
             let variance = runs.iter().map(sums).sum::<f64>() / shared;
             if variance > best.variance {
-                // Blocks that overlap tell half as much again as blocks that do not.
+                // Overlapping blocks give 1.5 times as many degrees of freedom as blocks that do not overlap.
                 let overlap = if block == 1 { 1.0 } else { 1.5 };
                 let freedom = (overlap * samples as f64 / block as f64).max(3.0);
                 best = Self { variance, block, freedom };
@@ -63,7 +62,8 @@ impl LongRun {
 /// Student's two-sided quantile.
 ///
 /// # Errors
-/// A level outside (0, 1), or no degree of freedom.
+/// [`IdentificationError::Setting`](super::super::error::IdentificationError::Setting) if the level is outside (0, 1) or if
+/// there is no degree of freedom.
 pub(crate) fn quantile(level: f64, freedom: f64) -> Result<f64> {
     require_setting("level", level, level > 0.0 && level < 1.0, "it must lie between 0 and 1")?;
     if freedom >= NEARLY_NORMAL {
@@ -97,7 +97,7 @@ pub(crate) fn covariance_of_sums(series: &[Vec<f64>], runs: &[Range<usize>], blo
     covariance
 }
 
-/// Variance of the sum of one run from its overlapping blocks; a run shorter than a block is one block.
+/// Variance of the sum of one run from its overlapping blocks. A run that is shorter than a block is one block.
 fn overlapping(run: &[f64], block: usize) -> f64 {
     let block = block.min(run.len()).max(1);
     let sums = block_sums(run, block);

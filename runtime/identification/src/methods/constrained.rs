@@ -1,7 +1,7 @@
-//! Least squares with linear inequalities, e.g. non-negative viscous friction and passivity τ·v ≥ 0.
+//! Least squares with linear inequalities, e.g. nonnegative viscous friction and passivity τ·v ≥ 0.
 //!
-//! `min ‖y − Θ ξ‖²` subject to `A ξ ≥ 0` becomes a least-distance problem, and that a non-negative
-//! least-squares problem (Lawson and Hanson 1974, ch. 23). ξ = 0 is always feasible.
+//! `min ‖y − Θ ξ‖²` subject to `A ξ ≥ 0` is transformed to a least-distance problem, and this to a nonnegative least-squares
+//! problem (Lawson and Hanson 1974, ch. 23). ξ = 0 is always feasible.
 
 use super::super::error::{IdentificationError, Result, require_length};
 use super::super::numeric::spectrum;
@@ -10,34 +10,36 @@ use super::library::Library;
 use super::moments::Moments;
 use nalgebra::{DMatrix, DVector};
 
-/// Rows of `A` that keep the coefficients of `terms` non-negative; `count` terms in all.
+/// Rows of `A` that keep the coefficients of `terms` nonnegative.
+///
+/// - `count`: number of all terms
 pub(crate) fn nonnegative_rows(terms: &[usize], count: usize) -> DMatrix<f64> {
     DMatrix::from_fn(terms.len(), count, |i, j| if terms[i] == j { 1.0 } else { 0.0 })
 }
 
-/// Rows of `A` that make friction dissipate at given velocities: `vₖ θ(vₖ) ξ ≥ 0`.
+/// Rows of `A` that make friction dissipate at given velocities: `sign(vₖ) θ(vₖ) ξ ≥ 0`.
 ///
-/// Between the velocities nothing is promised: choose them as dense as the steepest term needs.
+/// The law may drive the joint between the velocities, which must be as dense as the steepest term requires.
 ///
 /// # Errors
-/// A library of other channels than one velocity.
+/// [`IdentificationError::Shape`] if the library has other channels than one velocity.
 pub(crate) fn passivity_rows(library: &Library, velocities: &[f64]) -> Result<DMatrix<f64>> {
     require_length("channels of a friction library (the velocity alone)", 1, library.channels().len())?;
     let mut theta = library.matrix(&[velocities])?;
     for (mut row, v) in theta.row_iter_mut().zip(velocities) {
-        // Scaled by |v| it would lose its weight near zero, where the sign matters as much.
+        // Rows that are scaled by |v| would lose their weight near zero, where the sign matters as much.
         row *= super::expression::sign(*v);
     }
     Ok(theta)
 }
 
-/// Least squares on `active` terms subject to `A ξ ≥ 0`.
+/// Least squares on the terms `active` subject to `A ξ ≥ 0`. Returns all p coefficients.
 ///
 /// - `rows`: A `[inequalities × p]`
-/// - returns all p coefficients
 ///
 /// # Errors
-/// A of the wrong width, collinear terms, or an iteration that does not end.
+/// [`IdentificationError::Shape`] if A has a wrong width, [`IdentificationError::Collinear`] if terms are collinear, and
+/// [`IdentificationError::NotConverged`] if the iteration does not end.
 pub(crate) fn constrained_fit(
     reduced: &Reduced,
     target: usize,
@@ -48,18 +50,19 @@ pub(crate) fn constrained_fit(
     constrained(reduced.moments(), reduced.solve(target, active, 0.0)?, active, rows)
 }
 
-/// Share of the largest coefficient by which `A ξ ≥ 0` may be missed.
+/// Share of the largest coefficient by which `A ξ ≥ 0` may be violated.
 const ROUNDING: f64 = 1e-9;
 
-/// Whether coefficients break `A ξ ≥ 0`.
+/// Whether coefficients violate `A ξ ≥ 0`.
 pub(crate) fn breaks(rows: &DMatrix<f64>, coefficients: &DVector<f64>) -> bool {
     (rows * coefficients).min() < -ROUNDING * coefficients.amax()
 }
 
-/// Least squares subject to `A ξ ≥ 0` from its free solution: the nearest one in the metric of `ΘᵀΘ`.
+/// Least squares subject to `A ξ ≥ 0`, from the unconstrained solution: the nearest feasible point in the metric of `ΘᵀΘ`.
 ///
 /// # Errors
-/// Collinear terms, or an iteration that does not end.
+/// [`IdentificationError::Collinear`] if terms are collinear, and [`IdentificationError::NotConverged`] if the iteration
+/// does not end.
 pub(crate) fn constrained(
     moments: &Moments,
     free: DVector<f64>,
@@ -73,7 +76,7 @@ pub(crate) fn constrained(
         limit: 1e7,
     };
     let factor = gram.cholesky().ok_or_else(collinear)?.l();
-    // z = Lᵀ(ξ − ξ_free): minimize ‖z‖ subject to E z ≥ f, E = A L⁻ᵀ, f = −A ξ_free.
+    // With z = Lᵀ(ξ − ξ_free), E = A L⁻ᵀ and f = −A ξ_free: minimize ‖z‖ subject to E z ≥ f.
     let a = rows.select_columns(active);
     let e = factor.solve_lower_triangular(&a.transpose()).ok_or_else(collinear)?.transpose();
     let f = -rows * &free;
@@ -86,7 +89,7 @@ pub(crate) fn constrained(
     Ok(coefficients)
 }
 
-/// Rows of `A` on which `ξ` lies, `aᵢ ξ = 0` within rounding.
+/// Rows of `A` that are active at ξ, `aᵢ ξ = 0` within rounding.
 pub(crate) fn face(rows: &DMatrix<f64>, coefficients: &DVector<f64>) -> DMatrix<f64> {
     let binds = |i: &usize| {
         let terms = rows.row(*i).transpose().component_mul(coefficients);
@@ -96,13 +99,13 @@ pub(crate) fn face(rows: &DMatrix<f64>, coefficients: &DVector<f64>) -> DMatrix<
     rows.select_rows(&(0..rows.nrows()).filter(|i| binds(i) && !all_zero(i)).collect::<Vec<_>>())
 }
 
-/// `min ‖z‖` subject to `E z ≥ f`, feasible by assumption.
+/// `min ‖z‖` subject to `E z ≥ f`. It must be feasible.
 fn least_distance(e: &DMatrix<f64>, f: &DVector<f64>) -> Result<DVector<f64>> {
     let (rows, n) = e.shape();
     if f.iter().all(|f| *f <= 0.0) {
         return Ok(DVector::zeros(n));
     }
-    // Unit f and unit rows keep the numbers of the inner problem near one.
+    // Unit rows, and f with the largest entry 1, keep the numbers of the inner problem near one.
     let scale = f.amax();
     let norms: Vec<f64> = (0..rows).map(|i| e.row(i).norm().max(f64::MIN_POSITIVE)).collect();
     let matrix =
@@ -154,7 +157,7 @@ pub(crate) fn nonnegative_least_squares(matrix: &DMatrix<f64>, b: &DVector<f64>)
     })
 }
 
-/// Moves from u towards s until the first component vanishes, and releases those that did.
+/// Moves from u towards s until the first component is zero, and removes the components that are zero from the passive set.
 fn step_to_boundary(u: &mut DVector<f64>, passive: &mut Vec<usize>, s: &DVector<f64>) {
     let mut fraction = 1.0_f64;
     for (&i, &s) in passive.iter().zip(s.iter()) {

@@ -1,7 +1,7 @@
-//! Choice of λ: k-fold cross-validation on contiguous blocks.
+//! Choice of the LASSO's λ by k-fold cross-validation on contiguous blocks.
 //!
-//! Samples of a log are correlated in time; random folds would leak neighbours into the test set, so folds
-//! are contiguous blocks.
+//! Folds are contiguous blocks because samples of a log are correlated in time. With random folds, samples of the test set
+//! would have neighbours in the training set.
 
 use super::super::error::{IdentificationError, Result, require_length, require_setting};
 use super::super::numeric::statistics::{mean_with_error, simplest};
@@ -12,25 +12,28 @@ use super::moments::{Moments, splits};
 /// Cross-validated LASSO path.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CrossValidation {
-    /// The path on all samples; its λ follow the convention of [`super::lasso`].
+    /// Path on all samples. Its λ follow the convention of [`super::lasso`].
     pub path: LassoPath,
-    /// Mean squared error on the left-out block, averaged over the folds, for each λ.
+    /// Mean squared error on the held-out block, averaged over the folds, for each λ.
     pub mean_error: Vec<f64>,
-    /// Standard error of that mean over the folds.
+    /// Standard error of [`Self::mean_error`] over the folds, for each λ.
     pub standard_error: Vec<f64>,
     /// Index of the λ with the least error.
     pub minimum: usize,
-    /// Index of the largest λ whose error is within one standard error of the least.
+    /// Index of the largest λ whose error exceeds the least one by at most one standard error.
     pub one_standard_error: usize,
 }
 
 impl CrossValidation {
-    /// Solves the path on all folds but one, for each, and on all samples.
+    /// Computes the path without each fold in turn, and on all samples.
     ///
-    /// - `folds`: moments of contiguous blocks, [`Moments::blocks`]
+    /// - `folds`: moments of contiguous blocks, see [`Moments::blocks`]
+    /// - `target`: index of the target column
+    /// - `lambdas`: values of λ, descending
     ///
     /// # Errors
-    /// Fewer than two folds, λ that do not descend, or λ without a solution.
+    /// `Setting` if there are fewer than two folds or if the values of λ do not descend, and the errors of the LASSO for a λ
+    /// without a solution.
     pub fn new(lasso: &Lasso, folds: &[Moments], target: usize, lambdas: &[f64]) -> Result<Self> {
         require_setting("number of folds", folds.len() as f64, folds.len() >= 2, "at least two are needed")?;
         require_setting("number of λ", lambdas.len() as f64, !lambdas.is_empty(), "at least one is needed")?;
@@ -58,10 +61,10 @@ impl CrossValidation {
     }
 }
 
-/// Least squares on the terms that the path chose at `index`.
+/// Least squares on the terms that the path chose at the λ with this index.
 ///
 /// # Errors
-/// [`IdentificationError::EverythingRemoved`] if it chose none there.
+/// [`IdentificationError::EverythingRemoved`] if the path has no term there.
 pub fn refit(reduced: &Reduced, target: usize, path: &LassoPath, index: usize) -> Result<Solution> {
     if index >= path.lambdas.len() {
         require_length("λ of the path", index + 1, path.lambdas.len())?;

@@ -1,4 +1,4 @@
-//! The one filter that positions, efforts and regressor columns pass through.
+//! The filter that positions, efforts and columns of the regressor pass.
 
 use super::super::error::{IdentificationError, Result, require_setting};
 use super::super::numeric::kernel::dot;
@@ -9,21 +9,20 @@ use std::ops::Range;
 /// Width s of the Gaussian that rounds the edge of the transfer function, as a share of the bandwidth.
 const EDGE: f64 = 0.25;
 
-/// The kernel ends where its Gaussian envelope has fallen to `exp(−8) = 3e-4`, at four deviations.
+/// Half length of the kernel in standard deviations of its Gaussian envelope, which has fallen to `exp(−8) = 3e-4` there.
 const ENVELOPE: f64 = 4.0;
 
-/// A zero-phase low-pass filter with a finite kernel, the same for every signal of a run.
+/// A zero-phase low-pass filter with a finite kernel. All signals of a run pass the same filter.
 ///
-/// `h(t) = 2 f_c sinc(2 f_c t) exp(−t²/(2 σ²))` with `σ = 2/(π f_c)`, a sinc under a Gaussian envelope. Its
-/// transfer function is a rectangle rounded by a Gaussian of width `s = f_c/4`,
-/// `H(f) = ½ [erf((f_c + f)/(√2 s)) + erf((f_c − f)/(√2 s))]`: 0.98 at `f_c/2`, one half at the bandwidth
-/// `f_c`, 3e-5 at `2 f_c`. The half-power frequency is `0.864 f_c`. Derivatives are those of the kernel, so a
-/// filtered signal and its filtered derivatives belong together exactly. Constants, slopes and parabolas pass
-/// unchanged; for this the kernel is corrected by less than 1e-3 of H.
+/// The kernel is `h(t) = 2 f_c sinc(2 f_c t) exp(−t²/(2 σ²))` with `σ = 2/(π f_c)`, a sinc with a Gaussian envelope. Its
+/// transfer function is a rectangle that is rounded by a Gaussian of width `s = f_c/4`, `H(f) = ½ [erf((f_c + f)/(√2 s)) +
+/// erf((f_c − f)/(√2 s))]`. H is 0.98 at `f_c/2`, one half at the bandwidth `f_c`, and 3e-5 at `2 f_c`. The half-power
+/// frequency is `0.864 f_c`. Filtered derivatives use the derivatives of the kernel, so they are exactly the derivatives of
+/// the filtered signal. Constants, slopes and parabolas pass unchanged. For this purpose the kernel is corrected by less
+/// than 1e-3 of H.
 ///
-/// Least squares stays consistent when all columns pass the same linear filter (Gautier 1997, parallel
-/// filtering); a friction column such as `sign ẏ`, whose steps the filter rounds, passes it by
-/// `Filter::apply`.
+/// Least squares stays consistent if all columns pass the same linear filter (Gautier 1997, parallel filtering). The filter
+/// rounds the steps of a friction column as `sign ẏ`, so this column passes it by `Filter::apply`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Filter {
     bandwidth: f64,
@@ -33,11 +32,11 @@ pub struct Filter {
 }
 
 impl Filter {
-    /// The filter of `bandwidth` \[Hz\] for samples with `step` \[s\] between them.
+    /// The filter of `bandwidth` \[Hz\] for samples with the distance `step` \[s\].
     ///
     /// # Errors
-    /// A bandwidth or a step that is not positive, or a bandwidth above a quarter of the sample rate, where
-    /// the sampled kernel no longer has the stated transfer function.
+    /// [`IdentificationError::Setting`] if a bandwidth or a step is not positive, or if the bandwidth exceeds a quarter of
+    /// the sample rate, above which the sampled kernel no longer has the stated transfer function.
     pub(crate) fn new(bandwidth: f64, step: f64) -> Result<Self> {
         require_setting("step", step, step > 0.0, "it must be positive")?;
         let most = 0.25 / step;
@@ -47,18 +46,18 @@ impl Filter {
         Ok(Self { bandwidth, step, taps, band: None })
     }
 
-    /// The same filter behind one of `band`.
+    /// This filter in series with the filter `band`.
     pub(crate) fn behind(self, band: Option<Band>) -> Self {
         let Some(band) = band else { return self };
         Self { taps: convolved(&self.taps, &band.taps(self.step)), band: Some(band), ..self }
     }
 
-    /// The band of the efforts, which this filter has too.
+    /// The low-pass filter of the efforts that is part of this filter; `None` if there is none.
     pub(crate) fn band(&self) -> Option<Band> {
         self.band
     }
 
-    /// The filter of `band` alone, for the same samples.
+    /// The filter `band` alone, for the same samples.
     pub(crate) fn alone(&self, band: Band) -> Self {
         Self { bandwidth: band.frequency, step: self.step, taps: band.taps(self.step), band: Some(band) }
     }
@@ -70,7 +69,7 @@ impl Filter {
 
     /// The filtered signal, of the same length.
     ///
-    /// Beyond its ends the signal is continued by point reflection; within half the length of the kernel of them results
+    /// Beyond its ends the signal is continued by point reflection. Results within half the length of the kernel from an end
     /// depend on this continuation.
     pub(crate) fn apply(&self, signal: &[f64]) -> Vec<f64> {
         self.apply_at(signal, 0..signal.len())
@@ -81,27 +80,29 @@ impl Filter {
         weighted(signal, &self.taps, samples.map(|i| i as isize))
     }
 
-    /// Samples on either side that a filtered one depends on.
+    /// Number of samples on either side that influence a filtered sample.
     pub(crate) fn half_length(&self) -> usize {
         self.taps.len() / 2
     }
 }
 
-/// A zero-phase low-pass filter `H(f) = 1/(1 + (f/f_0)^(2n))`: a Butterworth filter of order n, there and back.
+/// A zero-phase low-pass filter `H(f) = 1/(1 + (f/f_0)^(2n))`: a Butterworth filter of order n, applied forwards and
+/// backwards.
 ///
-/// To second order in f, n = 1 stands for each filter whose gain falls with f² at first, as a mean over the last samples or one
-/// pass of first order. To fourth order, n = 2 stands for one pass of a Butterworth filter of second order.
+/// To second order in f, n = 1 represents every filter whose gain first falls with f², as a mean over the last samples or
+/// one pass of a first-order filter. To fourth order in f, n = 2 represents one pass of a Butterworth filter of second
+/// order.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Band {
     /// Half-amplitude frequency f_0 \[Hz\].
     pub(crate) frequency: f64,
-    /// n.
+    /// Order n.
     pub(crate) order: u32,
 }
 
 impl Band {
-    /// `h(t) = ω_0/(2n) Σ_k exp(−ω_0 |t| s_k) (s_k cos ω_0 c_k t + c_k sin ω_0 c_k |t|)` with `ω_0 = 2π f_0` and `s_k`, `c_k`
-    /// of the angles `π (2k + 1)/(2n)`, at multiples of `step`; constants pass unchanged.
+    /// Kernel `h(t) = ω_0/(2n) Σ_k exp(−ω_0 |t| s_k) (s_k cos ω_0 c_k t + c_k sin ω_0 c_k |t|)` at multiples of `step`
+    /// \[s\], with `ω_0 = 2π f_0` and the sine s_k and cosine c_k of the angles `π (2k + 1)/(2n)`. Constants pass unchanged.
     pub(crate) fn taps(&self, step: f64) -> Vec<f64> {
         let (omega, n) = (2.0 * PI * self.frequency, f64::from(self.order));
         let parts: Vec<(f64, f64)> =
@@ -118,7 +119,7 @@ impl Band {
     }
 }
 
-/// The kernel of one filter behind another.
+/// The kernel of two filters in series.
 pub(crate) fn convolved(a: &[f64], b: &[f64]) -> Vec<f64> {
     let mut all = vec![0.0; a.len() + b.len() - 1];
     for (i, x) in a.iter().enumerate() {
@@ -132,23 +133,23 @@ pub(crate) fn reach(bandwidth: f64) -> f64 {
     ENVELOPE * envelope(bandwidth)
 }
 
-/// `H(f)` of the filter with `bandwidth`.
+/// Gain `H(f)` of the filter with `bandwidth` at `frequency` \[Hz\].
 pub(crate) fn gain(bandwidth: f64, frequency: f64) -> f64 {
     let edge = |x: f64| statrs::function::erf::erf(x / (2.0_f64.sqrt() * EDGE * bandwidth));
     0.5 * (edge(bandwidth + frequency) + edge(bandwidth - frequency))
 }
 
-/// Deviation of the Gaussian envelope \[s\].
+/// Standard deviation of the Gaussian envelope \[s\].
 fn envelope(bandwidth: f64) -> f64 {
     1.0 / (2.0 * PI * EDGE * bandwidth)
 }
 
-/// Taps of the kernel's derivative of `order` 0, 1 or 2, for samples at `k·step` and a result at `shift`.
+/// Taps of the kernel's derivative of `order` 0, 1 or 2, for samples at `k·step` and a result at `shift` \[s\].
 ///
-/// Tap `k` belongs to the sample `k − half` steps after the result's own one, reversed as in a convolution.
+/// Tap `k` belongs to the sample that is `k − half` steps after the result, reversed as in a convolution.
 ///
 /// # Errors
-/// Fewer taps than the moments that are corrected.
+/// [`IdentificationError::TooFewSamples`] if there are fewer taps than moments that are corrected.
 pub(crate) fn kernel(bandwidth: f64, step: f64, order: usize, shift: f64) -> Result<Vec<f64>> {
     let half = (reach(bandwidth) / step).ceil() as usize;
     let times: Vec<f64> = (0..=2 * half).map(|k| (k as f64 - half as f64) * step + shift).collect();
@@ -172,7 +173,7 @@ fn impulse(bandwidth: f64, deviation: f64, order: usize, t: f64) -> f64 {
     }
 }
 
-/// `sin(w t)/(π t)` with two derivatives; by its series where the fractions cancel.
+/// `sin(w t)/(π t)` with two derivatives, near zero by its series, because the fractions cancel there.
 fn sinc(w: f64, t: f64) -> [f64; 3] {
     let x = w * t;
     if x.abs() < 1e-2 {
@@ -189,7 +190,7 @@ fn sinc(w: f64, t: f64) -> [f64; 3] {
     [value, first, second]
 }
 
-/// Adds a small parabola under the envelope, so that 1, t and t² pass exactly as the derivative asks.
+/// Adds a small parabola times the envelope, so that the kernel maps 1, t and t² exactly to their derivatives of this order.
 fn correct_moments(taps: &mut [f64], times: &[f64], deviation: f64, order: usize) -> Result<()> {
     let weight = |t: f64| (-0.5 * t * t / (deviation * deviation)).exp();
     let powers = |t: f64| Vector3::new(1.0, t / deviation, (t / deviation).powi(2));
@@ -198,7 +199,7 @@ fn correct_moments(taps: &mut [f64], times: &[f64], deviation: f64, order: usize
         gram += weight(*t) * powers(*t) * powers(*t).transpose();
         moments += *tap * powers(*t);
     }
-    // A result at 0 weighs the sample at −t: ∫ h⁽ᵏ⁾(t) (−t)ᵏ dt = k!.
+    // A result at 0 has the weight h(t) for the sample at −t: ∫ h⁽ᵏ⁾(t) (−t)ᵏ dt = k!.
     let wanted = [1.0, -1.0 / deviation, 2.0 / (deviation * deviation)][order];
     moments[order] -= wanted;
     let correction = gram.cholesky().ok_or_else(|| IdentificationError::TooFewSamples {
@@ -215,7 +216,7 @@ fn correct_moments(taps: &mut [f64], times: &[f64], deviation: f64, order: usize
 
 /// `Σ taps[k] · signal[centre + half − k]` at each centre.
 ///
-/// Beyond its ends the signal is continued by point reflection, then by the last value of that.
+/// Beyond its ends the signal is continued by point reflection. Farther outside, the last reflected value is repeated.
 pub(crate) fn weighted(
     signal: &[f64],
     taps: &[f64],

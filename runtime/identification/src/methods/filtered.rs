@@ -1,33 +1,33 @@
-//! Columns through the filter that the torques passed.
+//! Columns of the friction regression after the filter of the torques.
 //!
-//! Friction jumps where a joint reverses, and the filter has rounded that in the torques. Least squares stays consistent
-//! where the terms pass the same filter (Gautier 1997, parallel filtering).
+//! Friction jumps when a joint reverses, and the filter has rounded this jump in the torques. Least squares stays consistent
+//! if the terms pass the same filter (Gautier 1997, parallel filtering).
 
 use super::super::error::Result;
 use super::filter::Filter;
 use super::margin::near;
 use nalgebra::DMatrix;
 
-/// The filter of the torques, and the whole runs that samples were taken of.
+/// The filter of the torques, and the complete runs from which the samples were taken.
 #[derive(Debug, Clone)]
 pub(crate) struct Filtered<'a> {
-    /// The filter.
+    /// Filter of the torques.
     pub(crate) filter: &'a Filter,
     /// Runs in the order of the samples.
     pub(crate) runs: Vec<FilteredRun<'a>>,
 }
 
-/// A run that samples were taken of.
+/// A run from which samples were taken.
 #[derive(Debug, Clone)]
 pub(crate) struct FilteredRun<'a> {
-    /// ẏ at all of its instants, evenly in time.
+    /// ẏ at all times of the run, with equal steps.
     pub(crate) velocities: &'a [f64],
-    /// Which of them are samples, ascending.
+    /// Indices of the samples among these times, ascending.
     pub(crate) kept: Vec<usize>,
 }
 
 impl Filtered<'_> {
-    /// Whether the filter of each sample sees a rest, which is left out of the samples, or a reversal.
+    /// For each sample, whether a rest or a reversal is within the reach of the filter. Rests are not samples.
     pub(crate) fn near(&self) -> Vec<bool> {
         let of_run = |run: &FilteredRun| {
             let mut rests = vec![true; run.velocities.len()];
@@ -38,7 +38,7 @@ impl Filtered<'_> {
         self.runs.iter().flat_map(of_run).collect()
     }
 
-    /// Columns of a matrix over the velocities of each run, through the filter, at the samples.
+    /// Columns of a matrix over the velocities of each run, filtered, at the samples.
     pub(crate) fn columns(&self, of: impl Fn(&[f64]) -> Result<DMatrix<f64>>) -> Result<Vec<Vec<f64>>> {
         let mut all: Vec<Vec<f64>> = Vec::new();
         for run in &self.runs {
@@ -51,9 +51,9 @@ impl Filtered<'_> {
         Ok(all)
     }
 
-    /// A column over the instants of a run, through the filter, at its samples.
+    /// A column over the times of a run, filtered, at its samples.
     pub(crate) fn pass(&self, run: &FilteredRun, column: &[f64]) -> Vec<f64> {
-        // As of derivatives of a law by parameters on which it does not depend.
+        // Derivatives of a law with respect to parameters on which it does not depend are zero.
         if column.iter().all(|value| *value == 0.0) {
             return vec![0.0; run.kept.len()];
         }

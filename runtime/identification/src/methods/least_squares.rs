@@ -1,31 +1,31 @@
-//! Linear least squares on subsets of the terms, guarded against bad conditioning.
+//! Linear least squares on subsets of the terms, with protection against ill-conditioned libraries.
 
 use super::super::error::{IdentificationError, Result, require_length, require_samples};
 use super::super::numeric::spectrum::{svd, symmetric_eigen};
 use super::moments::{Moments, Samples};
 use nalgebra::{DMatrix, DVector};
 
-/// Normal equations have the square of the library's condition number and lose that many digits. Above this
-/// limit (six digits lost) the samples are factored orthogonally instead.
+/// Condition number of the library above which the samples are factored orthogonally. The normal equations square the
+/// condition number, so six digits are lost at this limit.
 const NORMAL_EQUATIONS_LIMIT: f64 = 1e3;
 
-/// Above this condition number a library counts as collinear.
+/// Condition number above which a library counts as collinear.
 pub(crate) const COLLINEAR_LIMIT: f64 = 1e10;
 
-/// How the equations are solved.
+/// Method by which the equations are solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Solver {
-    /// Cholesky factorization of the Gram matrix, columns scaled.
+    /// Cholesky factorization of the Gram matrix with scaled columns.
     NormalEquations,
     /// Householder factorization of the samples, block by block.
     Orthogonal,
 }
 
-/// The data of a regression, reduced to the sums that solving needs.
+/// The data of a regression, reduced to the sums that are needed for its solution.
 #[derive(Debug, Clone)]
 pub struct Reduced {
     moments: Moments,
-    /// Upper triangular R of `[Θ | Y] = Q R`, where the condition number asks for it.
+    /// Upper triangular R of `[Θ | Y] = Q R`; `None` if the condition number is small enough for the normal equations.
     triangle: Option<DMatrix<f64>>,
     condition: f64,
 }
@@ -35,23 +35,28 @@ pub struct Reduced {
 pub struct Solution {
     /// All p coefficients, zero if a term is not chosen.
     pub coefficients: DVector<f64>,
-    /// Chosen terms, ascending.
+    /// Indices of the chosen terms, ascending.
     pub active: Vec<usize>,
-    /// Residual sum of squares.
+    /// Residual sum of squares RSS.
     pub residual: f64,
-    /// Residual variance `RSS / (m − |active|)`; NaN never, 0 if m = |active|.
+    /// Residual variance `RSS / (m − |active|)` for m samples; 0 if m = |active|.
     pub variance: f64,
     /// Standard errors of the chosen coefficients, for independent errors of equal variance.
     pub standard_errors: Vec<f64>,
-    /// `1 − RSS / Σ y²`, the share of the target's energy (uncentred, as models need not hold a constant).
+    /// `1 − RSS / Σ y²`: share of the target's energy that the terms explain. The target y is not centred, because a model
+    /// need not have a constant.
     pub r_squared: f64,
 }
 
 impl Reduced {
-    /// One pass over the samples; a second one, orthogonal, if the library is ill-conditioned.
+    /// Reduces the samples in one pass. A second, orthogonal pass follows if the library is ill-conditioned.
     ///
     /// # Errors
-    /// Values that are not finite, zero columns, collinear terms, fewer samples than terms.
+    /// - [`NotFinite`](IdentificationError::NotFinite), [`Overflow`](IdentificationError::Overflow):
+    ///   values that are not finite, or too large
+    /// - [`ZeroColumn`](IdentificationError::ZeroColumn): a term that is zero everywhere
+    /// - [`Collinear`](IdentificationError::Collinear): collinear terms
+    /// - [`TooFewSamples`](IdentificationError::TooFewSamples): fewer samples than terms
     pub fn new(samples: &Samples) -> Result<Self> {
         let moments = Moments::new(samples)?;
         require_samples("least squares with this library", moments.terms(), moments.samples())?;
@@ -65,10 +70,11 @@ impl Reduced {
         Ok(Self { moments, triangle: Some(triangle), condition })
     }
 
-    /// Least squares from sums alone, where the samples are gone.
+    /// Makes the data from sums alone, if the samples are not available.
     ///
     /// # Errors
-    /// As [`Self::new`]; terms count as collinear where the sums cannot resolve them (condition above 1e7).
+    /// The errors are those of [`Self::new`]. Terms already count as collinear above a condition number of 1e7, because the
+    /// sums do not resolve them.
     pub fn from_moments(moments: Moments) -> Result<Self> {
         require_samples("least squares with this library", moments.terms(), moments.samples())?;
         moments.require_no_zero_column()?;
@@ -89,7 +95,7 @@ impl Reduced {
         self.condition
     }
 
-    /// How equations are solved on these data.
+    /// Method by which the equations of these data are solved.
     pub(crate) fn solver(&self) -> Solver {
         if self.triangle.is_some() { Solver::Orthogonal } else { Solver::NormalEquations }
     }
@@ -97,7 +103,8 @@ impl Reduced {
     /// Minimizes `‖y − Θ ξ‖² + ridge ‖ξ‖²` over the terms `active`.
     ///
     /// # Errors
-    /// Terms or target out of range, or a factorization that fails.
+    /// [`IdentificationError::Shape`] if a term or the target is out of range, and [`IdentificationError::Collinear`] if the
+    /// factorization fails.
     pub(crate) fn solve(&self, target: usize, active: &[usize], ridge: f64) -> Result<DVector<f64>> {
         self.check(target, active)?;
         let small = match &self.triangle {
@@ -115,10 +122,13 @@ impl Reduced {
         Ok(coefficients)
     }
 
-    /// Least squares on `active` with standard errors.
+    /// Least squares on the terms `active` with standard errors.
+    ///
+    /// - `target`: index of the target column
     ///
     /// # Errors
-    /// Collinear terms.
+    /// [`IdentificationError::Shape`] if a term or the target is out of range, and [`IdentificationError::Collinear`] if the
+    /// terms are collinear.
     pub fn fit(&self, target: usize, active: &[usize]) -> Result<Solution> {
         let coefficients = self.solve(target, active, 0.0)?;
         let residual = self.residual(target, &coefficients);
@@ -179,7 +189,7 @@ impl Reduced {
     }
 }
 
-/// Solves the normal equations on `active`, columns scaled to unit length.
+/// Solves the normal equations on the terms `active` with columns scaled to unit length; `None` if they are singular.
 pub(crate) fn solve_scaled(
     gram: &DMatrix<f64>,
     b: &DVector<f64>,
@@ -220,7 +230,7 @@ fn solve_triangular(
     qr.r().solve_upper_triangular(&right.rows(0, n).into_owned())
 }
 
-/// R of the Householder factorization of `[Θ | Y]` `[q × q]`, formed block by block.
+/// R of the Householder factorization of `[Θ | Y]` `[q × q]`, computed block by block.
 pub(crate) fn triangular_factor(samples: &Samples) -> DMatrix<f64> {
     let q = samples.names().len() + samples.targets();
     let mut r = DMatrix::<f64>::zeros(q, q);
@@ -232,7 +242,7 @@ pub(crate) fn triangular_factor(samples: &Samples) -> DMatrix<f64> {
     r
 }
 
-/// Condition number of the first columns of R, scaled; an error above [`COLLINEAR_LIMIT`].
+/// Condition number of the first columns of R, scaled. It fails above [`COLLINEAR_LIMIT`].
 fn require_independent(triangle: &DMatrix<f64>, names: &[String]) -> Result<f64> {
     let p = names.len();
     let mut scaled = triangle.view((0, 0), (p, p)).into_owned();

@@ -1,11 +1,12 @@
-//! The library Θ: terms as declared in a description, evaluated on channels.
+//! The library Θ: candidate terms as in a description, evaluated on channels.
 
 use super::super::error::{IdentificationError, Result, require_length};
 use super::expression::{Kind, Program, Workspace};
 use gelenk_findings::digits::two_digits;
 use nalgebra::DMatrix;
 
-/// Candidate terms `θᵢ`, each an expression over named channels (`v`, `y`, a load torque, states and inputs).
+/// Library of candidate terms `θᵢ`. Each term is an expression over named channels (`v`, `y`, a load torque, states and
+/// inputs).
 #[derive(Debug, Clone)]
 pub struct Library {
     terms: Vec<String>,
@@ -17,7 +18,8 @@ impl Library {
     /// Compiles `terms` over `channels`.
     ///
     /// # Errors
-    /// No term, a term twice, a term that is not a number, or a fault in its text.
+    /// [`IdentificationError::Empty`] if there is no term, [`IdentificationError::Expression`] if a term occurs twice, is a
+    /// truth value, or is not a valid expression, and [`IdentificationError::UnknownChannel`] if a term has an unknown name.
     pub fn new<S: AsRef<str>, C: AsRef<str>>(terms: &[S], channels: &[C]) -> Result<Self> {
         let terms: Vec<String> = terms.iter().map(|t| t.as_ref().to_string()).collect();
         let channels: Vec<String> = channels.iter().map(|t| t.as_ref().to_string()).collect();
@@ -43,39 +45,39 @@ impl Library {
     /// The friction library of the reference robot: `[1, v, sign v, tanh 5v, tanh 10v, tanh 20v, tanh 100v]`.
     ///
     /// # Errors
-    /// None in practice; the signature is that of [`Self::new`].
+    /// An error of [`Self::new`], which does not occur.
     pub fn friction() -> Result<Self> {
         Self::new(&["1", "v", "sign(v)", "tanh(5*v)", "tanh(10*v)", "tanh(20*v)", "tanh(100*v)"], &["v"])
     }
 
-    /// Friction of a joint whose shape is not known: the terms of [`Self::friction`] and what makes them differ
-    /// by direction, `|v|` and `|tanh 20v|`.
+    /// Friction terms of a joint with unknown friction: the terms of [`Self::friction`] and the terms `|v|` and `|tanh
+    /// 20v|`, which make friction depend on the direction.
     ///
-    /// With `a v + b |v|` viscous friction is `a + b` forwards and `a − b` backwards; so is the Coulomb friction
-    /// of `a tanh 20v + b |tanh 20v|`. Unlike a constant, both vanish at rest.
+    /// Viscous friction `a v + b |v|` is `a + b` forwards and `a − b` backwards, and likewise Coulomb friction `a tanh 20v +
+    /// b |tanh 20v|`. Unlike a constant, both are zero at rest.
     ///
     /// # Errors
-    /// None in practice; the signature is that of [`Self::new`].
+    /// An error of [`Self::new`], which does not occur.
     pub(crate) fn joint_friction() -> Result<Self> {
         let asymmetric = ["abs(v)", "abs(tanh(20*v))"].map(String::from);
         let terms: Vec<String> = Self::friction()?.terms.into_iter().chain(asymmetric).collect();
         Self::new(&terms, &["v"])
     }
 
-    /// The library of some of its terms.
+    /// A library with some of the terms.
     ///
     /// # Errors
-    /// No term.
+    /// [`IdentificationError::Empty`] if `terms` is empty.
     pub(crate) fn only(&self, terms: &[usize]) -> Result<Self> {
         let terms: Vec<&str> = terms.iter().map(|&i| self.terms[i].as_str()).collect();
         Self::new(&terms, &self.channels)
     }
 
-    /// The library for speeds that are `scale` times as fast: terms tanh(k v) with a number k keep their shape. Other terms
-    /// stay as they are.
+    /// The library for speeds that are `scale` times as high: the factor k of terms tanh(k v) is divided by `scale`. Other
+    /// terms stay the same.
     ///
     /// # Errors
-    /// Those of [`Self::new`]: slopes that become the same one.
+    /// The errors are those of [`Self::new`], as if two factors become equal by rounding.
     pub(crate) fn scaled(&self, scale: f64) -> Result<Self> {
         if scale == 1.0 {
             return Ok(self.clone());
@@ -103,7 +105,7 @@ impl Library {
         &self.program
     }
 
-    /// Buffers of its program.
+    /// Buffers for the evaluation of the terms.
     pub(crate) fn workspace(&self) -> Workspace {
         self.program.workspace()
     }
@@ -111,7 +113,7 @@ impl Library {
     /// The matrix Θ `[samples × terms]`.
     ///
     /// # Errors
-    /// Wrong number or lengths of the channels.
+    /// [`IdentificationError::Shape`] if the number of channels is wrong or their lengths differ.
     pub fn matrix(&self, channels: &[&[f64]]) -> Result<DMatrix<f64>> {
         require_length("channels of the library", self.channels.len(), channels.len())?;
         let columns = self.program.evaluate_columns(channels)?;
@@ -120,12 +122,12 @@ impl Library {
     }
 }
 
-/// Term of a smooth sign of the velocity, `tanh(k v)`.
+/// Text of a smooth sign of the velocity, `tanh(k v)`.
 pub(crate) fn smooth_sign(factor: f64) -> String {
     format!("tanh({factor}*v)")
 }
 
-/// Factor k of a term tanh(k v) of a joint where v is `scale` times as fast, with two digits.
+/// Factor k of a term tanh(k v) for a joint whose v is `scale` times as high, with two digits.
 pub(crate) fn slope(factor: f64, scale: f64) -> f64 {
     if scale == 1.0 { factor } else { two_digits(factor / scale) }
 }

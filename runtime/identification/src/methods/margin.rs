@@ -1,23 +1,24 @@
-//! How far an estimate moves if samples are left out that may be biased.
+//! Change of an estimate if samples that may be biased are left out.
 //!
-//! Dry friction jumps where a joint starts, stops or reverses, and no smooth term has this jump. The error near these instants is
-//! the same in all blocks of the samples, so no spread over blocks shows it. The change of the estimate without these
-//! samples does. It includes chance, and is added to the half width of intervals.
+//! Dry friction jumps when a joint starts, stops or reverses, and no smooth term has this jump. The error near these times
+//! is the same in all blocks of the samples, so that no variance over blocks shows it. The change of the estimate without
+//! these samples does. This change includes chance. It is added to the half width of intervals.
 
 use super::super::numeric::spectrum::symmetric_eigen;
 use nalgebra::{DMatrix, DVector};
 
-/// Least share of the curvature in a direction that must be left for a change in it to be counted: with less, the
-/// change is mostly noise. Values from 0.005 to 0.05 change the coverage of intervals of simulated arms that stick by at most 2 %. Values of
-/// 0.1 and 0.2 lower it by 3 and 10 %.
+/// Least share of the curvature in a direction that must remain for a change in this direction to be counted. With a smaller
+/// share the change is mostly noise. In simulated arms that stick, the coverage of intervals changes by at most 2 % for
+/// values from 0.005 to 0.05. It is lower by 3 % for 0.1 and by 10 % for 0.2.
 pub(crate) const LEAST_SHARE: f64 = 0.02;
 
-/// Eigenvalues below this share of the largest belong to directions that the data do not have.
+/// Share of the largest eigenvalue below which an eigenvalue belongs to a direction that the data do not determine.
 const NEGLIGIBLE: f64 = 1e-12;
 
-/// Whether a sample's filter sees a rest or a change of the velocity's sign.
+/// For each sample, whether a rest or a change of the velocity's sign is within the reach of the filter.
 ///
-/// - `rests`: whether a sample belongs to a rest; `reach`: samples on either side that the filter sees
+/// - `rests`: whether a sample belongs to a rest
+/// - `reach`: number of samples on either side that the filter uses
 pub(crate) fn near(velocities: &[f64], rests: impl Fn(usize) -> bool, reach: usize) -> Vec<bool> {
     let reverses = |i: usize| i > 0 && velocities[i - 1] * velocities[i] <= 0.0;
     let mut near = vec![false; velocities.len()];
@@ -28,9 +29,10 @@ pub(crate) fn near(velocities: &[f64], rests: impl Fn(usize) -> bool, reach: usi
     near
 }
 
-/// Change of the solution of `A x = b` to that of `A' x' = b'`, in the directions in which A' has enough of A.
+/// Change from the solution of `A x = b` to that of `A' x' = b'`, in the directions in which A' has a sufficient share of A.
 ///
-/// - `all`: A; `left`: A' ≤ A, of the samples that are left
+/// - `all`: A
+/// - `left`: A' ≤ A, of the samples that are kept
 /// - `score`: `b' − A' x`
 pub(crate) fn change(all: &DMatrix<f64>, left: &DMatrix<f64>, score: &DVector<f64>) -> DVector<f64> {
     let scale = all.diagonal().map(|own| if own > 0.0 { own.sqrt().recip() } else { 0.0 });

@@ -1,4 +1,4 @@
-//! Methods of regression: libraries of terms, sparse selection, the Stribeck law, derivatives of signals, and their errors.
+//! Regression methods: libraries of terms, sparse selection, the Stribeck law, derivatives of signals, and standard errors.
 
 pub(crate) mod confidence;
 pub(crate) mod constrained;

@@ -1,9 +1,8 @@
-//! Moments: sums of products of all columns of `[Θ | Y]` in one pass over the data, in total or for contiguous blocks.
+//! Moments: sums of products of all columns of `[Θ | Y]`, in one pass over the data, in total or for contiguous blocks.
 //!
-//! Sparse regression and cross-validation need no more than these sums ("moments"), so the
-//! samples are read once, however many models are fitted. Forming ΘᵀΘ squares the condition number;
-//! [`super::least_squares`] watches it and goes back to the data with an orthogonal factorization where it
-//! matters.
+//! Sparse regression and cross-validation need only these sums, so the samples are read once for any number of models. ΘᵀΘ
+//! has the square of Θ's condition number. [`super::least_squares`] checks the condition number and factors the samples
+//! orthogonally if it is too large.
 
 use super::super::error::{IdentificationError, Result, require_finite, require_length, require_samples};
 use super::super::numeric::kernel::{BLOCK, add_products};
@@ -12,7 +11,7 @@ use super::library::Library;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
-/// For each of the folds the sum of all others, and itself.
+/// For each fold, the sum of all other folds, and the fold itself.
 pub(crate) fn splits(folds: &[Moments]) -> impl Iterator<Item = Result<(Moments, &Moments)>> {
     folds.iter().enumerate().map(|(k, fold)| {
         let others = folds.iter().enumerate().filter(|(i, _)| *i != k).map(|(_, fold)| fold);
@@ -36,10 +35,14 @@ enum Regressors<'a> {
 }
 
 impl<'a> Samples<'a> {
-    /// Samples with a stored matrix: `columns` of Θ with their `names`, and the target columns.
+    /// Samples with stored columns.
+    ///
+    /// - `names`: names of the columns of Θ
+    /// - `columns`: columns of Θ
+    /// - `targets`: columns of Y
     ///
     /// # Errors
-    /// No samples, or lengths that disagree.
+    /// [`IdentificationError::Empty`] if there are no samples, and [`IdentificationError::Shape`] if lengths differ.
     pub fn from_columns(names: &[String], columns: Vec<&'a [f64]>, targets: Vec<&'a [f64]>) -> Result<Self> {
         require_length("names of the columns", columns.len(), names.len())?;
         Self::new(names.to_vec(), Regressors::Columns(columns), targets)
@@ -56,10 +59,11 @@ impl<'a> Samples<'a> {
         Self::from_columns(names, columns, targets)
     }
 
-    /// Samples of channels. The library is evaluated while the sums are formed, and nothing is stored.
+    /// Samples of channels. The library is evaluated when the sums are formed, and Θ is not stored.
     ///
     /// # Errors
-    /// No samples, wrong number of channels, or lengths that disagree.
+    /// [`IdentificationError::Empty`] if there are no samples, and [`IdentificationError::Shape`] if the number of channels
+    /// is wrong or lengths differ.
     pub fn from_library(
         library: &'a Library,
         channels: Vec<&'a [f64]>,
@@ -94,7 +98,7 @@ impl<'a> Samples<'a> {
         self.targets.len()
     }
 
-    /// Visits `rows` in blocks of at most 256; columns are those of Θ, then the targets.
+    /// Calls `visit` for blocks of at most 256 samples of `rows`, with the columns of Θ followed by the targets.
     pub(crate) fn visit(&self, rows: Range<usize>, visit: &mut dyn FnMut(&[&[f64]])) {
         let mut workspace = match &self.regressors {
             Regressors::Library(library, _) => Some(library.workspace()),
@@ -120,7 +124,7 @@ impl<'a> Samples<'a> {
         }
     }
 
-    /// The first value that is not finite, as an error; overflow otherwise.
+    /// The error about the first value that is not finite, or about an overflow if all values are finite.
     fn explain_not_finite(&self) -> IdentificationError {
         let mut values = vec![Vec::with_capacity(self.samples); self.names.len() + self.targets.len()];
         self.visit(0..self.samples, &mut |columns| {
@@ -157,16 +161,17 @@ impl Moments {
     /// Sums over all samples.
     ///
     /// # Errors
-    /// NaN or infinite values, with column and row.
+    /// [`IdentificationError::NotFinite`] with column and row if a value is not finite, and
+    /// [`IdentificationError::Overflow`] if squares overflow.
     pub fn new(samples: &Samples) -> Result<Self> {
         Ok(Self::blocks(samples, 1)?.remove(0))
     }
 
-    /// Sums over `count` contiguous blocks of nearly equal size (the first ones get the remainder, one sample
-    /// each).
+    /// Sums over `count` contiguous blocks of nearly equal size. The first blocks have one more sample if the division has a
+    /// remainder.
     ///
     /// # Errors
-    /// Fewer samples than blocks, or NaN or infinite values.
+    /// [`IdentificationError::TooFewSamples`] if there are fewer samples than blocks, and the errors of [`Self::new`].
     pub fn blocks(samples: &Samples, count: usize) -> Result<Vec<Self>> {
         require_samples(&format!("a division into {count} blocks"), count.max(1), samples.len())?;
         let ranges: Vec<_> = contiguous_blocks(samples.len(), count.max(1)).collect();
@@ -176,7 +181,7 @@ impl Moments {
     /// Sums over given ranges of samples, e.g. the runs of a log, or groups of runs that repeat one motion.
     ///
     /// # Errors
-    /// A range that is empty or ends behind the samples, or NaN or infinite values.
+    /// `Empty` if a range is empty, `Shape` if it ends after the last sample, and the errors of [`Self::new`].
     pub(crate) fn ranges(samples: &Samples, ranges: &[Range<usize>]) -> Result<Vec<Self>> {
         let mut blocks = Vec::with_capacity(ranges.len());
         for rows in ranges.iter().cloned() {
@@ -193,10 +198,10 @@ impl Moments {
         Ok(blocks)
     }
 
-    /// Sums over folds, each of several ranges of samples.
+    /// Sums over folds. Each fold has several ranges of samples.
     ///
     /// # Errors
-    /// As [`Self::ranges`], and a fold without ranges.
+    /// The errors are those of [`Self::ranges`], and `Empty` if a fold has no ranges.
     pub(crate) fn folds(samples: &Samples, folds: &[Vec<Range<usize>>]) -> Result<Vec<Self>> {
         folds.iter().map(|ranges| Self::sum(&Self::ranges(samples, ranges)?)).collect()
     }
@@ -210,7 +215,7 @@ impl Moments {
         Self { names: samples.names.clone(), samples: count, products }
     }
 
-    /// Moments from a matrix of products of the terms' columns and one target's.
+    /// Moments from a matrix of products of the terms' columns and one target column.
     pub(crate) fn of_products(names: Vec<String>, samples: usize, products: DMatrix<f64>) -> Self {
         Self { names, samples, products }
     }
@@ -218,7 +223,7 @@ impl Moments {
     /// Sum of several moments of the same columns.
     ///
     /// # Errors
-    /// [`IdentificationError::Empty`] without parts, or parts of different width.
+    /// [`IdentificationError::Empty`] without parts, and [`IdentificationError::Shape`] if parts have different widths.
     pub fn sum<'m>(parts: impl IntoIterator<Item = &'m Self>) -> Result<Self> {
         let mut parts = parts.into_iter();
         let Some(first) = parts.next() else {
@@ -248,7 +253,7 @@ impl Moments {
         self.samples
     }
 
-    /// Number of targets.
+    /// Number of target columns.
     pub(crate) fn targets(&self) -> usize {
         self.products.ncols() - self.names.len()
     }
@@ -271,15 +276,17 @@ impl Moments {
         self.products[(i, i)]
     }
 
-    /// Residual sum of squares `‖y − Θ ξ‖²`, from the sums alone; cancellation limits it to about 1e-14 of
-    /// yᵀy.
+    /// Residual sum of squares `‖y − Θ ξ‖²` from the sums alone. Cancellation limits its accuracy to about 1e-14 of yᵀy.
+    ///
+    /// - `target`: index of the target column y
+    /// - `coefficients`: ξ
     pub fn residual(&self, target: usize, coefficients: &DVector<f64>) -> f64 {
         let b = self.projection(target);
         let quadratic = (self.gram() * coefficients).dot(coefficients);
         (self.energy(target) - 2.0 * b.dot(coefficients) + quadratic).max(0.0)
     }
 
-    /// Correlation matrix of the terms (uncentred: cosines of the angles between the columns).
+    /// Correlation matrix of the terms `[p × p]`, not centred: cosines of the angles between the columns.
     pub fn correlation(&self) -> DMatrix<f64> {
         let p = self.terms();
         let norm = |i: usize| self.products[(i, i)].sqrt();
@@ -289,8 +296,8 @@ impl Moments {
         })
     }
 
-    /// Condition number of the library with its columns scaled to unit length; ∞ if a column vanishes.
-    /// It is computed from the Gram matrix, so that values above 1e7 are only lower bounds.
+    /// Condition number of the library with its columns scaled to unit length; ∞ if a column is zero. It is computed from
+    /// the Gram matrix, so that values above 1e7 are only lower bounds.
     pub(crate) fn condition(&self) -> f64 {
         let eigenvalues = symmetric_eigenvalues(&self.correlation());
         let (least, largest) = (eigenvalues.min(), eigenvalues.max());
@@ -307,7 +314,7 @@ impl Moments {
     }
 }
 
-/// Divides 0..samples into `count` contiguous ranges; the first `samples mod count` ranges are one longer.
+/// Divides 0..samples into `count` contiguous ranges. The first `samples mod count` ranges are longer by one.
 pub(crate) fn contiguous_blocks(samples: usize, count: usize) -> impl Iterator<Item = Range<usize>> {
     let (size, longer) = (samples / count, samples % count);
     (0..count).map(move |k| {

@@ -2,18 +2,18 @@
 
 use std::ops::Range;
 
-/// A constant torque in addition to the law.
+/// A constant torque of one run, in addition to the friction law.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Offset {
-    /// The run's samples.
+    /// Indices of the run's samples among the samples of all runs.
     pub samples: Range<usize>,
     /// Mean of torque minus law [N·m or N].
     pub value: f64,
-    /// Standard error for correlated residuals; `None` if the run is too short to tell.
+    /// Standard error for correlated residuals [N·m or N]; `None` if the run is too short for an estimate.
     pub standard_error: Option<f64>,
 }
 
-/// Takes its mean off each run of a column.
+/// Subtracts its mean from each run of a column.
 pub(crate) fn centre(column: &mut [f64], runs: &[Range<usize>]) {
     for rows in runs {
         let mean = mean(&column[rows.clone()]);

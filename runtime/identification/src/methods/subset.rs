@@ -1,8 +1,7 @@
-//! Best subset of a small library: every subset is fitted on all folds but one and judged on the one left
-//! out.
+//! Best subset of a small library: every subset is fitted on all folds except one and tested on this one.
 //!
-//! With p terms and k folds these are k·2ᵖ solves of at most p × p normal equations, free of λ and of the
-//! LASSO's bias (Hocking and Leslie 1967; the one-standard-error rule is Breiman's, 1984).
+//! With p terms and k folds these are k·2ᵖ solutions of at most p × p normal equations. They need no λ and do not have the
+//! bias of the LASSO (Hocking and Leslie 1967; one-standard-error rule: Breiman 1984).
 
 use super::super::error::{IdentificationError, Result, require_length, require_setting};
 use super::super::numeric::statistics::{mean_with_error, simplest};
@@ -11,44 +10,46 @@ use super::least_squares::solve_scaled;
 use super::moments::{Moments, splits};
 use nalgebra::{DMatrix, DVector};
 
-/// Largest library: 4095 subsets.
+/// Largest number of terms of a library, with 4095 subsets.
 pub(crate) const MOST_TERMS: usize = 12;
 
-/// A subset with its error on left-out folds.
+/// A subset of the terms with its error on held-out folds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ValidatedSubset {
-    /// Terms, ascending.
+    /// Indices of the terms, ascending.
     pub active: Vec<usize>,
-    /// Mean squared error on the left-out fold, averaged over the folds.
+    /// Mean squared error on the held-out fold, averaged over the folds.
     pub mean_error: f64,
-    /// Standard error of that mean.
+    /// Standard error of [`Self::mean_error`].
     pub standard_error: f64,
 }
 
-/// Pareto table of a choice of terms: sets of terms with their errors on left-out folds, the chosen one among them.
+/// Pareto table of a choice of terms: sets of terms with their errors on held-out folds, including the chosen set.
 ///
-/// For the best subset these are the best sets of each size; for STLS and LASSO those of a falling threshold or penalty.
+/// For the best subset the table has the best set of each size. For STLS and LASSO it has the sets along a decreasing
+/// threshold or penalty.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SubsetValidation {
-    /// From few terms to many; sets that cannot be solved are left out.
+    /// The sets, from few terms to many. Sets whose equations cannot be solved are left out.
     pub best: Vec<ValidatedSubset>,
-    /// Index of the least error.
+    /// Index of the set with the least error.
     pub minimum: usize,
-    /// Index of the chosen set. For the best subset it has the fewest terms whose error is within one standard error of the least.
+    /// Index of the chosen set. For the best subset it is the set with the fewest terms whose error exceeds the least one by
+    /// at most one standard error.
     pub chosen: usize,
 }
 
-/// A term that needs another one: an asymmetry `|f(v)|` needs `f(v)`. Alone it would pass for `f`
-/// on motion in one direction, and drive the joint in the other.
+/// A term that needs another term: an asymmetry `|f(v)|` needs `f(v)`. Without `f` it would act as `f` in a motion in one
+/// direction, and drive the joint in the other direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Requirement {
-    /// The term.
+    /// Index of the term.
     pub term: usize,
-    /// The one it needs.
+    /// Index of the term that it needs.
     pub needs: usize,
 }
 
-/// A requirement for each term `abs(f)` of a library that has `f` too.
+/// A requirement for each term `abs(f)` of a library that also has `f`.
 pub(crate) fn requirements(terms: &[String]) -> Vec<Requirement> {
     let partner = |(term, text): (usize, &String)| {
         let inner = text.strip_prefix("abs(")?.strip_suffix(')')?;
@@ -61,16 +62,17 @@ pub(crate) fn requirements(terms: &[String]) -> Vec<Requirement> {
 /// Conditions that the law of a subset has to meet.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Conditions {
-    /// Terms that need others.
+    /// Terms that need other terms.
     pub requirements: Vec<Requirement>,
-    /// Rows of `A ξ ≥ 0` over all terms, which every fit meets; none if fits are free.
+    /// Matrix A of the constraints `A ξ ≥ 0` on the coefficients ξ of all terms; `None` for fits without constraints.
     pub rows: Option<DMatrix<f64>>,
-    /// Values of all terms, a row for each speed: no law is made of terms that cancel each other at one of them.
+    /// Values of all terms, one row for each speed; `None` if they are not checked. The terms of a law must not cancel each
+    /// other at any of these speeds.
     pub values: Option<DMatrix<f64>>,
 }
 
-/// Largest ratio of Σ |terms| to |law| at a speed. A joint that brakes one way up to three times as hard as the other is
-/// within it.
+/// Largest ratio of Σ |terms| to |law| at a speed. A joint whose friction in one direction is up to three times that in the
+/// other is within this limit.
 const MOST_CANCELLED: f64 = 3.0;
 
 /// Whether the terms of a law cancel each other at some speed.
@@ -84,12 +86,12 @@ fn cancels(values: &DMatrix<f64>, coefficients: &DVector<f64>) -> bool {
 }
 
 impl Conditions {
-    /// Least squares on a subset under the rows; `None` if it cannot be solved or its terms cancel each other.
+    /// Least squares on a subset with the constraints; `None` if it cannot be solved or if its terms cancel each other.
     fn fit(&self, moments: &Moments, target: usize, active: &[usize]) -> Option<DVector<f64>> {
         self.met(moments, fit(moments, target, active)?, active)
     }
 
-    /// The same from the fit without the rows.
+    /// The solution with the constraints from the solution without them; `None` as in [`Self::fit`].
     fn met(&self, moments: &Moments, free: DVector<f64>, active: &[usize]) -> Option<DVector<f64>> {
         let met = match &self.rows {
             Some(rows) if breaks(rows, &free) => constrained(moments, free, active, rows).ok()?,
@@ -100,13 +102,15 @@ impl Conditions {
     }
 }
 
-/// Cosine between f and |f| beyond which an asymmetry is not told from f: nine tenths of the energy of f are in one direction.
+/// Cosine between f and |f| above which an asymmetry is not distinguished from f: nine tenths of the energy of f are in one
+/// direction.
 pub(crate) const MOST_ALIKE: f64 = 0.8;
 
-/// Terms without the asymmetries `|f(v)|` of motion that is nearly all in one direction: there they are `f(v)` or its
-/// negative. The second value is a sentence about those left out.
+/// Indices of the terms without asymmetries `|f(v)|` that the motion does not show because it is nearly all in one
+/// direction, where `|f(v)|` is `f(v)` or its negative. The second value is a sentence about the terms that were left out;
+/// `None` if there are none.
 ///
-/// - `energies`: Σ f² forwards and backwards of a term f
+/// - `energies`: gives Σ f² forwards and backwards of a term f
 pub(crate) fn seen_both_ways(
     terms: &[String],
     energies: impl Fn(usize) -> [f64; 2],
@@ -122,7 +126,7 @@ pub(crate) fn seen_both_ways(
     ((0..terms.len()).filter(|i| !out.contains(i)).collect(), note)
 }
 
-/// All subsets of p terms that meet the requirements, the empty one first.
+/// All subsets of p terms that meet the requirements. The empty subset is the first one.
 fn subsets(p: usize, requirements: &[Requirement]) -> impl Iterator<Item = Vec<usize>> {
     let has = |bits: u32, i: usize| bits >> i & 1 == 1;
     let meets = move |bits: &u32| requirements.iter().all(|r| !has(*bits, r.term) || has(*bits, r.needs));
@@ -132,12 +136,13 @@ fn subsets(p: usize, requirements: &[Requirement]) -> impl Iterator<Item = Vec<u
 }
 
 impl SubsetValidation {
-    /// Judges all subsets that meet conditions.
+    /// Tests all subsets that meet the conditions.
     ///
     /// - `folds`: moments of contiguous blocks, [`Moments::blocks`]
     ///
     /// # Errors
-    /// Fewer than two folds, more than [`MOST_TERMS`] terms, or no subset that can be solved.
+    /// `Setting` if there are fewer than two folds or more than [`MOST_TERMS`] terms, and `Collinear` if no subset can be
+    /// solved.
     pub(crate) fn new(folds: &[Moments], target: usize, conditions: &Conditions) -> Result<Self> {
         let p = folds.first().map_or(0, Moments::terms);
         let count = folds.len() as f64;
@@ -177,9 +182,9 @@ impl SubsetValidation {
         Ok(Self { best, minimum, chosen })
     }
 
-    /// The table of given sets, `None` if the folds cannot judge the chosen one.
+    /// The table of given sets; `None` if the chosen set cannot be fitted without each fold.
     ///
-    /// - `sets`: from few terms to many
+    /// - `sets`: sets of terms, from few terms to many
     pub(crate) fn along(
         sets: Vec<Vec<usize>>,
         folds: &[Moments],
@@ -197,14 +202,16 @@ impl SubsetValidation {
     }
 }
 
-/// Probability of each term: the weight of all subsets of a library that have it, the empty one among them.
+/// Probability of each term: the weight of all subsets of a library that contain the term, relative to the weight of all
+/// subsets including the empty one.
 ///
-/// The weights are `exp(−BIC/2)` with `BIC = n ln(RSS/n) + k ln n` (Schwarz 1978; Raftery 1995).
+/// The weights are `exp(−BIC/2)` with `BIC = n ln(RSS/n) + k ln n` for k terms (Schwarz 1978; Raftery 1995).
 ///
-/// - `n`: number of samples that would tell as much if their errors were independent
+/// - `n`: number of samples with independent errors that would give the same information
 ///
 /// # Errors
-/// More than [`MOST_TERMS`] terms, a target that is not there, or fewer than two effective samples.
+/// `Setting` if there are more than [`MOST_TERMS`] terms or fewer than two effective samples, and `Shape` if there is no
+/// such target.
 pub(crate) fn probabilities(
     moments: &Moments,
     target: usize,
@@ -218,7 +225,7 @@ pub(crate) fn probabilities(
     if target >= moments.targets() {
         require_length("targets", target + 1, moments.targets())?;
     }
-    // An exact fit has no residual; what rounding leaves of the energy is the least.
+    // An exact fit has the residual zero. The least residual is the rounding of the energy.
     let floor = 1e-14 * moments.energy(target).max(f64::MIN_POSITIVE);
     let models = subsets(p, requirements).filter_map(|active| {
         let residual = moments.residual(target, &fit(moments, target, &active)?).max(floor);
@@ -232,11 +239,11 @@ pub(crate) fn probabilities(
         total += weight;
         active.iter().for_each(|&i| inclusion[i] += weight);
     }
-    // Rounding may add shares up to a little more than one.
+    // Rounding may give a sum slightly above one.
     Ok(inclusion.into_iter().map(|weight| (weight / total).min(1.0)).collect())
 }
 
-/// None if the normal equations of a fold are singular.
+/// Returns `None` if the normal equations of a fold are singular.
 fn validate(
     active: Vec<usize>,
     splits: &[(Moments, &Moments)],
@@ -261,10 +268,10 @@ fn fit(moments: &Moments, target: usize, active: &[usize]) -> Option<DVector<f64
     coefficients.iter().all(|x| x.is_finite()).then_some(coefficients)
 }
 
-/// The subset of `size` terms with the least residual, for folds of the choice.
+/// The subset of `size` terms with the least residual.
 ///
 /// # Errors
-/// A size that no solvable subset has.
+/// [`IdentificationError::Collinear`] if no subset of this size can be solved.
 pub(crate) fn best_of_size(
     moments: &Moments,
     target: usize,
@@ -273,7 +280,7 @@ pub(crate) fn best_of_size(
 ) -> Result<DVector<f64>> {
     let mut best: Option<(f64, DVector<f64>)> = None;
     for active in subsets(moments.terms(), &conditions.requirements).filter(|a| a.len() == size && size > 0) {
-        // Conditions only make the residual larger.
+        // Conditions only increase the residual.
         let free = fit(moments, target, &active);
         let bound = best.as_ref().map_or(f64::INFINITY, |(residual, _)| *residual);
         let Some(free) = free.filter(|free| moments.residual(target, free) < bound) else { continue };

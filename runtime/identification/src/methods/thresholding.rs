@@ -33,11 +33,12 @@ use super::least_squares::{Reduced, Solution};
 /// Settings of [`Thresholding::fit`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Thresholding {
-    /// Coefficients below this magnitude are removed, in the coefficient's own unit.
+    /// Magnitude below which a coefficient is removed, in the unit of the coefficient.
     pub threshold: f64,
-    /// Ridge α ≥ 0 of the solves between the removals: `‖y − Θ ξ‖² + α ‖ξ‖²`. The final refit has none.
+    /// Ridge α ≥ 0 of the solutions between the removals: `‖y − Θ ξ‖² + α ‖ξ‖²`. The final solution has no ridge.
     pub ridge: f64,
-    /// Limit of the removals; each removes a term or ends the iteration, so p is always enough.
+    /// Largest number of iterations. Each iteration removes a term or is the last one, so p iterations are enough for p
+    /// terms.
     pub max_iterations: usize,
 }
 
@@ -48,14 +49,15 @@ impl Default for Thresholding {
 }
 
 impl Thresholding {
-    /// Solves, removes every coefficient below the threshold, and repeats until none is removed; then refits.
+    /// Solves least squares, removes every coefficient below the threshold, and repeats until no coefficient is removed.
+    /// Returns the least-squares solution on the remaining terms.
     ///
-    /// - `reduced`: the data; `target`: which target column
-    /// - returns the least-squares solution on the terms that stayed
+    /// - `reduced`: data of the regression
+    /// - `target`: index of the target column
     ///
     /// # Errors
-    /// A negative or NaN threshold or ridge, a threshold that removes every term, or a factorization that
-    /// fails.
+    /// [`IdentificationError::Setting`] if the threshold or ridge is negative or not finite,
+    /// [`IdentificationError::EverythingRemoved`] if the threshold removes every term, and the errors of [`Reduced::fit`].
     pub fn fit(&self, reduced: &Reduced, target: usize) -> Result<Solution> {
         require_setting(
             "threshold",

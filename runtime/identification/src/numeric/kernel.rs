@@ -1,24 +1,24 @@
 //! Sums of products over blocks of samples.
 //!
-//! The loop is compiled for AVX-512, AVX2 and the base target and chosen at run time. Sums run in eight fixed lanes, and
-//! products are fused with them in all versions, so they give the same bits. A processor without fused multiply-adds
-//! (x86-64 before 2013) computes them in software, correctly and slowly.
+//! The loop is compiled for AVX-512, AVX2 and the base target, and the version is chosen at run time. All versions have
+//! eight partial sums ("lanes") in the same order and fused multiply-adds, so their results have the same bits. A processor
+//! without fused multiply-adds (x86-64 before 2013) computes them in software, correctly but slowly.
 
 use multiversion::multiversion;
 use multiversion::target::match_target;
 use nalgebra::DVectorView;
 use std::ops::Range;
 
-/// Samples per block: eight columns of a block stay in the first-level cache.
+/// Samples per block. Eight columns of a block fit into the first-level cache.
 pub(crate) const BLOCK: usize = 256;
 
 const LANES: usize = 8;
 
 /// Adds the products of all pairs of columns over one block: `sums[j·q + k] += Σ aⱼ aₖ` for k ≤ j.
 ///
-/// Columns are taken in tiles of `ROWS` by four, such that the vector sums of each product stay in registers:
-/// two rows fit the 32 registers of AVX-512, one the 16 of AVX2. The tile does not change a product's order
-/// of additions.
+/// Columns are taken in tiles of `ROWS` by four columns, so that the partial sums of each product stay in registers. Two
+/// rows fit the 32 registers of AVX-512, one row fits the 16 registers of AVX2. The tile does not change the order of a
+/// product's additions.
 ///
 /// - `columns`: q slices of the same length, at most [`BLOCK`]
 /// - `sums`: q × q, row by row, lower triangle
@@ -30,7 +30,7 @@ pub(crate) fn add_products(columns: &[&[f64]], sums: &mut [f64]) {
     }
 }
 
-/// `Σ aᵢ bᵢ` of two slices of the same length, in eight lanes.
+/// `Σ aᵢ bᵢ` of two slices of the same length, in eight partial sums.
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     DVectorView::from_slice(a, a.len()).dot(&DVectorView::from_slice(b, b.len()))
 }
@@ -41,7 +41,7 @@ fn add_tiles<const ROWS: usize>(columns: &[&[f64]], sums: &mut [f64]) {
     for j in (0..q).step_by(ROWS) {
         let last = (j + ROWS).min(q) - 1;
         for k in (0..=last).step_by(4) {
-            // Beyond the last column it is repeated, and above the diagonal the result dropped.
+            // Missing columns of a tile repeat the last column. Results above the diagonal are dropped.
             let products = tile::<ROWS>(
                 std::array::from_fn(|i| columns[(j + i).min(last)]),
                 std::array::from_fn(|i| columns[(k + i).min(last)]),
@@ -64,7 +64,7 @@ fn tile<const ROWS: usize>(a: [&[f64]; ROWS], b: [&[f64]; 4]) -> [[f64; 4]; ROWS
     let mut lanes = [[[0.0; LANES]; 4]; ROWS];
     for i in 0..count {
         let b = [b0[i], b1[i], b2[i], b3[i]];
-        // By index: with iterators LLVM keeps the sums in memory.
+        // The loop is over indices, because LLVM keeps the sums in memory if it is over iterators.
         for r in 0..ROWS {
             let row = rows[r][i];
             for c in 0..4 {
@@ -79,7 +79,7 @@ fn tile<const ROWS: usize>(a: [&[f64]; ROWS], b: [&[f64]; 4]) -> [[f64; 4]; ROWS
     sums
 }
 
-/// The samples behind the last full set of lanes; the last block of a log alone has any.
+/// Adds the samples after the last full group of eight. Only the last block of a log has such samples.
 #[inline(never)]
 fn add_rest<const ROWS: usize>(
     a: [&[f64]; ROWS],
@@ -96,8 +96,8 @@ fn add_rest<const ROWS: usize>(
     }
 }
 
-/// Not inlined: next to the loop above, this order of additions makes LLVM pair up lanes of different sums
-/// there.
+/// This function is not inlined. Otherwise its order of additions makes LLVM combine lanes of different sums in the loop
+/// above.
 #[inline(never)]
 fn horizontal_sums(lanes: &[[f64; LANES]; 4]) -> [f64; 4] {
     lanes.map(|[p, q, r, s, t, u, v, x]| ((p + q) + (r + s)) + ((t + u) + (v + x)))

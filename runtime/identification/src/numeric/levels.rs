@@ -1,9 +1,10 @@
-//! Numbers that decide. Each stage has its own in the file `levels.rs`, with the reason for their size; `estimation/tests/levels.rs` halves
-//! and doubles them. Bounds of rounding are where they are used.
+//! Levels: numbers that decide about a choice or a finding. Each stage has its levels in a file `levels.rs`, with the reason
+//! for their size. The tests in `estimation/tests/levels.rs` halve and double them. Bounds of rounding errors are where they
+//! are used.
 
-/// A number that decides.
+/// A level: a number that decides about a choice or a finding.
 pub(crate) struct Level<T> {
-    /// Path of its name.
+    /// Path of the level's name.
     #[cfg(test)]
     pub(crate) name: &'static str,
     pub(crate) value: T,
@@ -25,7 +26,7 @@ macro_rules! levels {
             value: $value,
         };)*
 
-        /// All of them.
+        /// Names of all levels.
         #[cfg(test)]
         pub(crate) const NAMES: &[&str] = &[$($name.name),*];
     };

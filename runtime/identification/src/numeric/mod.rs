@@ -1,4 +1,4 @@
-//! Small helpers on numbers and arrays.
+//! Functions on numbers and arrays.
 
 pub(crate) mod kernel;
 pub(crate) mod levels;

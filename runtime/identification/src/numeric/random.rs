@@ -1,16 +1,16 @@
-//! Seeded random numbers: SplitMix64 (Steele, Lea, Flood 2014), uniforms and Box–Muller normals.
+//! Random numbers from a seed: SplitMix64 (Steele, Lea, Flood 2014), with uniform and normal (Box–Muller) distributions.
 //!
-//! Random starts and synthetic data must give the same numbers in every language and release, which a library's
-//! default generator does not promise.
+//! Random starts and synthetic data must have the same numbers in every language and release. The default generator of a
+//! library does not guarantee this.
 
-/// Generator with 64 bits of state; `state += 0x9E3779B97F4A7C15` before each output.
+/// Generator with 64 bits of state. `state += 0x9E3779B97F4A7C15` is computed before each output.
 #[derive(Debug, Clone)]
 pub(crate) struct SplitMix64 {
     state: u64,
 }
 
 impl SplitMix64 {
-    /// Starts the stream of `seed`.
+    /// Starts the sequence of `seed`.
     pub(crate) fn new(seed: u64) -> Self {
         Self { state: seed }
     }
@@ -24,19 +24,19 @@ impl SplitMix64 {
         z ^ (z >> 31)
     }
 
-    /// Uniform in [0, 1), 53 bits.
+    /// Uniform number in [0, 1) with 53 random bits.
     pub(crate) fn uniform(&mut self) -> f64 {
         self.bits53() / TWO_53
     }
 
-    /// Standard normal: `√(−2 ln u₁) cos 2π u₂`, two outputs of the stream each.
+    /// Standard normal number `√(−2 ln u₁) cos 2π u₂` from two outputs of the sequence.
     pub(crate) fn normal(&mut self) -> f64 {
         let u1 = (self.bits53() + 1.0) / TWO_53;
         let u2 = self.bits53() / TWO_53;
         (-2.0 * u1.ln()).sqrt() * (2.0 * std::f64::consts::PI * u2).cos()
     }
 
-    /// Uniform in 0..`bound` (`bound` > 0); the bias of the product method is below 2⁻⁵³·bound.
+    /// Uniform integer in 0..`bound` (`bound` > 0). The bias of the product method is below 2⁻⁵³·bound.
     #[cfg(test)]
     pub(crate) fn below(&mut self, bound: usize) -> usize {
         ((self.uniform() * bound as f64) as usize).min(bound.saturating_sub(1))

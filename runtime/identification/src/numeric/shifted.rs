@@ -1,6 +1,6 @@
-//! An even signal between its samples.
+//! Interpolation of a signal with equal steps between its samples.
 
-/// Value and slope (by sample) at a fractional index, by the cubic through the four nearest samples.
+/// Value and slope (per sample) at a fractional index, by the cubic through the four nearest samples.
 pub(crate) fn shifted(signal: &[f64], index: f64) -> (f64, f64) {
     let i = (index.floor() as usize).clamp(1, signal.len().saturating_sub(3).max(1));
     let x = index - i as f64;
@@ -10,7 +10,7 @@ pub(crate) fn shifted(signal: &[f64], index: f64) -> (f64, f64) {
     (b + x * (c1 + x * (c2 + x * c3)), c1 + x * (2.0 * c2 + 3.0 * c3 * x))
 }
 
-/// Slope (by sample) at a sample, by the parabola or, away from the ends, by the quartic through its neighbours.
+/// Slope (per sample) at a sample, by the quartic through its neighbours, and near the ends by the parabola.
 pub(crate) fn slope(signal: &[f64], sample: usize) -> f64 {
     let last = signal.len().saturating_sub(1);
     let over = |reach: usize| {

@@ -1,5 +1,5 @@
-//! Eigenvalues and singular values. The library of matrices panics on empty matrices, and runs for ever or panics on NaN
-//! and infinity, which logs and descriptions can lead to: these have NaN for all results here.
+//! Eigenvalues and singular values. nalgebra panics on empty matrices, and does not return or panics on NaN and infinity,
+//! which logs and descriptions may cause. For these matrices all results here are NaN.
 #![allow(clippy::disallowed_methods, reason = "what other modules may not call is guarded here")]
 
 use nalgebra::allocator::Allocator;
@@ -32,7 +32,7 @@ where
     }
 }
 
-/// Singular values in descending order, with both kinds of singular vectors.
+/// Singular values in descending order, with left and right singular vectors.
 pub(crate) fn svd<R: DimMin<C>, C: Dim>(matrix: OMatrix<f64, R, C>) -> SVD<f64, R, C>
 where
     DimMinimum<R, C>: DimSub<U1>,

@@ -1,6 +1,6 @@
 //! Order statistics.
 
-/// Quantile of sorted values, linear between order statistics.
+/// Quantile of sorted values, with linear interpolation between the values.
 pub(crate) fn quantile(sorted: &[f64], share: f64) -> f64 {
     let position = share * (sorted.len() - 1) as f64;
     let (low, fraction) = (position.floor() as usize, position.fract());
@@ -8,7 +8,7 @@ pub(crate) fn quantile(sorted: &[f64], share: f64) -> f64 {
     sorted[low] + fraction * (sorted[high] - sorted[low])
 }
 
-/// Median of finite values, the upper of the two in the middle; `None` if there are none.
+/// Median of the finite values; the upper one of two middle values. `None` if there are no finite values.
 pub(crate) fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     let mut values: Vec<f64> = values.into_iter().filter(|x| x.is_finite()).collect();
     if values.is_empty() {
@@ -18,17 +18,17 @@ pub(crate) fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     Some(*values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
-/// Share of values at each end that may be outliers.
+/// One value in this number may be an outlier at each end.
 const OUTLIERS: usize = 200;
 
-/// The smallest and the largest value without the outermost 0.5 % at both ends; `None` if there are no values.
+/// The smallest and the largest value without the outermost 0.5 % at both ends; `None` without values.
 pub(crate) fn span(mut values: Vec<f64>) -> Option<[f64; 2]> {
     let last = values.len().checked_sub(1)?;
     let cut = values.len() / OUTLIERS;
     Some([cut, last - cut].map(|at| *values.select_nth_unstable_by(at, f64::total_cmp).1))
 }
 
-/// Mean of some numbers, and its standard error as that of independent draws.
+/// Mean of numbers, and its standard error for independent numbers.
 pub(crate) fn mean_with_error(values: &[f64]) -> [f64; 2] {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
@@ -36,10 +36,10 @@ pub(crate) fn mean_with_error(values: &[f64]) -> [f64; 2] {
     [mean, (variance / n).sqrt()]
 }
 
-/// Among models from the simplest on the one with the least error, and the simplest one whose error is within one standard
-/// error of the least (Breiman 1984). `None` if there are none.
+/// Index of the model with the least error, and index of the simplest model whose error exceeds the least one by at most its
+/// standard error (Breiman 1984). Models are in the order from the simplest to the most complex. `None` without models.
 ///
-/// - `errors`: with standard errors
+/// - `errors`: error and standard error of each model
 pub(crate) fn simplest(errors: &[[f64; 2]]) -> Option<[usize; 2]> {
     let least = (0..errors.len()).min_by(|&i, &j| errors[i][0].total_cmp(&errors[j][0]))?;
     let bound = errors[least][0] + errors[least][1];

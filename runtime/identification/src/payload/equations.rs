@@ -1,4 +1,4 @@
-//! Equations of both logs, reduced to sums of products for each joint and each block of time.
+//! Equations of the logs without and with the load, reduced to sums of products for each joint and each block of time.
 
 use super::settings::PayloadSettings;
 use crate::error::{IdentificationError, Result, require_finite, require_length, require_samples};
@@ -9,41 +9,41 @@ use crate::robot::Robot;
 use crate::run::{Effort, PreparedRun};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-/// Widths of smoothed Coulomb friction, as shares of the joint's largest speed: together they follow any
-/// friction curve with a steep start.
+/// Widths of smoothed Coulomb friction, as shares of the joint's largest speed. Together they approximate any friction curve
+/// with a steep start.
 const WIDTHS: [f64; 3] = [0.005, 0.03, 0.15];
 
-/// Friction columns of a joint: constant, viscous, and the smoothed signs.
+/// Number of friction columns of a joint: constant, viscous, and the smoothed signs.
 const TERMS: usize = 2 + WIDTHS.len();
 
-/// Blocks of time over all logs, for errors that are correlated within a block.
+/// Number of blocks of time over all logs, for errors that are correlated within a block.
 const BLOCKS: usize = 24;
 
-/// A joint slower than this share of its largest speed sticks or reverses: its dry friction takes any value up to
-/// the static one, so its effort says nothing about the load.
+/// Share of a joint's largest speed below which the joint sticks or reverses. Its dry friction then takes any value up to
+/// the static one, so its effort contains no information on the load.
 const STICKING: f64 = 0.01;
 
-/// A joint whose largest speed is below this share of the fastest joint's stands still.
+/// Share of the fastest joint's speed below which the largest speed of a joint counts as rest.
 const STILL: f64 = 1e-3;
 
-/// Least standard deviation of a residual, as a share of the effort's: logs without noise are simulated.
+/// Least standard deviation of a residual, as a share of the effort. Simulated logs have no noise.
 const QUIETEST: f64 = 1e-9;
 
-/// Change of a parameter that is held which counts as one [kg, kg m, kg m²].
+/// Change of a held parameter that counts as the distance one [kg, kg m, kg m²].
 const HELD: f64 = 1e-9;
 
-/// Reweightings of the joints by their residuals; three change nothing that matters any more.
+/// Number of reweightings of the joints by their residuals. Three are usually enough.
 const REWEIGHTINGS: usize = 5;
 
-/// Sums of products of `[δ | friction | load | target]`.
+/// Sums of products of the columns `[δ | friction | load | target]`, with the error δ of the description.
 pub(super) struct Equations {
-    /// Columns of δ and of friction.
+    /// Number of columns of δ and friction.
     nuisance: usize,
     joints: usize,
-    /// Blocks of time, each with the sums of each joint; those with the load come last.
+    /// Sums of each joint, for each block of time. The blocks with the load, from `loaded_from` on, are the last ones.
     blocks: Vec<Vec<Sums>>,
     loaded_from: usize,
-    /// Prior that pulls δ to zero and keeps friction finite.
+    /// Prior that holds δ near zero and keeps friction finite.
     prior: DMatrix<f64>,
     weight: f64,
 }
@@ -61,12 +61,12 @@ impl Sums {
     }
 }
 
-/// The load's equations once δ and friction are eliminated.
+/// The equations of the load after δ and friction are eliminated.
 pub(super) struct Reduced {
     pub hessian: DMatrix<f64>,
     pub linear: DVector<f64>,
     factor: Cholesky<f64, Dyn>,
-    /// Couples δ and friction to the load, and to the target.
+    /// Products of the columns of δ and friction with those of the load (`coupling`) and with the target (`right`).
     coupling: DMatrix<f64>,
     right: DVector<f64>,
 }
@@ -116,7 +116,7 @@ impl Equations {
         total
     }
 
-    /// 1/σ² of each joint, from the residuals of the fit that it weights; zero if a joint stood still.
+    /// Weights 1/σ² of each joint, from the residuals of the fit that they weight; zero for a joint at rest.
     pub(super) fn weights(&self) -> Result<Vec<f64>> {
         let all: Vec<Sums> = (0..self.joints).map(|j| self.joint(j)).collect();
         require_samples("a payload, samples of moving joints", 1, all.iter().map(|s| s.rows).sum())?;
@@ -141,7 +141,8 @@ impl Equations {
         Ok(weights)
     }
 
-    /// `(δ, friction, load, −1)`: a Gram matrix times it is the product of its columns with the residual.
+    /// `(δ, friction, load, −1)`. A Gram matrix times this vector is the product of its columns with prediction minus
+    /// target.
     fn homogeneous(&self, reduced: &Reduced, load: &DVector<f64>) -> DVector<f64> {
         let nuisance = reduced.factor.solve(&(&reduced.right - &reduced.coupling * load));
         let mut x = DVector::zeros(self.nuisance + PER_BODY + 1);
@@ -170,8 +171,8 @@ impl Equations {
         Ok(Reduced { hessian: (&hessian + hessian.transpose()) * 0.5, linear, factor, coupling, right })
     }
 
-    /// Covariance of the load that holds under errors correlated within blocks of time: the sandwich of the
-    /// blocks' scores, and of what the description and the ball have wrong, a distance of one each.
+    /// Covariance of the load, for errors that are correlated within blocks of time. It is the sandwich form with the scores
+    /// of the blocks, plus errors of the description and of the reference ball with a distance of one.
     pub(super) fn covariance(
         &self,
         weights: &[f64],
@@ -202,7 +203,8 @@ impl Equations {
         Ok(&bread * meat * &bread)
     }
 
-    /// Share of each joint's residual in the log with the load that the load removes, friction unchanged.
+    /// For each joint, the share of the residual sum of squares of the log with the load that the load removes, with
+    /// unchanged friction.
     pub(super) fn explained(&self, reduced: &Reduced, load: &DVector<f64>) -> Vec<Option<f64>> {
         let with = self.homogeneous(reduced, load);
         let mut without = with.clone();
@@ -218,7 +220,7 @@ impl Equations {
     }
 }
 
-/// Makes a semidefinite matrix definite where columns are zero or dependent.
+/// Makes a semidefinite matrix definite if columns are zero or dependent.
 fn stiffen(matrix: &mut DMatrix<f64>, range: std::ops::Range<usize>) {
     let least = 1e-14 * matrix.diagonal().amax().max(f64::MIN_POSITIVE);
     for i in range {
@@ -235,9 +237,9 @@ struct Columns<'a> {
     body: usize,
     /// Joint forces of the logged efforts, `joints × channels`.
     to_joints: DMatrix<f64>,
-    /// Largest speed of each joint; a joint at rest has no rows.
+    /// Largest speed of each joint. A joint at rest has no rows.
     speeds: Vec<f64>,
-    /// Rows of joints with a quaternion.
+    /// Whether each row is that of a joint with a quaternion.
     exact: Vec<bool>,
     /// Whether the force of each row is known in all runs.
     known: Vec<bool>,
@@ -262,7 +264,7 @@ impl<'a> Columns<'a> {
         let speeds = (0..joints).map(largest).collect();
         let nuisance = parameters + TERMS * joints;
         let exact = rows_of(&quaternions, joints);
-        // Beside the rows of a base there may be joints without a sensor, whose efforts are NaN throughout.
+        // A robot with a floating base may have joints without a sensor, whose efforts are NaN throughout.
         let is_known = |j: usize| {
             effort != Effort::Joint
                 || runs.iter().all(|run| run.efforts[j].first().is_none_or(|u| !u.is_nan()))
@@ -271,7 +273,7 @@ impl<'a> Columns<'a> {
         Ok(Self { robot, joints, parameters, nuisance, body, to_joints, speeds, exact, known })
     }
 
-    /// Products of blocks of at least `length` samples, so far as there are; short runs share a block.
+    /// Adds sums of products of blocks of at least `length` samples, if there are enough samples. Short runs share a block.
     fn add_blocks(&self, runs: &[PreparedRun], loaded: bool, length: usize, blocks: &mut Vec<Vec<Sums>>) {
         let mut filled = length;
         for run in runs {
@@ -318,7 +320,8 @@ impl<'a> Columns<'a> {
         rows.iter().zip(counts).map(|(m, rows)| Sums { gram: m.tr_mul(m), rows }).collect()
     }
 
-    /// Whether a sample tells something of a joint: where it slides, and where no friction holds it.
+    /// Whether a sample of a joint contains information on the load: the joint moves so that static friction does not hold
+    /// it.
     fn tells(&self, joint: usize, velocity: f64) -> bool {
         let slides = !self.stands_still(joint) && velocity.abs() > STICKING * self.speeds[joint];
         self.known[joint] && (self.exact[joint] || slides)
@@ -329,7 +332,7 @@ impl<'a> Columns<'a> {
         self.speeds[joint] <= STILL * fastest
     }
 
-    /// One row without its target.
+    /// Writes one row without its target.
     fn write(
         &self,
         row: &mut nalgebra::MatrixViewMut<f64, nalgebra::U1, Dyn, nalgebra::U1, Dyn>,
@@ -358,15 +361,15 @@ impl<'a> Columns<'a> {
         }
     }
 
-    /// Holds δ at zero: bodies by their metric, rotors by their size.
+    /// Holds δ near zero: bodies by their metric, rotors by their size.
     fn hold(&self, weight: f64, prior: &mut DMatrix<f64>) -> Result<()> {
         let described = self.robot.parameters();
         let bodies = PER_BODY * self.robot.bodies();
         require_length("inertial parameters of the bodies", bodies, described.len().min(bodies))?;
         let (metric, held) = distance(&described, self.robot.bodies());
-        // The sums of squares have a half in front of the distance.
+        // The objective has half of the sums of squares, so the distance has the factor two.
         let mut own = metric * (2.0 * weight);
-        // Bodies without mass and rotors without inertia stay so.
+        // Bodies without mass and rotors without inertia stay the same.
         (0..held.len()).filter(|i| held[*i]).for_each(|i| own[(i, i)] = weight / HELD.powi(2));
         prior.view_mut((0, 0), own.shape()).copy_from(&own);
         Ok(())

@@ -1,4 +1,4 @@
-//! A load at a robot's hand, from logs without and logs with it.
+//! Identification of a load at a robot's hand from logs without and with the load.
 
 use super::{Payload, PayloadSettings, estimate};
 use crate::error::Result;
@@ -10,27 +10,29 @@ use crate::run::PreparedRun;
 use gelenk_findings::{Finding, distinct};
 use std::path::PathBuf;
 
-/// A load, and the logs that it was found from.
+/// A load, and the logs from which it was identified.
 #[derive(Debug, Clone)]
 pub struct CarriedLoad {
-    /// The load.
+    /// The identified load.
     pub payload: Payload,
-    /// The logs without and with it.
+    /// The logs without the load, and the logs with the load.
     pub recordings: [Recording; 2],
-    /// Findings of the logs without the load and with it.
+    /// Findings about the logs without the load and with the load.
     pub findings: Vec<Finding>,
 }
 
-/// Reads logs without and with a load, prepares them alike, and estimates the load.
+/// Reads logs without and with a load, prepares them in the same way, and estimates the load.
 ///
-/// The logs with the load pass the filter of those without it, and lose the same delay.
+/// The logs with the load pass the filter of the logs without the load, and the same delay is removed.
 ///
-/// - `progress`: takes a sentence at each step
+/// - `without`, `with`: logs without the load, and logs with the load
+/// - `progress`: receives a sentence at each step
 ///
 /// # Errors
-/// Logs that cannot be read or matched with the robot's joints, signals that are too short, values far beyond the described
-/// limits, efforts by which the described bodies would be more than ten times heavier or lighter (both taken where poor
-/// results are accepted), no runs of one kind, currents without described motor constants, settings out of range, or no minimum.
+/// The call fails if logs cannot be read or do not match the robot's joints, if signals are too short, if there are no runs
+/// of one kind, if efforts are currents without described motor constants, if a setting is out of its range, or if no
+/// minimum is found. Unless poor results are accepted, it also fails if values are far beyond the described limits, or if
+/// the described bodies would have to be more than ten times as heavy or as light for the efforts.
 pub fn identify_load(
     robot: &dyn Robot,
     without: &[PathBuf],
@@ -45,7 +47,9 @@ pub fn identify_load(
     }
 }
 
-/// As [`identify_load`]; `noted` holds the findings.
+/// Does the work of [`identify_load`].
+///
+/// - `noted`: takes the findings
 fn compared(
     robot: &dyn Robot,
     (without, with): (&[PathBuf], &[PathBuf]),
@@ -66,7 +70,8 @@ fn compared(
     Ok((payload, [empty, loaded]))
 }
 
-/// A load changes what the bodies need, but not by as much as another unit: the logs with it are refused alone.
+/// Doubts about the unit of the efforts, by the logs without the load. The logs with the load are only refused, because a
+/// load changes the forces, but less than another unit does.
 fn unit_doubts(
     robot: &dyn Robot,
     [without, with]: [&[PreparedRun]; 2],

@@ -1,16 +1,16 @@
-//! The load at a robot's hand, from a log without and a log with it.
+//! Identification of a load at a robot's hand, from logs without and logs with the load.
 //!
-//! Both logs obey `W(y, ẏ, ÿ) (π + δ) + F φ = B u`: δ is what the description has wrong, F φ the friction and
-//! an offset of each joint. The log with the load has `W_b π_L` more, the columns of the body that carries it.
-//! All are fitted together, each joint weighted by its own noise; δ is held at the description where the logs
-//! do not show it, so that for equal motions π_L explains the difference of the efforts, `W_b π_L = Δτ`.
-//! The load is a body that can exist (pseudo-inertia ⪰ 0).
+//! Both logs obey `W(y, ẏ, ÿ) (π + δ) + F φ = B u` with the error δ of the described parameters π, and friction and an
+//! offset of each joint F φ. The log with the load has the additional term `W_b π_L`, with the columns W_b of the body that
+//! carries the load and the parameters π_L of the load. All unknowns are fitted together. The weight of each joint follows
+//! from its noise. δ is held near zero where the logs do not determine it, so that for equal motions π_L explains the
+//! difference of the efforts, `W_b π_L = Δτ`. The load must be a physically possible body (pseudo-inertia ⪰ 0).
 //!
-//! The rows of joints with a quaternion have neither friction nor an offset: all of their samples count.
+//! The rows of joints with a quaternion have neither friction nor an offset, and all their samples are used. In the rows of
+//! other joints, samples at which the joint is at rest are left out, because its dry friction then holds a part of the load.
 //!
-//! Samples at which another joint stands still say nothing about the load, since its dry friction holds a part of it.
-//! Friction and offset are the same in both logs: gears whose friction grows with their load make the load
-//! heavier by their weight.
+//! Friction and offset are assumed to be the same in both logs. So gears whose friction grows with their load make the
+//! estimated load heavier.
 
 mod equations;
 mod identify;
@@ -32,24 +32,26 @@ use crate::run::PreparedRun;
 use equations::{Equations, Reduced, singular};
 use nalgebra::{DMatrix, DVector, Matrix4};
 
-/// Density of the ball that stands for what the motion does not show of a load [kg/m³]: plastics, or
-/// half as much metal as air.
+/// Density of the reference ball for the parameters of a load that the motion does not determine [kg/m³]. It is that of
+/// plastics, or of half metal and half air.
 const DENSITY: f64 = 1500.0;
 
-/// How far from the frame's origin a load's mass is, before anything is known of it [m].
+/// Distance of a load's mass from the frame's origin in the first reference [m].
 const REACH: f64 = 0.3;
 
-/// Weight of the ball as a share of [`PayloadSettings::weight`]: the spread of a load's mass is known to a factor
-/// of about three.
+/// Weight of the reference ball as a share of [`PayloadSettings::weight`]. The spread of a load's mass is known within a
+/// factor of about three.
 const BALL: f64 = 0.1;
 
-/// Estimates a load from runs without and with it.
+/// Estimates a load from runs without and with the load.
 ///
-/// - `without`, `with`: prepared alike; the same motion is best, any that moves the last joints helps
+/// - `without`, `with`: runs that were prepared in the same way. The same motion is best, but any motion of the last joints
+///   is useful.
 ///
 /// # Errors
-/// No runs of one kind, shapes that disagree with the robot, joints that something else moves, efforts of different kinds, currents
-/// whose motor constants are not described, settings out of range, too few samples, or no minimum.
+/// The call fails without runs of one kind, if shapes do not match the robot, if a joint is moved from outside, if efforts
+/// are of different kinds or currents without described motor constants, if a setting is out of its range, if there are too
+/// few samples, or if no minimum is found.
 pub(crate) fn estimate(
     robot: &dyn Robot,
     without: &[PreparedRun],
@@ -61,8 +63,9 @@ pub(crate) fn estimate(
     let weights = equations.weights()?;
     let reduced = equations.reduced(&weights)?;
     let degrees = equations.blocks() - 1;
-    // First any load of about the robot's size. A mass that is seen then says where a ball is, which decides
-    // what the motion does not show; around a mass that is not seen there is no such place.
+    // The first reference is a load of about the robot's size. If the motion determines the mass, the estimated centre gives
+    // the place of a ball, which is the reference for the other parameters. Without a determined mass there is no such
+    // place.
     let mut found = Found::near(anything(robot), &equations, &weights, &reduced, settings)?;
     let half = quantile(settings.confidence, degrees.max(1) as f64)? * found.covariance[(0, 0)].sqrt();
     if found.load.parameters[0] > half {
@@ -104,7 +107,7 @@ fn check(robot: &dyn Robot, settings: &PayloadSettings) -> Result<usize> {
 struct Found {
     load: ConsistentSolution,
     covariance: DMatrix<f64>,
-    /// Difference of each parameter between the reference and bodies at distance one from it.
+    /// For each parameter, the difference between the reference and bodies at distance one from it.
     sizes: Vec<f64>,
 }
 
@@ -117,7 +120,7 @@ impl Found {
         settings: &PayloadSettings,
     ) -> Result<Self> {
         let weight = BALL * settings.weight;
-        // The program's objective has a half in front of the distance.
+        // The objective of the program has half of the squares, so the distance has the factor two.
         let held = distance(&reference, 1).0 * (2.0 * weight);
         let load = solve(&ConsistentProblem {
             hessian: &reduced.hessian + &held,
@@ -141,7 +144,7 @@ fn anything(robot: &dyn Robot) -> [f64; PER_BODY] {
     from_pseudo_inertia(&Matrix4::from_diagonal(&[spread, spread, spread, mass].into()))
 }
 
-/// A ball with mass and centre of a body.
+/// A ball with the mass and centre of a body.
 fn ball(pi: &[f64]) -> [f64; PER_BODY] {
     let mass = pi[0];
     let radius = (mass * 3.0 / (4.0 * std::f64::consts::PI * DENSITY)).cbrt();
@@ -157,7 +160,7 @@ fn ball(pi: &[f64]) -> [f64; PER_BODY] {
     from_pseudo_inertia(&j)
 }
 
-/// Difference of each parameter between the ball and bodies at distance one from it.
+/// For each parameter, the difference between the ball and bodies at distance one from it.
 fn prior_sizes(hessian: &DMatrix<f64>, weight: f64) -> Result<Vec<f64>> {
     let sizes = hessian.diagonal().map(f64::sqrt);
     let unit = DMatrix::from_fn(PER_BODY, PER_BODY, |r, c| hessian[(r, c)] / (sizes[r] * sizes[c]));

@@ -1,4 +1,4 @@
-//! The load's numbers as a reader wants them: centre of mass, moments about it, intervals, warnings.
+//! Report on a load: centre of mass, moments about it, intervals, findings.
 
 use super::result::{NAMES, Payload};
 use crate::error::Result;
@@ -40,13 +40,13 @@ const NOT_USED: Rule = Rule::warning("load-efforts-not-used");
 /// Fixture: `payload/tests.rs`.
 const WORSE: Rule = Rule::warning("load-residuals");
 
-/// Inputs of the report on a payload.
+/// Inputs of the report on a load.
 pub(super) struct Parts<'a> {
     pub names: Vec<String>,
     pub body: usize,
     pub load: &'a ConsistentSolution,
     pub covariance: &'a DMatrix<f64>,
-    /// Difference of each parameter among bodies of this mass.
+    /// For each parameter, its spread among bodies of this mass.
     pub sizes: &'a [f64],
     pub degrees: usize,
     pub confidence: f64,
@@ -85,8 +85,7 @@ pub(super) fn payload(parts: Parts) -> Result<Payload> {
     Ok(payload)
 }
 
-/// Central differences with steps of the parameters' own size; the functions are smooth where mass is
-/// positive.
+/// Gradient by central differences with steps of the parameters' size. The functions are smooth if the mass is positive.
 fn gradient(function: &dyn Fn(&[f64; PER_BODY]) -> f64, pi: &[f64; PER_BODY]) -> [f64; PER_BODY] {
     let scale = pi.iter().fold(0.0, |s: f64, x| s.max(x.abs()));
     std::array::from_fn(|k| {

@@ -1,4 +1,4 @@
-//! A load, with how far to trust it.
+//! An identified load with its uncertainty.
 
 use crate::estimation::Uncertain;
 use crate::inertial::PER_BODY;
@@ -8,29 +8,31 @@ use gelenk_findings::Finding;
 pub(crate) const NAMES: [&str; PER_BODY] =
     ["m", "m cx", "m cy", "m cz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz"];
 
-/// A load, in the frame of the body that carries it. Intervals allow for residuals that are correlated over time, and for a
-/// description and a ball that are wrong by their own size if the motion does not show them.
+/// A load, in the frame of the body that carries it. Its intervals take residuals into account that are correlated over
+/// time. They also include an error of the description and of the reference ball by their own size, for parameters that the
+/// motion does not determine.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Payload {
-    /// The body that carries the load, from 0.
+    /// Index of the body that carries the load, from 0.
     pub body: usize,
-    /// Mass, in kg.
+    /// Mass \[kg\].
     pub mass: Uncertain,
-    /// Centre of mass, in m.
+    /// Centre of mass \[m\].
     pub centre_of_mass: [Uncertain; 3],
-    /// Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the centre of mass, axes parallel to the body's frame [kg m²].
+    /// Moments of inertia Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the centre of mass, with axes parallel to the body's frame [kg
+    /// m²].
     pub moments: [Uncertain; 6],
-    /// m, m c and the moments Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the frame's origin, which are added to the body's.
+    /// Mass m, first moments m c, and moments of inertia Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the frame's origin [kg, kg m, kg
+    /// m²]. The sum of these and of the body's parameters describes the body with the load.
     pub parameters: [Uncertain; PER_BODY],
-    /// Whether the motion shows each parameter: its interval is smaller than what bodies of this mass differ
-    /// by. The others are those of a ball of 1500 kg/m³ at the centre of mass, if the mass is seen.
+    /// Whether the motion determines each parameter: its interval is smaller than the spread among bodies of this mass. The
+    /// other parameters are those of a ball of 1500 kg/m³ at the centre of mass, if the motion determines the mass.
     pub shown: [bool; PER_BODY],
-    /// Share of the efforts' change that the load explains, for each joint: R² of the log with the load, with
-    /// against without the load's columns, at equal friction. One is best; zero or less explains nothing. `None`
-    /// for a joint that stood still.
+    /// For each joint, the share of the residual sum of squares of the log with the load that the load explains, with
+    /// unchanged friction. One is best. Zero or less explains nothing. `None` for a joint at rest.
     pub explained: Vec<Option<f64>>,
-    /// Standard deviation of each joint's residual [N·m or N]; `None` for a joint that stood still.
+    /// Standard deviation of each joint's residual [N·m or N]; `None` for a joint at rest.
     pub residuals: Vec<Option<f64>>,
-    /// Doubts.
+    /// Doubts about the load.
     pub findings: Vec<Finding>,
 }

@@ -1,14 +1,14 @@
-//! Settings of a payload estimate.
+//! Settings of the identification of a load.
 
-/// Assumptions of a payload estimate.
+/// Settings of the identification of a load.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PayloadSettings {
-    /// Body that carries the load, from 0; the last one unless stated.
+    /// Index of the body that carries the load, from 0. `None` takes the last body.
     pub body: Option<usize>,
-    /// Cost of a body at distance `½ tr((P₀⁻¹ ΔP)²)` of one from its description, in samples with an error of one standard
-    /// deviation.
+    /// Cost of a body at the distance `½ tr((P₀⁻¹ ΔP)²) = 1` from its description, in samples with an error of one standard
+    /// deviation. P₀ is the described pseudo-inertia and ΔP the difference from it. It must be positive.
     pub weight: f64,
-    /// Share of intervals that hold the truth, e.g. 0.95.
+    /// Confidence level of the intervals, between 0 and 1.
     pub confidence: f64,
 }
 

@@ -1,8 +1,8 @@
 //! The low-pass filter that efforts passed before they were recorded.
 //!
-//! A drive, a driver or a script for evaluation smooths efforts, and positions stay as they are. Then the two sides of the
-//! equation of motion have different bands: friction that jumps where a joint reverses seems to grow slowly with the speed.
-//! Least squares is right again if both sides pass the narrower band (Gautier 1997, parallel filtering).
+//! A drive, a driver or a script may smooth the efforts, while the positions stay as they are. Then the two sides of the
+//! equation of motion have different bands: friction that jumps when a joint reverses seems to grow slowly with the speed.
+//! Least squares is correct again if both sides pass the narrower band (Gautier 1997, parallel filtering).
 
 use super::super::error::Result;
 use super::super::methods::filter::Band;
@@ -14,13 +14,13 @@ use super::regression::{Columns, Problem, Sample, problems, spread};
 use super::result::Delay;
 use nalgebra::DMatrix;
 
-/// Orders that are tried; the higher, the steeper.
+/// Filter orders that are tried. A higher order has a steeper edge.
 const ORDERS: [u32; 3] = [1, 2, 4];
 
-/// Steps of the search for the frequency, as factors.
+/// Factors between neighbouring frequencies, from coarse to fine.
 const STEPS: [f64; 6] = [1.4, 1.2, 1.1, 1.05, 1.025, 1.0125];
 
-/// A band, and by how much it lowers ln RSS of each effort.
+/// A low-pass filter, and the decrease of ln RSS (residual sum of squares) of each effort if the filter is assumed.
 struct Tried {
     band: Band,
     drops: Vec<f64>,
@@ -31,18 +31,23 @@ impl Tried {
         self.drops.iter().sum::<f64>() / self.drops.len().max(1) as f64
     }
 
-    /// The better one.
+    /// The filter with the larger mean decrease.
     fn or(self, other: Self) -> Self {
         if other.mean() > self.mean() { other } else { self }
     }
 }
 
 impl<'a> Recorded<'a> {
-    /// The band of the efforts, if the motion explains all of them better through it: all other signals have to pass it.
+    /// The low-pass filter of the efforts; `None` if the motion does not explain every effort better through a filter. All
+    /// other signals have to pass the filter that is found.
     ///
-    /// Each effort has parameters of its own, as in the search for delays, and several widths of friction, because a law that grows
-    /// slowly with the speed is not a band. The band has to be narrower than a quarter of the bandwidth, and to lower ln RSS of each
-    /// effort by a tenth. If a joint has a quaternion, no band is searched for, because filtered quaternions lose their unit length.
+    /// Each effort has its own parameters, as in the search for delays. Friction has several widths, because a friction law
+    /// that grows slowly with the speed must not look like a filter. The frequency of the filter has to be below a quarter
+    /// of `bandwidth`, and the filter has to lower ln RSS of each effort by more than 0.1. If a joint has a quaternion, no
+    /// filter is searched for, because filtered quaternions lose their unit length.
+    ///
+    /// - `bandwidth`: half-amplitude frequency of the smoothing filter [Hz]
+    /// - `delays`: removed delay of each effort
     pub(super) fn band(
         &self,
         robot: &'a dyn Robot,
@@ -61,14 +66,15 @@ impl<'a> Recorded<'a> {
     }
 }
 
-/// Efforts that the columns explain through one band or another.
+/// Fits of the efforts with and without a low-pass filter.
 struct Fits<'a> {
     columns: Columns<'a>,
     runs: &'a [&'a PreparedRun],
     samples: Vec<Sample>,
     /// Each effort at the samples.
     efforts: Vec<DMatrix<f64>>,
-    /// ln RSS of each effort without a band.
+    /// ln RSS of each effort without a low-pass filter; `None` if the columns cannot explain the effort or explain it
+    /// exactly.
     without: Vec<Option<f64>>,
 }
 
@@ -84,7 +90,7 @@ impl<'a> Fits<'a> {
         fits
     }
 
-    /// ln RSS of each effort; none for an effort that cannot be explained or is explained exactly.
+    /// ln RSS of each effort; `None` if the columns cannot explain the effort or explain it exactly.
     fn misfits(&self, columns: &Columns) -> Vec<Option<f64>> {
         let misfit = |(problem, effort): (Option<Problem>, &DMatrix<f64>)| {
             let left = problem?.misfits(effort)[0];
@@ -93,7 +99,7 @@ impl<'a> Fits<'a> {
         problems(columns, self.runs, &self.samples).into_iter().zip(&self.efforts).map(misfit).collect()
     }
 
-    /// A band and its effect.
+    /// A low-pass filter and its effect.
     fn through(&self, frequency: f64, order: u32) -> Tried {
         let band = Band { frequency, order };
         let misfits = self.misfits(&self.columns.behind(band));
@@ -101,7 +107,8 @@ impl<'a> Fits<'a> {
         Tried { band, drops: drops.collect() }
     }
 
-    /// The best band from `lowest` to `highest`, if it is one.
+    /// The best low-pass filter with a frequency from `lowest` to `highest` [Hz]; `None` if no filter in this range is good
+    /// enough.
     fn best(&self, highest: f64, lowest: f64) -> Option<Band> {
         let mut best = self.through(highest, ORDERS[1]);
         let octaves = (1..).map(|k| highest * 0.5_f64.powi(k)).take_while(|frequency| *frequency >= lowest);
@@ -126,7 +133,7 @@ impl<'a> Fits<'a> {
         (lowers_all && best.band.frequency < highest).then_some(best.band)
     }
 
-    /// The best of a band and those of its order at smaller and smaller steps from its frequency.
+    /// The best filter of the order of `best`, found with smaller and smaller steps of the frequency.
     fn narrowed(&self, mut best: Tried, steps: &[f64]) -> Tried {
         for step in steps {
             let Band { frequency, order } = best.band;

@@ -1,4 +1,4 @@
-//! One measured signal reduced to its informative samples: repeats, spikes and gaps are separated.
+//! One measured signal, reduced to its informative samples: repeats, spikes and missing values are left out.
 
 use super::super::methods::differentiation::quantization_noise;
 use super::super::numeric::statistics::{median, quantile};
@@ -11,9 +11,10 @@ pub(super) struct Channel {
     pub times: Vec<f64>,
     /// Values at these times.
     pub values: Vec<f64>,
-    /// Samples of the log for each one that is kept; 1 if each is new.
+    /// Mean number of log samples for each new value, counted between large changes of the signal; 1 if each sample has a
+    /// new value or if too few changes are large. Repeats are left out if this number is above 1.2.
     pub hold: f64,
-    /// Smallest change between two samples; the resolution where the signal is quantized.
+    /// Smallest change between two samples. It is the resolution if the signal is quantized.
     pub resolution: f64,
     /// Indices of samples that were left out as spikes.
     pub spikes: Vec<usize>,
@@ -23,7 +24,7 @@ pub(super) struct Channel {
 const DECADES: usize = 19;
 
 impl Channel {
-    /// Informative samples of a signal; those of positions are without spikes.
+    /// Informative samples of a signal. Spikes are left out of positions only.
     pub(crate) fn new(times: &[f64], signal: &[f64], is_position: bool) -> Self {
         let mut rows: Vec<usize> = (0..signal.len()).filter(|i| signal[*i].is_finite()).collect();
         let mut values: Vec<f64> = rows.iter().map(|i| signal[*i]).collect();
@@ -46,16 +47,17 @@ impl Channel {
         median_step(&self.times)
     }
 
-    /// Standard deviation of the noise: that of the error of cubics through the neighbours, whose variance is 35/18 times that of white
-    /// noise, by its median, or of the rounding if it is larger.
+    /// Standard deviation of the noise, or of the rounding error if this is larger. The noise is estimated by the median
+    /// error of cubics through the four neighbours of a sample. The variance of this error is 35/18 times that of white
+    /// noise.
     pub(crate) fn noise(&self) -> f64 {
         let errors = self.values.windows(5).map(|w| cubic_error(w).abs());
         let noise = median(errors).unwrap_or(0.0) / (0.674_489_75 * (35.0_f64 / 18.0).sqrt());
         noise.max(quantization_noise(self.resolution))
     }
 
-    /// Changes by at least the resolution per second while the signal moves, which tells how white its
-    /// rounding error is.
+    /// Number of changes of the value per second while the signal moves [1/s]. The rounding error is white up to about this
+    /// frequency.
     pub(crate) fn change_rate(&self) -> f64 {
         let moving = self.values.windows(2).filter(|w| w[0] != w[1]).count();
         let windows =
@@ -69,7 +71,7 @@ impl Channel {
     }
 }
 
-/// Median of the steps of increasing times; 0 if there are fewer than two.
+/// Median of the steps of increasing times; 0 if there are fewer than two times.
 pub(super) fn median_step(times: &[f64]) -> f64 {
     let mut steps: Vec<f64> = times.windows(2).map(|t| t[1] - t[0]).collect();
     if steps.is_empty() {
@@ -79,10 +81,11 @@ pub(super) fn median_step(times: &[f64]) -> f64 {
     quantile(&steps, 0.5)
 }
 
-/// Samples that neither the cubic through their neighbours nor the median of five explains.
+/// Samples that neither the cubic through their neighbours nor the median of five samples explains.
 ///
-/// The cubic alone would also blame a spike's neighbours, the median alone the turning points of a motion. A spike
-/// stands above thirty times the noise, which is the rms of the cubic's error without its largest fiftieth.
+/// The cubic alone would also reject the neighbours of a spike. The median alone would reject the turning points of a
+/// motion. A spike exceeds thirty times the noise, which is the rms of the cubic's error without the largest 2 % of the
+/// errors.
 fn spikes(values: &[f64]) -> Vec<usize> {
     let errors: Vec<f64> = values.windows(5).map(|w| cubic_error(w).abs()).collect();
     let mut sorted = errors.clone();
@@ -95,7 +98,7 @@ fn spikes(values: &[f64]) -> Vec<usize> {
     windows.filter(|(_, (w, e))| stands_out(w, **e)).map(|(i, _)| i + 2).collect()
 }
 
-/// Error of the cubic through the neighbours of the middle one of five samples.
+/// Error at the middle one of five samples of the cubic through its four neighbours.
 fn cubic_error(w: &[f64]) -> f64 {
     w[2] - (4.0 * (w[1] + w[3]) - w[0] - w[4]) / 6.0
 }
@@ -106,17 +109,17 @@ fn from_median(window: &[f64]) -> f64 {
     (window[2] - sorted[2]).abs()
 }
 
-/// The smallest difference of neighbours that is not zero; 0 for a constant.
+/// The smallest difference of neighbouring samples that is not zero; 0 for a constant.
 fn smallest_change(values: &[f64]) -> f64 {
     let changes = values.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > 0.0);
     let smallest = changes.fold(f64::INFINITY, f64::min);
     if smallest.is_finite() { smallest } else { 0.0 }
 }
 
-/// Samples per new value, counted where the signal changes by four times its resolution or more at a time.
+/// Samples per new value, counted between changes by at least four times the resolution.
 ///
-/// A coarse signal repeats because it moves slowly, and its repeats are measurements; where changes span
-/// several steps of the resolution, a repeat only says that the driver had nothing new.
+/// The repeats of a coarse signal that moves slowly are measurements. If the changes span several steps of the resolution, a
+/// repeat only shows that the driver had no new value.
 fn hold(values: &[f64]) -> f64 {
     let resolutions = resolutions(values);
     let changes: Vec<usize> = (1..values.len()).filter(|i| values[*i] != values[i - 1]).collect();
@@ -127,17 +130,17 @@ fn hold(values: &[f64]) -> f64 {
     };
     let large = changes.windows(2).filter(|pair| pair.iter().all(|i| is_large(*i)));
     let mut lengths: Vec<f64> = large.map(|pair| (pair[1] - pair[0]) as f64).collect();
-    // A rest between two motions is no hold.
+    // A rest between two motions does not count.
     let most = 3.0 * median(lengths.iter().copied()).unwrap_or(0.0);
     lengths.retain(|length| *length <= most);
     let samples: f64 = lengths.iter().sum();
-    // A few changes may be no more than the end of a motion.
+    // A few large changes may be only the end of a motion.
     let enough = !lengths.is_empty() && 10.0 * samples >= values.len() as f64;
     if enough { samples / lengths.len() as f64 } else { 1.0 }
 }
 
-/// The smallest change in each decade of magnitudes: a log with a fixed number of digits is coarser where its
-/// values are larger.
+/// The smallest change in each decade of magnitudes, because a log with a fixed number of digits is coarser at larger
+/// values.
 fn resolutions(values: &[f64]) -> [f64; DECADES] {
     let mut smallest = [f64::INFINITY; DECADES];
     for pair in values.windows(2).filter(|w| w[0] != w[1]) {
@@ -151,7 +154,8 @@ fn decade(value: f64) -> usize {
     (value.abs().log10() + 9.0).clamp(0.0, (DECADES - 1) as f64) as usize
 }
 
-/// Changed samples, and in stretches without change one for each `hold` samples, where the signal rests.
+/// Indices of the samples with a changed value. Without a change for `1.5 hold` samples (the signal rests) one more sample
+/// is kept.
 fn updates(values: &[f64], hold: f64) -> Vec<usize> {
     let mut kept: Vec<usize> = Vec::new();
     for i in 0..values.len() {

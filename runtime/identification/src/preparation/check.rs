@@ -1,4 +1,4 @@
-//! Faults of runs and settings, before anything is computed.
+//! Checks of runs and settings before anything is computed.
 
 use super::super::error::{
     IdentificationError, Result, require_finite, require_length, require_samples, require_setting,
@@ -14,9 +14,10 @@ use gelenk_findings::{Finding, Rule};
 /// Fixture: `dead` in `codegen/tests/findings/arm.rs`.
 const UNUSABLE_EFFORT: Rule = Rule::warning("unusable-effort");
 
-/// Why an effort cannot be used.
+/// The reason for which an effort cannot be used; `None` if it can be used.
 ///
-/// - `exact`: it is a force that is known without a sensor, and zero if nothing acts
+/// - `m`: index of the effort
+/// - `exact`: the effort is a force that is known without a sensor. It is zero if nothing acts.
 pub(super) fn effort_fault(runs: &[Run], m: usize, exact: bool) -> Option<Finding> {
     let fault = |message| UNUSABLE_EFFORT.found(message).help("name other columns with --columns 'torque=…'");
     let values = || runs.iter().flat_map(|r| r.efforts[m].iter().zip(&r.rows));
@@ -31,7 +32,7 @@ pub(super) fn effort_fault(runs: &[Run], m: usize, exact: bool) -> Option<Findin
     all.all(|u| u == first).then(|| fault(format!("its effort is {first} in every row from row {row} on")))
 }
 
-/// Shapes agree, times increase, and settings are in range.
+/// Checks that shapes agree, that times increase, and that settings are in their ranges.
 pub(super) fn check(runs: &[Run], robot: Option<&dyn Robot>, settings: &PreparationSettings) -> Result<()> {
     require_samples("the list of runs", 1, runs.len())?;
     let settings_delay = settings.delay;

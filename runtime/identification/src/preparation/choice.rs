@@ -1,4 +1,5 @@
-//! The order of the preparation: channels, noise, bandwidth, delay, and then the bandwidth that efforts confirm.
+//! The order of the preparation: channels, noise, bandwidth by the positions, delay, and then the bandwidth that the efforts
+//! confirm.
 
 use super::super::error::{IdentificationError, Result};
 use super::super::methods::filter::{Band, Filter};
@@ -19,7 +20,7 @@ use super::signals::{Signals, Smoothed, Smoothing, smooth};
 use super::spectrum::Spectrum;
 use gelenk_findings::Finding;
 
-/// Runs as signals, and their properties before a bandwidth is chosen.
+/// Runs as signals, with the properties that are known before a bandwidth is chosen.
 pub(super) struct Recorded<'a> {
     pub(super) signals: Vec<Signals>,
     pub(super) robot: Option<&'a dyn Robot>,
@@ -29,9 +30,10 @@ pub(super) struct Recorded<'a> {
     pub(super) step: f64,
 }
 
-/// As [`super::prepare_all`].
+/// Does the work of [`super::prepare_all`].
 ///
-/// - `known`: the filter whose band the efforts have passed
+/// - `known`: filter of the identification, if these runs are prepared for a validation. The low-pass filter of its efforts
+///   is taken instead of searching for one.
 pub(super) fn prepare_all(
     runs: &[Run],
     robot: Option<&dyn Robot>,
@@ -95,7 +97,7 @@ impl<'a> Recorded<'a> {
         self.signals[0].efforts.len()
     }
 
-    /// Pieces of a run; `bandwidth` allows longer pauses where samples are dense.
+    /// Pieces of a run between its gaps. A lower `bandwidth` [Hz] allows longer pauses within a piece.
     pub(super) fn pieces(&self, signals: &Signals, bandwidth: f64) -> Vec<Piece> {
         let by_itself =
             (levels::SHORT_PAUSE.get() * signals.step).max(levels::SHORT_PERIOD.get() / bandwidth);
@@ -129,7 +131,10 @@ impl<'a> Recorded<'a> {
         PositionQuality { spectrum, density, noise, moves: range > 10.0 * noise }
     }
 
-    /// The lowest bandwidth that leaves enough of the pieces as `split` makes them, and of each joint's motion if rests are known.
+    /// The lowest bandwidth [Hz] with which the cut ends leave enough of the pieces. If rests are known, only the motion of
+    /// each joint counts.
+    ///
+    /// - `split`: bandwidth by which runs are split into pieces [Hz]
     pub(super) fn lowest(&self, split: f64) -> f64 {
         let motion = |s: &Signals| -> Vec<f64> {
             self.pieces(s, split)
@@ -147,13 +152,13 @@ impl<'a> Recorded<'a> {
         bandwidth
     }
 
-    /// The highest bandwidth that the slowest channel's samples allow.
+    /// The highest bandwidth [Hz] that the sample rate of the slowest channel allows.
     pub(super) fn highest(&self) -> f64 {
         let channels = self.signals.iter().flat_map(|s| s.positions.iter().chain(&s.efforts));
         levels::HIGHEST_BANDWIDTH.get() / channels.map(Channel::step).fold(self.step, f64::max)
     }
 
-    /// The bandwidth by the setting, or by positions alone.
+    /// The bandwidth of the settings, or the one that the positions alone ask for [Hz].
     fn widest(&self) -> Result<f64> {
         if let Some(given) = self.settings.bandwidth {
             Filter::new(given, self.output_step(given))?;
@@ -168,7 +173,8 @@ impl<'a> Recorded<'a> {
         })
     }
 
-    /// Looks for rests of the joints that friction brakes, by speeds through a filter of `bandwidth`.
+    /// Finds the rests of the joints, by speeds that pass a filter of `bandwidth` [Hz]. Joints with a quaternion have no
+    /// rests.
     fn find_rests(&mut self, bandwidth: f64) -> Result<()> {
         let how = self.smoothing(bandwidth, None, vec![0.0; self.efforts()]);
         let mut pieces = Vec::new();
@@ -201,7 +207,7 @@ impl<'a> Recorded<'a> {
     }
 
     pub(super) fn smoothing(&self, bandwidth: f64, band: Option<Band>, delays: Vec<f64>) -> Smoothing {
-        // Little of the efforts is left an octave above their band.
+        // An octave above the low-pass filter of the efforts little of them is left.
         let bandwidth = band.map_or(bandwidth, |band| bandwidth.min(2.0 * band.frequency));
         Smoothing {
             bandwidth,
@@ -214,7 +220,9 @@ impl<'a> Recorded<'a> {
         }
     }
 
-    /// All pieces as `split` makes them, smoothed.
+    /// All pieces, smoothed.
+    ///
+    /// - `split`: bandwidth by which runs are split into pieces [Hz]
     pub(super) fn smooth(&self, how: &Smoothing, split: f64) -> Result<Vec<Smoothed>> {
         let mut all = Vec::new();
         for signals in &self.signals {
@@ -225,7 +233,7 @@ impl<'a> Recorded<'a> {
         Ok(all)
     }
 
-    /// Columns that explain the efforts of `runs`.
+    /// Columns of the regression that explains the efforts of `runs`.
     pub(super) fn columns(
         &self,
         robot: &'a dyn Robot,
@@ -246,7 +254,8 @@ impl<'a> Recorded<'a> {
     }
 }
 
-/// Delays that are removed: the given one, or those that are too far for the estimate of all unknowns.
+/// Delay that is removed from each effort: the given one, or a found one that is too large for the linear step of the common
+/// estimate.
 fn removed(settings: &PreparationSettings, found: &Option<Delays>, efforts: usize) -> Vec<Delay> {
     let none =
         Delay { removed: settings.delay.unwrap_or(0.0), estimated: f64::NAN, error: f64::NAN, own: false };

@@ -1,4 +1,4 @@
-//! The bandwidth that efforts confirm.
+//! The bandwidth that the efforts confirm.
 
 use super::super::error::Result;
 use super::super::robot::Robot;
@@ -13,19 +13,19 @@ use super::together::{Efforts, together};
 use nalgebra::DVector;
 
 impl<'a> Recorded<'a> {
-    /// The widest bandwidth, up to `widest`, at which the motion explains the efforts as well as at any other.
+    /// The widest bandwidth, up to `widest` [Hz], at which the motion explains the efforts about as well as at the best one.
     ///
-    /// What the positions show above their noise need not be motion of a rigid robot: gears and links vibrate. One set
-    /// of parameters has to explain all efforts, because parameters of each effort's own explain its vibration too. Efforts are
-    /// taken as they were measured, so that bandwidths compare. Among equals the widest rounds the steps of
-    /// friction least.
+    /// A motion above the noise of the positions need not be a motion of a rigid robot, because gears and links vibrate. One
+    /// set of parameters has to explain all efforts, because separate parameters for each effort would explain its vibration
+    /// too. The efforts are compared as they were measured, so that the scores of the bandwidths are comparable. Among
+    /// equally good bandwidths the widest one rounds the steps of friction least.
     pub(super) fn confirmed(&self, robot: &'a dyn Robot, widest: f64, delays: &[Delay]) -> Result<f64> {
         let tried = candidates(self.lowest(widest).min(widest), widest, 2.0);
         let cut = self.settings.cut.unwrap_or(1.0 / tried[0]);
         let (mut least, mut scores) = (f64::INFINITY, Vec::new());
         for bandwidth in tried.iter().rev() {
             let mut how = self.smoothing(*bandwidth, None, delays.iter().map(|d| d.removed).collect());
-            // The same samples for all, so that their residuals compare.
+            // The samples are the same for all bandwidths, so that their residuals are comparable.
             (how.cut, how.step, how.lowest) = (cut, self.output_step(widest), tried[0]);
             let unexplained = self.unexplained(robot, &how, widest)?;
             least = least.min(unexplained);
@@ -38,8 +38,8 @@ impl<'a> Recorded<'a> {
         Ok(chosen.map_or(widest, |(bandwidth, _)| *bandwidth))
     }
 
-    /// Mean over the efforts of the logarithm of 1 − R²: one set of parameters by least squares on the filtered efforts,
-    /// judged on the efforts as they were measured.
+    /// Mean over the efforts of the logarithm of 1 − R². One set of parameters is fitted to the filtered efforts by least
+    /// squares. The residuals are those of the measured efforts.
     fn unexplained(&self, robot: &'a dyn Robot, how: &Smoothing, split: f64) -> Result<f64> {
         let smoothed = self.smooth(how, split)?;
         let runs: Vec<&PreparedRun> = smoothed.iter().map(|s| &s.run).collect();

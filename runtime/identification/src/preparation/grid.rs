@@ -1,13 +1,13 @@
-//! From samples at their own times to an even grid, piece by piece between gaps.
+//! Interpolation of samples at their own times to an even grid, for each piece between gaps.
 
 use super::channel::Channel;
 
-/// A stretch of time without a gap in any channel [s].
+/// A stretch of time in which no channel has a gap.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Piece {
-    /// First time.
+    /// First time [s].
     pub start: f64,
-    /// Last time.
+    /// Last time [s].
     pub end: f64,
 }
 
@@ -24,7 +24,7 @@ impl Piece {
     }
 }
 
-/// Stretches in which no channel pauses for longer than `largest_step`, and all channels have samples.
+/// Stretches in which all channels have samples and no channel pauses for longer than `largest_step` [s].
 pub(super) fn pieces(channels: &[&Channel], largest_step: f64) -> Vec<Piece> {
     let first = |c: &&Channel| c.times.first().copied().unwrap_or(f64::INFINITY);
     let last = |c: &&Channel| c.times.last().copied().unwrap_or(f64::NEG_INFINITY);
@@ -32,7 +32,7 @@ pub(super) fn pieces(channels: &[&Channel], largest_step: f64) -> Vec<Piece> {
     let end = channels.iter().map(last).fold(f64::INFINITY, f64::min);
     let mut gaps: Vec<(f64, f64)> = Vec::new();
     for channel in channels {
-        // A channel that is held longer than the others has longer steps by itself.
+        // A channel with a larger hold has longer steps without a gap.
         let allowed = largest_step.max(2.5 * channel.step());
         gaps.extend(channel.times.windows(2).filter(|t| t[1] - t[0] > allowed).map(|t| (t[0], t[1])));
     }
@@ -47,9 +47,9 @@ pub(super) fn pieces(channels: &[&Channel], largest_step: f64) -> Vec<Piece> {
     pieces
 }
 
-/// Values on increasing `grid` times, by the cubic through two samples on either side.
+/// Values of a channel at the increasing times `grid`, by the cubic through two samples on either side.
 ///
-/// Samples much closer to each other than the usual step are averaged first: a cubic through them would
+/// Samples that are much closer to each other than the usual step are averaged first, because a cubic through them would
 /// magnify their noise.
 pub(super) fn interpolate(channel: &Channel, grid: &[f64]) -> Vec<f64> {
     let (times, values) = merged(channel);
@@ -63,7 +63,7 @@ pub(super) fn interpolate(channel: &Channel, grid: &[f64]) -> Vec<f64> {
     grid.iter().map(&mut value).collect()
 }
 
-/// Samples closer than 0.3 usual steps become their mean.
+/// Times and values in which samples closer than 0.3 usual steps are replaced by their mean.
 fn merged(channel: &Channel) -> (Vec<f64>, Vec<f64>) {
     let near = 0.3 * channel.step();
     let (mut times, mut values): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
@@ -85,7 +85,7 @@ fn merged(channel: &Channel) -> (Vec<f64>, Vec<f64>) {
     (times, values)
 }
 
-/// Lagrange's cubic at `t` between samples `right − 1` and `right`; linear or constant at the ends.
+/// Lagrange's cubic at `t` between the samples `right − 1` and `right`. It is linear or constant at the ends.
 fn cubic(times: &[f64], values: &[f64], right: usize, t: f64) -> f64 {
     let Some(last) = times.len().checked_sub(1) else { return f64::NAN };
     if right == 0 || right > last {

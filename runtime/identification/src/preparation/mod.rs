@@ -1,10 +1,11 @@
 //! Preparation of recorded runs for the regression: one even grid, one filter, no delay.
 //!
-//! A log comes with jitter, repeats, gaps, coarse encoders and efforts that are late. Here each signal is
-//! reduced to its informative samples, put onto an even grid by cubic interpolation, and passed
-//! through one linear zero-phase filter ([`Filter`]), whose derivatives give ẏ and ÿ. Efforts pass through the same
-//! filter. Its bandwidth is the least that keeps what the positions show above their noise and what helps to
-//! explain the efforts, all of them by one set of parameters; the delay of the efforts is the one at which the motion
+//! A log has jitter, repeats, gaps, coarse encoders and late efforts. Here each signal is reduced to its informative samples
+//! and put onto an even grid by cubic interpolation. It then passes one linear zero-phase filter ([`Filter`]), whose
+//! derivatives give ẏ and ÿ. Efforts pass the same filter.
+//!
+//! The bandwidth of the filter is a compromise. It keeps the motion that the positions show above their noise, and it is
+//! lower if one set of parameters then explains all efforts better. The delay of the efforts is the one at which the motion
 //! explains them best.
 
 mod band;
@@ -37,15 +38,21 @@ use super::error::Result;
 use super::robot::Robot;
 use super::run::{PreparedRun, Run};
 
-/// Prepares runs of one robot by one filter and one set of delays; gaps split runs.
+/// Prepares the runs of one robot with one filter and one set of delays. Gaps split runs.
 ///
-/// - `robot`: its regressor judges delay and bandwidth; without it no delay is estimated, and the bandwidth is
-///   the widest that the positions' noise allows
+/// - `robot`: the robot whose regressor is the reference for the choice of delay and bandwidth. Without a robot no delay is
+///   estimated, and the bandwidth is the widest that the noise of the positions allows.
 /// - returns runs with one common time step, in the order of `runs` and of time
 ///
 /// # Errors
-/// No runs, lengths that differ, times that do not increase, a joint without measured positions, settings out of
-/// range, or runs that are all too short for the filter.
+/// - [`Empty`](crate::IdentificationError::Empty) without runs
+/// - [`Shape`](crate::IdentificationError::Shape) if lengths differ
+/// - [`File`](crate::IdentificationError::File) if times do not increase
+/// - [`NotFinite`](crate::IdentificationError::NotFinite) if a time is not finite
+/// - [`Setting`](crate::IdentificationError::Setting) if a setting is out of its range
+/// - [`Constant`](crate::IdentificationError::Constant) if no joint moves by more than its noise
+/// - [`TooFewSamples`](crate::IdentificationError::TooFewSamples) if a joint has too few measured positions, or if all runs
+///   are too short for the filter
 pub fn prepare_all(
     runs: &[Run],
     robot: Option<&dyn Robot>,
@@ -54,12 +61,12 @@ pub fn prepare_all(
     choice::prepare_all(runs, robot, settings, None)
 }
 
-/// Prepares runs with the filters of the efforts of other runs.
+/// Prepares runs with the low-pass filter of the efforts that was found in other runs.
 ///
-/// - `filter`: of the other runs
+/// - `filter`: filter of the other runs
 ///
 /// # Errors
-/// As [`prepare_all`].
+/// The errors are those of [`prepare_all`].
 pub(crate) fn prepare_as(
     runs: &[Run],
     robot: &dyn Robot,

@@ -1,14 +1,15 @@
 //! Smoothed poses of joints with a quaternion.
 //!
-//! Their ways are smoothed like the positions of other joints, and the rates of the ways are the velocities. The ways do
-//! not tell the pose: a smoothed pose is the nearest measured one, moved by how far the smoothed way is from the measured
-//! one there. This is a step of noise and of half a sample, in which rotations commute to second order.
+//! The path of a joint is the sum of its displacements `y ⊖ y_before` from sample to sample. Paths are smoothed like the
+//! positions of other joints, and the rates of the paths are the velocities. A path does not determine the pose. So a
+//! smoothed pose is the nearest measured pose, moved by the difference of the smoothed and the measured path there. This
+//! difference has the size of the noise and of half a sample, so that rotations commute to second order.
 
 use super::super::pose::QuaternionJoint;
 use super::super::run::Run;
 use super::channel::Channel;
 
-/// The measured poses of a joint and their path, for each sample that is not a spike.
+/// The measured poses of a joint and its path, for each sample that is not a spike.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct PoseSignal {
     joint: QuaternionJoint,
@@ -18,7 +19,7 @@ pub(super) struct PoseSignal {
 }
 
 impl PoseSignal {
-    /// - `channels`: the joint's ways
+    /// - `channels`: path of the joint, one channel for each velocity
     pub(super) fn new(joint: &QuaternionJoint, run: &Run, channels: &[Channel]) -> Self {
         let row = |columns: &[Vec<f64>], i: usize| columns.iter().map(|c| c[i]).collect::<Vec<f64>>();
         let pose = |i: usize| row(&run.poses[joint.positions()], i);
@@ -34,9 +35,9 @@ impl PoseSignal {
         }
     }
 
-    /// Writes the poses at `times` into the columns of y, which has all other entries.
+    /// Writes the poses at `times` into the columns of y. The other columns of y are already filled.
     ///
-    /// - `positions`: smoothed, for each velocity of the robot
+    /// - `positions`: smoothed positions or paths, one column for each velocity of the robot
     pub(super) fn write(&self, times: &[f64], positions: &[Vec<f64>], y: &mut [Vec<f64>]) {
         for (i, time) in times.iter().enumerate() {
             let nearest = self.nearest(*time);

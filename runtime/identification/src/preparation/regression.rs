@@ -1,5 +1,5 @@
-//! Efforts explained by a robot's regressor, with friction and an offset for each joint: the judge of delays and
-//! bandwidths. Here each effort has parameters of its own.
+//! Regression of the efforts on a robot's regressor, with friction and an offset for each joint. Delays and bandwidths are
+//! compared by its residuals. Here each effort has its own parameters.
 
 use super::super::methods::filter::{Band, Filter};
 use super::super::methods::moments::contiguous_blocks;
@@ -11,34 +11,37 @@ use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 use std::rc::Rc;
 
-/// Ridge on columns of unit length: parameters that the motion does not show stay at zero.
+/// Ridge on the normal equations for columns of unit length. Parameters that the motion does not determine stay at zero.
 const RIDGE: f64 = 1e-7;
 
-/// Where the columns come from.
+/// Source of the columns of the regression.
 pub(super) struct Columns<'a> {
     robot: &'a dyn Robot,
     /// `B⁺`, `M × N`, if efforts are inputs; `None` if they are joint forces.
     inverse: Option<DMatrix<f64>>,
-    /// Rounded signs of velocities, for each run, joint and rounding.
+    /// Rounded signs `tanh` of the velocities, by run, joint and rounding.
     signs: Rc<Vec<Vec<Vec<Vec<f64>>>>>,
-    /// Filter of the signs, the same as of the efforts.
+    /// Filter of the signs. It is the filter of the efforts.
     filter: Option<Filter>,
-    /// Further filter of the motion.
+    /// Additional low-pass filter of the motion.
     band: Option<Filter>,
     /// Number of inertial parameters.
     parameters: usize,
-    /// Rows of joints with a quaternion, which have neither friction nor an offset here.
+    /// Whether a row is that of a joint with a quaternion. These rows have neither friction nor an offset here.
     exact: Vec<bool>,
-    /// The robot compensates gravity. What it takes the bodies to weigh is unknown: inertial forces and weight have
-    /// parameters of their own.
+    /// Whether the robot compensates gravity. Its controller's model of the weight is unknown, so inertial forces and weight
+    /// have separate parameters.
     is_compensated: bool,
 }
 
 impl<'a> Columns<'a> {
-    /// Columns for the efforts of `runs`; a `filter` that rounded the steps of Coulomb friction in the efforts
-    /// rounds the signs of the velocities too.
+    /// Columns for the efforts of `runs`.
     ///
-    /// - `roundings`: shares of a joint's largest speed within which the sign of its velocity is rounded, a column each
+    /// - `filter`: filter of the efforts, if it rounded the steps of Coulomb friction. The signs of the velocities then pass
+    ///   this filter, too.
+    /// - `is_compensated`: whether the robot compensates gravity
+    /// - `roundings`: shares of the largest speed of a joint within which the sign of its velocity is rounded, one column
+    ///   for each share
     pub(crate) fn new(
         robot: &'a dyn Robot,
         runs: &[&PreparedRun],
@@ -70,7 +73,7 @@ impl<'a> Columns<'a> {
         }
     }
 
-    /// The same columns behind a filter of the efforts.
+    /// The same columns with an additional low-pass filter of the efforts.
     pub(crate) fn behind(&self, band: Band) -> Self {
         let filter = self.filter.clone().map(|filter| filter.behind(Some(band)));
         let band = self.filter.as_ref().map(|filter| filter.alone(band));
@@ -84,7 +87,7 @@ impl<'a> Columns<'a> {
         }
     }
 
-    /// Whether a joint rests that an effort acts on.
+    /// Whether a joint on which an effort acts rests.
     fn rests(&self, run: &PreparedRun, effort: usize, sample: usize) -> bool {
         match &self.inverse {
             Some(inverse) => {
@@ -147,11 +150,11 @@ fn fastest(runs: &[&PreparedRun], joint: usize) -> f64 {
     speeds.fold(0.0_f64, |most, v| most.max(v.abs()))
 }
 
-/// A sample: number of the run and of the sample in it.
+/// A sample: index of the run, and index of the sample in the run.
 pub(super) type Sample = (usize, usize);
 
-/// About `count` samples spread evenly over those of all runs at which something moves, at least `margin` samples away from
-/// the ends.
+/// About `count` samples, spread evenly over the samples of all runs at which a joint moves. The samples are at least
+/// `margin` samples away from the ends of a run.
 pub(super) fn spread(runs: &[&PreparedRun], count: usize, margin: usize) -> Vec<Sample> {
     let inner = |r: &PreparedRun| margin..r.times.len().saturating_sub(margin).max(margin);
     let moving = |(k, r): (usize, &&PreparedRun)| {
@@ -162,27 +165,27 @@ pub(super) fn spread(runs: &[&PreparedRun], count: usize, margin: usize) -> Vec<
     all.into_iter().step_by(stride).collect()
 }
 
-/// Columns of one effort over the chosen samples.
+/// Regression of one effort over the chosen samples.
 pub(super) struct Problem {
-    /// Columns × samples, times the inverse of the normal equations' factor: orthonormal but for the ridge. Zero if a
-    /// joint rests that the effort acts on.
+    /// Columns × samples, times the inverse of the Cholesky factor of the normal equations. The rows are orthonormal except
+    /// for the ridge. An entry is zero if a joint on which the effort acts rests at the sample.
     basis: DMatrix<f64>,
-    /// Columns × samples, columns of unit length.
+    /// Columns × samples. Each column of the regression has unit length.
     rows: DMatrix<f64>,
-    /// 0 at these samples, 1 at the others.
+    /// For each sample, 0 if a joint on which the effort acts rests, otherwise 1.
     moving: DVector<f64>,
 }
 
 /// Equations of one effort over the chosen samples.
 pub(super) struct Equations {
-    /// Columns × samples, zero if a joint rests that the effort acts on.
+    /// Columns × samples; zero at samples at which a joint on which the effort acts rests.
     pub rows: DMatrix<f64>,
-    /// 0 at these samples, 1 at the others.
+    /// For each sample, 0 if a joint on which the effort acts rests, otherwise 1.
     pub moving: DVector<f64>,
 }
 
 impl Equations {
-    /// Those of each effort.
+    /// The equations of each effort.
     pub(crate) fn of_efforts(columns: &Columns, runs: &[&PreparedRun], samples: &[Sample]) -> Vec<Self> {
         let blocks: Vec<DMatrix<f64>> = samples.iter().map(|sample| columns.at(runs, *sample)).collect();
         let Some(first) = blocks.first() else { return Vec::new() };
@@ -196,7 +199,7 @@ impl Equations {
     }
 }
 
-/// One problem for each effort; `None` if its columns have no factor.
+/// The regression of each effort; `None` if its normal equations have no Cholesky factor.
 pub(super) fn problems(columns: &Columns, runs: &[&PreparedRun], samples: &[Sample]) -> Vec<Option<Problem>> {
     Equations::of_efforts(columns, runs, samples).into_iter().map(Problem::new).collect()
 }
@@ -215,13 +218,13 @@ impl Problem {
         let used: Vec<usize> = (0..norms.len()).filter(|k| norms[*k] > 1e-9 * largest).collect();
         let rows =
             DMatrix::from_fn(used.len(), columns.ncols(), |k, i| columns[(used[k], i)] / norms[used[k]]);
-        // The product with a transposed copy is a blocked one, several times faster than dot products.
+        // nalgebra multiplies by a transposed copy in blocks, several times faster than by dot products.
         let gram = ridged(&rows * rows.transpose());
         Some(Self { basis: gram.cholesky()?.l().solve_lower_triangular(&rows)?, rows, moving })
     }
 
-    /// Residual sums of squares of each target on each of `folds` contiguous folds, from a fit to the samples outside the fold;
-    /// `None` if a fold leaves too few samples.
+    /// Residual sums of squares of each target on each of `folds` contiguous folds, from a fit to the samples outside the
+    /// fold; `None` if a fold leaves too few samples.
     pub(crate) fn held_out(&self, targets: &DMatrix<f64>, folds: usize) -> Option<Vec<Vec<f64>>> {
         let part = |fold: &Range<usize>| self.rows.columns(fold.start, fold.len());
         let of_targets = |fold: &Range<usize>| targets.rows(fold.start, fold.len());
@@ -236,13 +239,13 @@ impl Problem {
         contiguous_blocks(self.moving.len(), folds).map(errors).collect()
     }
 
-    /// Part of `target` that the columns cannot explain.
+    /// Part of `target` that the columns do not explain; zero at samples of rest.
     pub(crate) fn residual(&self, target: &DVector<f64>) -> DVector<f64> {
         let explained = self.basis.tr_mul(&(&self.basis * target));
         (target - explained).component_mul(&self.moving)
     }
 
-    /// Sums of squares of each column of `targets` that the columns cannot explain.
+    /// Residual sum of squares of each column of `targets`.
     pub(crate) fn misfits(&self, targets: &DMatrix<f64>) -> Vec<f64> {
         let explained = &self.basis * targets;
         let squares = targets.column_iter().zip(explained.column_iter());

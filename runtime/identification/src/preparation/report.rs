@@ -96,7 +96,7 @@ impl Recorded<'_> {
         let mut findings = self.of_runs(how);
         findings.extend(joints.iter().filter_map(noisy));
         findings.extend(self.held());
-        // Those of joints are with the joints.
+        // The faults of joints are in their own part of the report.
         findings.extend((self.joints()..self.efforts()).filter_map(|effort| self.fault(effort)));
         findings.extend(how.band.map(low_passed));
         findings.extend(delay_findings(&joints, |_| true));
@@ -125,26 +125,26 @@ impl Recorded<'_> {
         }
     }
 
-    /// Why an effort cannot be used.
+    /// The reason for which the effort with index `j` cannot be used; `None` if it can be used.
     fn fault(&self, j: usize) -> Option<Finding> {
         let fault = self.faults.get(j).cloned().flatten()?;
         let is_of_input = self.signals[0].effort != Effort::Joint;
         (is_of_input || !self.is_unmeasured(j)).then(|| fault.of(self.subject(j)))
     }
 
-    /// The joint of an effort, or its input.
+    /// The joint or the input to which an effort belongs.
     fn subject(&self, effort: usize) -> Subject {
         let robot = self.robot.filter(|_| self.signals[0].effort != Effort::Joint);
         let input = robot.and_then(|robot| robot.input_names().into_iter().nth(effort));
         input.map_or_else(|| Subject::Joint(self.name(effort)), Subject::Input)
     }
 
-    /// Whether something else moves a joint: then its unknown force is not a fault.
+    /// Whether the joint is moved from outside. Its unknown force is then not a fault.
     fn is_unmeasured(&self, joint: usize) -> bool {
         self.robot.is_some_and(|robot| robot.unmeasured()[joint])
     }
 
-    /// Samples left out of each run.
+    /// Findings about the gaps, short pieces and spikes of each run.
     fn of_runs(&self, how: &Smoothing) -> Vec<Finding> {
         self.signals.iter().flat_map(|s| [self.of_pieces(s, how), self.of_positions(s)].concat()).collect()
     }
@@ -180,7 +180,7 @@ impl Recorded<'_> {
         gaps.into_iter().chain(short).collect()
     }
 
-    /// Signals that are new in a part of the rows only.
+    /// Findings about signals that have a new value only in a part of the rows.
     fn held(&self) -> Vec<Finding> {
         let joint = |j: usize| Subject::Joint(self.name(j));
         let positions = (0..self.joints()).map(|j| (joint(j), "position", self.hold(|s| &s.positions[j])));
@@ -195,12 +195,12 @@ impl Recorded<'_> {
         held.map(finding).collect()
     }
 
-    /// Rows of the log for each new value of a channel, the most of all runs.
+    /// Log rows for each new value of a channel, the largest number of all runs.
     fn hold(&self, channel: impl Fn(&Signals) -> &Channel) -> f64 {
         self.signals.iter().map(|signals| channel(signals).hold).fold(1.0, f64::max)
     }
 
-    /// Which joints that move rest for a part of the time.
+    /// The finding that names the moving joints that rest for a part of the time, with the share of each.
     fn of_rests(&self, smoothed: &[Smoothed]) -> Option<Finding> {
         let samples: usize = smoothed.iter().map(|s| s.run.times.len()).sum();
         let share = |joint: usize| {
@@ -232,7 +232,7 @@ impl Recorded<'_> {
     }
 }
 
-/// A joint whose acceleration is noisy.
+/// The finding about a joint with a noisy acceleration.
 fn noisy(joint: &JointPreparation) -> Option<Finding> {
     (joint.moves && joint.acceleration_noise > 0.1).then(|| {
         let message = format!(
@@ -244,9 +244,9 @@ fn noisy(joint: &JointPreparation) -> Option<Finding> {
     })
 }
 
-/// Delays that are removed, one finding for the joints that share one.
+/// Findings about removed delays, one for all joints with the same delay.
 ///
-/// - `is_significant`: whether the delay of a joint with its number differs from zero significantly
+/// - `is_significant`: whether the delay of the joint with this index differs from zero significantly
 fn delay_findings(joints: &[JointPreparation], is_significant: impl Fn(usize) -> bool) -> Vec<Finding> {
     let mut groups: Vec<(String, f64, Vec<&str>)> = Vec::new();
     for (_, joint) in joints.iter().enumerate().filter(|(j, joint)| joint.delay != 0.0 && is_significant(*j))
@@ -274,7 +274,7 @@ fn delay_findings(joints: &[JointPreparation], is_significant: impl Fn(usize) ->
 }
 
 impl PreparationReport {
-    /// Settings by which other runs are prepared alike.
+    /// Settings that prepare other runs in the same way.
     pub(crate) fn settings_alike(&self, settings: &PreparationSettings) -> PreparationSettings {
         let joint = self.joints.first();
         PreparationSettings {
@@ -285,9 +285,9 @@ impl PreparationReport {
         }
     }
 
-    /// Adds the remaining delays by the common estimate. A delay that is not significant gives no finding.
+    /// Adds the remaining delays that the common estimate found. A delay that is not significant gives no finding.
     ///
-    /// - `left`: of each effort with its standard error \[s\]; empty if delays are known
+    /// - `left`: remaining delay of each effort and its standard error \[s\]; empty if the delays are known
     pub(crate) fn refine(&mut self, left: &[[f64; 2]]) {
         if left.is_empty() {
             return;

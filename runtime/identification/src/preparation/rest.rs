@@ -1,7 +1,8 @@
-//! Stretches in which a joint rests.
+//! Time intervals in which a joint rests.
 //!
-//! Dry friction at rest takes any value up to the static one: it balances what the drive and the rigid body do not. So
-//! the effort of a resting joint says nothing about the law over the speed, about the delay, nor about the filter.
+//! At rest, dry friction takes any value up to the static one: it balances the difference of the drive force and the
+//! rigid-body force. So the effort of a resting joint contains no information on the friction law over the speed, on the
+//! delay, or on the filter.
 
 use super::super::run::PreparedRun;
 use super::levels;
@@ -9,23 +10,23 @@ use super::levels;
 /// First and last time of a rest [s].
 type Stretch = [f64; 2];
 
-/// The rests of one run, for each joint in the order of time.
+/// The rests of one run: for each joint, its rests in the order of time.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Rests {
     joints: Vec<Vec<Stretch>>,
 }
 
-/// Statistics of a joint's speeds.
+/// Largest speed and noise of a joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Speeds {
-    /// Largest speed of all runs [rad/s or m/s]; infinite if the joint moves in none.
+    /// Largest speed in all runs [rad/s or m/s]; infinite if the joint moves in no run.
     pub largest: f64,
-    /// Standard deviation of the noise of a smoothed speed.
+    /// Standard deviation of the noise of a smoothed speed [rad/s or m/s].
     pub noise: f64,
 }
 
 impl Speeds {
-    /// Speed below which the joint rests.
+    /// Speed below which the joint rests [rad/s or m/s].
     fn limit(&self) -> f64 {
         (levels::SLOW.get() * self.largest)
             .max((levels::SPEED_NOISE.get() * self.noise).min(levels::MOST_NOISE.get() * self.largest))
@@ -33,10 +34,11 @@ impl Speeds {
 }
 
 impl Rests {
-    /// Adds the rests of a smoothed piece of the run.
+    /// Adds the rests in a smoothed piece of the run.
     ///
-    /// - `speeds`: of each joint; none if it never rests
-    /// - `cut`: time that was cut off at the piece's ends [s]; a rest there goes on
+    /// - `speeds`: statistics of each joint; `None` if the joint never rests
+    /// - `bandwidth`: half-amplitude frequency of the filter of the piece [Hz]
+    /// - `cut`: time that was cut off at the ends of the piece [s]. A rest at an end continues in this time.
     pub(crate) fn add(&mut self, piece: &PreparedRun, speeds: &[Option<Speeds>], bandwidth: f64, cut: f64) {
         self.joints.resize(speeds.len(), Vec::new());
         let shortest = 1.0 / bandwidth;
@@ -62,7 +64,8 @@ impl Rests {
         }
     }
 
-    /// Durations of a stretch's parts in which a joint does not rest [s], of all joints; the whole stretch if no rests are known.
+    /// Durations of the parts of an interval in which a joint does not rest [s], of all joints; the duration of the whole
+    /// interval if no rests are known.
     pub(crate) fn between(&self, [start, end]: Stretch) -> Vec<f64> {
         if self.joints.is_empty() {
             return vec![end - start];
@@ -77,7 +80,8 @@ impl Rests {
         self.joints.iter().flat_map(of_joint).collect()
     }
 
-    /// For each joint, which of the times are in a rest or nearer to one than the filter tells apart.
+    /// For each joint and each time, whether the time is in a rest or so near to a rest that the filter does not separate
+    /// them.
     pub(crate) fn at(&self, times: &[f64], bandwidth: f64) -> Vec<Vec<bool>> {
         let near = levels::REACH.get() / bandwidth;
         let of_joint = |rests: &Vec<Stretch>| {
@@ -88,7 +92,7 @@ impl Rests {
     }
 }
 
-/// First and last times of the stretches without a speed above the limit.
+/// First and last times of the intervals in which no speed is above the limit.
 fn slow_stretches(times: &[f64], velocities: &[f64], limit: f64) -> Vec<Stretch> {
     let mut stretches: Vec<Stretch> = Vec::new();
     let mut before = false;

@@ -1,4 +1,4 @@
-//! A run as channels of informative samples, and its pieces smoothed onto an even grid.
+//! A run as channels of informative samples, and the smoothing of its pieces on an even grid.
 
 use super::super::error::Result;
 use super::super::methods::differentiation::TotalVariation;
@@ -20,18 +20,18 @@ pub(super) struct Signals {
     pub positions: Vec<Channel>,
     /// Poses of the joints with a quaternion.
     poses: Vec<PoseSignal>,
-    /// The entry of y of each other joint.
+    /// For each velocity, the entry of y; `None` for joints with a quaternion.
     plain: Vec<Option<usize>>,
     pub efforts: Vec<Channel>,
     pub effort: Effort,
-    /// Where joints rest.
+    /// Rests of the joints.
     pub rests: Rests,
     /// Median step of the log [s].
     pub step: f64,
 }
 
 impl Signals {
-    /// Channels of a run whose times increase.
+    /// Channels of a run with increasing times.
     pub(crate) fn new(run: &Run, robot: Option<&dyn Robot>) -> Self {
         let channel = |values: &Vec<f64>, is_position| Channel::new(&run.times, values, is_position);
         let quaternions = robot.map(Robot::quaternion_joints).unwrap_or_default();
@@ -53,7 +53,8 @@ impl Signals {
         }
     }
 
-    /// Positions, and paths of joints with a quaternion, by total-variation regularization at their noise.
+    /// Replaces positions, and paths of joints with a quaternion, by their total-variation regularization at the level of
+    /// their noise.
     pub(crate) fn regularize(&mut self) -> Result<()> {
         for channel in &mut self.positions {
             let noise = channel.noise();
@@ -65,7 +66,7 @@ impl Signals {
         Ok(())
     }
 
-    /// The columns of y at `times`, with smoothed `positions`; none if no joint has a quaternion.
+    /// The columns of y at `times`, from the smoothed `positions`; empty if no joint has a quaternion.
     fn coordinates(&self, times: &[f64], positions: &[Vec<f64>]) -> Vec<Vec<f64>> {
         if self.poses.is_empty() {
             return Vec::new();
@@ -89,22 +90,23 @@ impl Signals {
     }
 }
 
-/// How a piece is smoothed.
+/// Settings for the smoothing of a piece.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Smoothing {
-    /// Half-amplitude frequency [Hz].
+    /// Half-amplitude frequency of the filter [Hz].
     pub bandwidth: f64,
-    /// Half-amplitude frequency of the filter that decides how far rests reach [Hz].
+    /// Half-amplitude frequency of the filter by which rests are extended [Hz].
     pub lowest: f64,
-    /// Time between results [s].
+    /// Time between the smoothed samples [s].
     pub step: f64,
     /// Time cut off at either end of a piece [s].
     pub cut: f64,
     /// Delay of each effort [s].
     pub delays: Vec<f64>,
-    /// Efforts that are not used: their columns hold NaN.
+    /// Whether each effort is unusable. The columns of an unusable effort hold NaN.
     pub faulty: Vec<bool>,
-    /// Filter that the efforts passed before they were recorded. All other signals pass it here.
+    /// Low-pass filter that the efforts passed before they were recorded. All other signals pass it here. `None` if the
+    /// efforts passed no filter.
     pub band: Option<Band>,
 }
 
@@ -115,17 +117,17 @@ impl Smoothing {
     }
 }
 
-/// A smoothed piece, and its efforts as they were measured, at the same times.
+/// A smoothed piece, and its efforts as they were measured, without their delay, at the same times.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Smoothed {
     pub run: PreparedRun,
     pub measured: Vec<Vec<f64>>,
 }
 
-/// Fewest results of a piece: rates of change take the neighbours on both sides.
+/// Fewest samples of a smoothed piece, because rates of change need a neighbour on each side.
 const FEWEST: usize = 3;
 
-/// Results at every `ratio`-th sample of an even grid.
+/// Smoothed samples at every `ratio`-th sample of an even grid.
 struct Sampler {
     grid: Vec<f64>,
     step: f64,
@@ -134,7 +136,7 @@ struct Sampler {
     count: usize,
 }
 
-/// A piece of a run, smoothed; `None` if too little is left between its cut ends.
+/// Smooths a piece of a run. Returns `None` if too little is left between the cut ends.
 pub(super) fn smooth(signals: &Signals, piece: &Piece, how: &Smoothing) -> Result<Option<Smoothed>> {
     let Some(sampler) = Sampler::new(signals.step, piece, how) else { return Ok(None) };
     let times: Vec<f64> = sampler.centres().map(|c| sampler.grid[c as usize]).collect();
@@ -173,7 +175,7 @@ pub(super) fn smooth(signals: &Signals, piece: &Piece, how: &Smoothing) -> Resul
     Ok(Some(Smoothed { run, measured }))
 }
 
-/// Whether too little is left of a piece between its cut ends.
+/// Whether too little of a piece is left between the cut ends.
 pub(super) fn is_too_short(signals: &Signals, piece: &Piece, how: &Smoothing) -> bool {
     Sampler::new(signals.step, piece, how).is_none()
 }
@@ -187,7 +189,7 @@ impl Sampler {
         let ratio = (how.step / log_step).round().max(1.0) as usize;
         let step = how.step / ratio as f64;
         let grid = piece.grid(step);
-        // Both the positions' and the efforts' windows have to lie within the piece.
+        // The windows of the positions and of the efforts have to lie within the piece.
         let early = how.delays.iter().fold(0.0_f64, |a, d| a.min(*d));
         let late = how.delays.iter().fold(0.0_f64, |a, d| a.max(*d));
         let first = ((how.cut - early) / step).ceil() as usize;
@@ -200,7 +202,7 @@ impl Sampler {
         (0..self.count).map(|i| (self.first + i * self.ratio) as isize)
     }
 
-    /// Effort `m` at its delay: whole steps by the index, the rest by the kernel.
+    /// Effort `m` without its delay. Whole grid steps of the delay shift the index, the rest shifts the kernel.
     fn delayed(&self, channel: &Channel, how: &Smoothing, m: usize) -> Result<Vec<f64>> {
         let steps = (how.delays[m] / self.step).round();
         let taps = kernel_at(self, how, 0, how.delays[m] - steps * self.step)?;

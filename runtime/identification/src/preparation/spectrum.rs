@@ -1,4 +1,4 @@
-//! Power of positions over frequency, pooled over runs, and its part that is noise.
+//! Power spectrum of positions, pooled over runs, and its noise.
 
 use super::levels;
 use std::f64::consts::PI;
@@ -9,37 +9,38 @@ const LOWEST: f64 = 0.02;
 /// Number of bands: up to 80 kHz.
 const BANDS: usize = 132;
 
-/// Measured power in bands of a sixth of an octave. Densities count one-sided frequencies.
+/// Measured power in bands of a sixth of an octave. Densities are one-sided.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Spectrum {
     bands: Vec<Band>,
 }
 
-/// Sums over the bins of a band, weighted by the duration of their piece.
+/// Sums over the frequencies k/T of the bands, weighted by the duration T of each piece. P is the density of the position,
+/// Δf the distance of the frequencies.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Band {
-    /// Number of bins.
+    /// Number of frequencies (bins).
     bins: usize,
-    /// `Σ P Δf T` of positions.
+    /// `Σ P Δf T`: power of the positions.
     position: f64,
-    /// `Σ ω⁴ P Δf T`, of accelerations.
+    /// `Σ ω⁴ P Δf T`: power of the accelerations.
     acceleration: f64,
-    /// `Σ Δf T`, of a white position of density one.
+    /// `Σ Δf T`: power of a white position with density one.
     white: f64,
-    /// `Σ ω⁴ Δf T`, of its acceleration.
+    /// `Σ ω⁴ Δf T`: power of the acceleration of a white position with density one.
     white_acceleration: f64,
 }
 
 impl Spectrum {
-    /// No power yet.
+    /// A spectrum without data.
     pub(crate) fn new() -> Self {
         Self { bands: vec![Band::default(); BANDS] }
     }
 
-    /// Adds the periodogram of evenly sampled positions.
+    /// Adds the periodogram of positions at equal `step`s [s].
     ///
-    /// Second differences are taken before the Hann taper: positions fall so steeply over frequency that
-    /// leakage from their slow part would otherwise cover the fast one.
+    /// Second differences are taken before the Hann taper. The power of positions falls so steeply with the frequency that
+    /// leakage from low frequencies would otherwise cover the high ones.
     pub(crate) fn add(&mut self, positions: &[f64], step: f64) {
         let second: Vec<f64> = positions.windows(3).map(|w| w[2] - 2.0 * w[1] + w[0]).collect();
         let m = second.len();
@@ -53,7 +54,7 @@ impl Spectrum {
         let mut im = vec![0.0; length];
         transform(&mut re, &mut im);
         let (duration, bin) = (m as f64 * step, 1.0 / (length as f64 * step));
-        // Hann's taper has mean square 3/8.
+        // The mean square of Hann's taper is 3/8.
         let density = 2.0 * step / (0.375 * m as f64);
         for k in 1..length / 2 {
             let frequency = k as f64 * bin;
@@ -63,12 +64,12 @@ impl Spectrum {
         }
     }
 
-    /// White-noise density of positions, as the lowest mean over half an octave at or below `highest` \[Hz\].
+    /// Density of the white noise of the positions [unit²/Hz]: the lowest mean over half an octave at or below `highest`
+    /// \[Hz\]; 0 without data.
     ///
-    /// Motion falls with frequency and noise does not, so the lowest place is an upper bound of the noise,
-    /// and the noise itself wherever the sampling leaves room above the motion. Half octaves with less than an
-    /// eighth of the bins of the fullest are left out: the least of many poor means would be too low. Returns 0
-    /// without data.
+    /// Motion falls with the frequency and white noise does not. So the lowest mean is an upper bound of the noise, and
+    /// equals the noise if the sampling is fast enough for a band without motion. Half octaves with less than an eighth of
+    /// the bins of the fullest one are left out, because the least of many inaccurate means would be too low.
     pub(crate) fn floor(&self, highest: f64) -> f64 {
         let top = band(highest).min(BANDS - 1);
         let sums = |bands: &[Band]| {
@@ -82,11 +83,11 @@ impl Spectrum {
         if lowest.is_finite() { lowest } else { 0.0 }
     }
 
-    /// `(centre frequency, signal, noise)` of each band: the power of accelerations without and of the noise
-    /// of density `noise`, as sums.
+    /// `(centre frequency, signal, noise)` of each band with data [Hz, power, power]: the power of accelerations without
+    /// noise, and the power of noise of the density `noise` [unit²/Hz].
     ///
-    /// A band holds signal where its power stands clearly above the noise: half as much again, and by four
-    /// standard errors of its mean. The rest would add up over the many bands of a fast log, times ω⁴.
+    /// A band holds signal if its power exceeds 1.5 times the noise by four standard errors of the noise's mean. Other bands
+    /// have signal 0, because their errors times ω⁴ would add up over the many bands of a fast log.
     pub(crate) fn accelerations(&self, noise: f64) -> Vec<(f64, f64, f64)> {
         let used = self.bands.iter().enumerate().filter(|(_, band)| band.bins > 0);
         used.map(|(k, band)| {
@@ -139,7 +140,7 @@ fn transform(re: &mut [f64], im: &mut [f64]) {
     }
 }
 
-/// Swaps each entry with that of the reversed index.
+/// Swaps each entry with the entry of the bit-reversed index.
 fn reorder(re: &mut [f64], im: &mut [f64]) {
     let n = re.len();
     let mut j = 0;

@@ -1,23 +1,23 @@
-//! One set of parameters for all efforts.
+//! Fit of one set of parameters to all efforts.
 
 use super::super::run::PreparedRun;
 use super::levels;
 use super::regression::{Columns, Equations, Sample, ridged};
 use nalgebra::{DMatrix, DVector};
 
-/// Least share of an effort's variation that counts as unexplained.
+/// Least share of the variation of an effort that counts as unexplained.
 const LEAST_SHARE: f64 = 1e-12;
 
 /// Efforts at the chosen samples.
 pub(super) struct Efforts {
-    /// Through the filter of the positions.
+    /// Efforts that passed the filter of the positions.
     pub filtered: Vec<DVector<f64>>,
-    /// As they were measured.
+    /// Efforts as they were measured.
     pub measured: Vec<DVector<f64>>,
 }
 
-/// Logarithm of 1 − R² of each measured effort that varies, by one set of parameters for all that is fitted to the filtered
-/// efforts, with weights that follow from what it leaves of them.
+/// Logarithm of 1 − R² of each measured effort that varies. One set of parameters for all efforts is fitted to the filtered
+/// efforts. The weight of each effort is the inverse of its residual sum of squares in the fit before.
 pub(super) fn together(
     columns: &Columns,
     runs: &[&PreparedRun],
@@ -34,7 +34,7 @@ pub(super) fn together(
     all.iter().map(|effort| effort.score).collect()
 }
 
-/// One effort's part of the fit of all.
+/// One effort in the fit of all efforts.
 struct Weighed<'a> {
     equations: Equations,
     filtered: &'a DVector<f64>,
@@ -43,12 +43,12 @@ struct Weighed<'a> {
     products: DVector<f64>,
     variation: f64,
     weight: f64,
-    /// Logarithm of 1 − R².
+    /// Logarithm of 1 − R² of the measured effort.
     score: f64,
 }
 
 impl<'a> Weighed<'a> {
-    /// `None` if the effort is not finite or does not vary.
+    /// Returns `None` if the effort is not finite or does not vary.
     fn new(equations: Equations, filtered: &'a DVector<f64>, measured: &'a DVector<f64>) -> Option<Self> {
         let variation = variation(&equations.moving, measured);
         let is_known = filtered.sum().is_finite() && variation.is_finite() && variation > 0.0;
@@ -75,7 +75,7 @@ impl<'a> Weighed<'a> {
     }
 }
 
-/// Parameters by weighted least squares on the filtered efforts; `None` if the columns have no factor.
+/// Parameters by weighted least squares on the filtered efforts; `None` if the normal equations have no Cholesky factor.
 fn fitted(efforts: &[Weighed]) -> Option<DVector<f64>> {
     let size = efforts.first()?.products.len();
     let (mut gram, mut products) = (DMatrix::zeros(size, size), DVector::zeros(size));
@@ -89,7 +89,7 @@ fn fitted(efforts: &[Weighed]) -> Option<DVector<f64>> {
     Some(ridged(scaled).cholesky()?.solve(&products.component_mul(&units)).component_mul(&units))
 }
 
-/// Sum of the squares of a target without its mean, over the samples that move.
+/// Sum of the squares of a target without its mean, over the samples in motion.
 fn variation(moving: &DVector<f64>, target: &DVector<f64>) -> f64 {
     let mean = target.dot(moving) / moving.sum();
     target.add_scalar(-mean).component_mul(moving).norm_squared()

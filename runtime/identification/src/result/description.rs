@@ -1,7 +1,7 @@
 //! Identified friction as a robot description: TOML that `gelenk generate` takes unchanged.
 //!
-//! The description extends the one that the data were evaluated with and replaces the friction of the
-//! identified joints; everything else stays:
+//! The description extends the one that was used for the identification, and replaces the friction of the identified joints.
+//! Everything else stays the same:
 //!
 //! ```toml
 //! name = "arm_identified"
@@ -28,34 +28,34 @@ use std::path::Path;
 /// First line of every description of identified values.
 const FIRST_LINE: &str = "# Identified by gelenk.\n";
 
-/// Content of a description of identified values, in addition to the description that it extends.
+/// Identified values, and the other keys that a written description has in addition to the description it extends.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Identified<'a> {
-    /// Name of the robot, and of the module to be generated.
+    /// Name of the robot and of its generated module.
     pub name: &'a str,
-    /// Path of the description that the data were evaluated with, a URDF or a TOML, relative to where the text
-    /// will lie.
+    /// Path of the description that was used for the identification, a URDF or a TOML. The path is absolute, or relative to
+    /// the folder of the written description.
     pub extends: &'a str,
-    /// Where all of it comes from: comments at the head.
+    /// Lines on the origin of the values. They become comments at the beginning.
     pub provenance: &'a [String],
-    /// Further keys at the top, a line of TOML each: how the extended description is read.
+    /// Additional keys at the top, one line of TOML each. They determine how the extended description is read.
     pub settings: &'a [String],
-    /// Friction laws by joint.
+    /// Friction law of each identified joint.
     pub friction: &'a [FrictionResult],
-    /// Drives by joint: its name, and lines of TOML, `drive = …` the first.
+    /// For each joint with a drive: the name of the joint and the lines of TOML. The first line is `drive = …`.
     pub drives: &'a [(String, String)],
-    /// Tables `[[bodies]]` as TOML, and other tables that are written as they are.
+    /// Tables `[[bodies]]` as TOML, and other tables, which are written unchanged.
     pub bodies: &'a [String],
 }
 
-/// Writes a [`description`](identified_toml) into a file, whole or not at all.
+/// Writes a [`description`](identified_toml) into a file. The file is written completely or not at all.
 ///
-/// - `path`: a new file, an empty one, or one that this function has written before; what it extends is an
-///   absolute path, or one relative to the folder of `path`
+/// - `path`: a new file, an empty file, or a file that this function has written before. [`Identified::extends`] is an
+///   absolute path, or relative to the folder of `path`.
 ///
 /// # Errors
-/// Those of [`identified_toml`]; [`IdentificationError::File`] if the file is the base itself, holds
-/// something else, or cannot be written.
+/// The errors are those of [`identified_toml`], and [`IdentificationError::File`] if the file is the extended description
+/// itself, has other content, or cannot be written.
 pub fn write_identified(path: &Path, identified: &Identified<'_>) -> Result<()> {
     let text = identified_toml(identified)?;
     let fault = |message: String| IdentificationError::File {
@@ -72,24 +72,25 @@ pub fn write_identified(path: &Path, identified: &Identified<'_>) -> Result<()> 
     write_whole(path, text).map_err(|e| fault(e.to_string()))
 }
 
-/// Whether a file may be written over: there is none, or it is empty, or it begins with `head`.
+/// Whether a file may be replaced: it does not exist, is empty, or begins with `head`.
 pub(crate) fn may_be_replaced(path: &Path, head: &[u8]) -> io::Result<bool> {
     match fs::metadata(path) {
         Ok(found) if found.is_file() && found.len() > 0 => Ok(fs::read(path)?.starts_with(head)),
-        // Whatever is no file is refused when it is to be written.
+        // If the path is not a file, writing fails later.
         _ => Ok(true),
     }
 }
 
-/// A description with identified values.
+/// Returns a description with identified values.
+///
+/// Coefficients of friction have the digits that their errors allow ([`gelenk_findings::digits`]). Terms whose coefficient
+/// is zero with these digits are not written.
 ///
 /// # Errors
-/// Nothing identified, a joint twice, a law without terms, a law that is refused and was not accepted, a
-/// coefficient that is not finite, or a term that a description cannot hold: all would end as nonsense in
-/// generated code.
-///
-/// Coefficients of friction have the digits that their errors leave them ([`gelenk_findings::digits`]); terms of which
-/// nothing is left are not written.
+/// - [`Empty`](IdentificationError::Empty): there are no identified values, or a law has no terms
+/// - [`Expression`](IdentificationError::Expression): a joint occurs twice, or a description cannot contain a term
+/// - [`Found`](IdentificationError::Found): a law is refused and was not accepted
+/// - [`NotFinite`](IdentificationError::NotFinite): a coefficient is not finite
 pub fn identified_toml(identified: &Identified<'_>) -> Result<String> {
     let Identified { name, extends, provenance, settings, friction, drives, bodies } = *identified;
     if friction.is_empty() && drives.is_empty() && bodies.is_empty() {
@@ -128,10 +129,10 @@ pub fn identified_toml(identified: &Identified<'_>) -> Result<String> {
     Ok(text)
 }
 
-/// The value of the key `friction` of a joint or a drive.
+/// Returns the value of the key `friction` of a joint or a drive.
 ///
 /// # Errors
-/// Those of [`identified_toml`] about a law.
+/// The errors are those of [`identified_toml`] about a law.
 pub fn friction_value(result: &FrictionResult) -> Result<String> {
     let findings: Vec<Finding> =
         result.refusals().cloned().map(|reason| reason.joint(&result.joint)).collect();
@@ -158,7 +159,7 @@ pub fn friction_value(result: &FrictionResult) -> Result<String> {
     Ok(law.toml())
 }
 
-/// Terms with the digits that mean something, without those of which nothing is left.
+/// Terms with the significant digits of their coefficients, without terms whose coefficient is zero with these digits.
 fn written(joint: &str, terms: &[FrictionTerm]) -> Result<Vec<Written<String>>> {
     require_finite(joint, terms)?;
     let kept = terms.iter().filter(|t| !vanishes(t.coefficient, t.written_error()));
@@ -181,7 +182,7 @@ fn require_finite(joint: &str, terms: &[FrictionTerm]) -> Result<()> {
     }
 }
 
-/// A library term as a formula of descriptions, whose language is a part of that of libraries.
+/// A term of a library as a formula of descriptions. The language of descriptions is a part of the language of libraries.
 fn basis(text: &str) -> Result<Formula> {
     parse(text, Allowed::Velocity, &BTreeMap::new()).map_err(|wrong| {
         let advice = "the friction of a description needs a library of terms that descriptions have";
@@ -189,7 +190,7 @@ fn basis(text: &str) -> Result<Formula> {
     })
 }
 
-/// A law's statistics, as lines of comments.
+/// Returns the statistics of a law as lines of comments.
 #[must_use]
 pub fn comment_lines(result: &FrictionResult) -> String {
     let mut text = String::new();
@@ -214,7 +215,7 @@ fn comments(result: &FrictionResult, text: &mut String) {
     result.findings.iter().for_each(|finding| line(finding.to_string()));
 }
 
-/// A newline in a name or setting must not end the comment.
+/// Adds a line of comment. Control characters are replaced, so that a line break does not end the comment.
 fn comment(content: &str, text: &mut String) {
     let _ = writeln!(text, "# {}", content.replace(|c: char| c.is_control(), " "));
 }

@@ -1,4 +1,4 @@
-//! How friction and offsets change over a log: plain data.
+//! Change of friction and offsets over a log.
 
 use gelenk_findings::digits::with_error;
 use gelenk_findings::{Finding, Rule};
@@ -15,32 +15,33 @@ const OFFSET_DRIFTS: Rule = Rule::warning("offset-drifts");
 /// Fixture: `drift_is_shown_where_it_is_there` in `friction/tests.rs`.
 const FRICTION_DRIFTS: Rule = Rule::warning("friction-drifts");
 
-/// Change, as a share of the friction, that is named.
+/// Least change that gives a finding, as a share of the friction.
 const NAMED_CHANGE: f64 = 0.02;
 
-/// A change from the first to the last sample, linear in the number of the sample.
+/// A change from the first to the last sample, linear in the index of the sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Trend {
     /// Last minus first value.
     pub(crate) change: f64,
-    /// Standard error, for correlated residuals.
+    /// Standard error for correlated residuals.
     pub(crate) standard_error: f64,
-    /// Whether chance gives such a change in less than one of a hundred logs without a trend.
+    /// Whether the change is significant at the 1 % level.
     pub(crate) significant: bool,
 }
 
-/// Residual torque over the log.
+/// Trend of the residual torque over the log.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Drift {
     /// Change of the constant torque [N·m or N].
     pub(crate) offset: Trend,
-    /// Change of the friction as a share of it: −0.1 if it falls by a tenth.
+    /// Change of the friction as a share of it: −0.1 if the friction falls by a tenth.
     pub(crate) friction: Trend,
 }
 
 impl Drift {
-    /// Trends that matter.
+    /// Findings about significant trends that are large enough.
     ///
+    /// - `unit`: unit of the torque
     /// - `scale`: rms of the friction torque
     pub(crate) fn findings(&self, unit: &str, scale: f64) -> Vec<Finding> {
         let friction = self.friction;

@@ -1,4 +1,4 @@
-//! Identified friction: the law, how far to trust it, and a table of both. As TOML: [`self::description`].
+//! Identified friction: the law, its statistics, and text about both. [`description`](self::description) writes it as TOML.
 
 use super::error::Result;
 use super::methods::confidence::quantile;
@@ -13,35 +13,36 @@ use nalgebra::DMatrix;
 pub mod description;
 mod drift;
 
-/// Level of the intervals in tables and descriptions.
+/// Confidence level of the intervals in tables and descriptions.
 pub(crate) const CONFIDENCE: f64 = 0.95;
 
-/// A coefficient of a friction law with its error and interval.
+/// A coefficient of a friction law with its errors.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FrictionTerm {
-    /// Expression in the joint's velocity `v`, or a1 … a5 of a Stribeck law.
+    /// Expression in the joint's velocity `v`, or the name a1 … a5 of a parameter of a Stribeck law.
     pub basis: String,
-    /// Factor [N·m times the inverse unit of the basis], or the parameter.
+    /// Coefficient [N·m or N divided by the unit of the expression], or the parameter.
     pub coefficient: f64,
-    /// Standard error for correlated residuals, where known.
+    /// Standard error for correlated residuals; `None` if it is not known. If [`Self::reach`] is given, it is the root of
+    /// the sum of the squares of the error and the possible bias.
     pub standard_error: Option<f64>,
-    /// Half the width of the interval at 95 %, if it is known that the coefficient may be biased: Student's, and the
-    /// distance of least squares without the samples near rests and reversals.
-    /// The standard error then is the root of the sum of the squares of error and distance.
+    /// Half the width of the interval at 95 % if the coefficient may be biased: Student's half width plus the possible bias;
+    /// `None` if the interval follows from the standard error alone. The possible bias is the change of the coefficient if
+    /// the samples near rests and reversals are left out.
     pub reach: Option<f64>,
-    /// Standard error if all other coefficients were known, where known: terms that resemble each other have
-    /// vague coefficients and a sharp sum, so the coefficient is written with the digits of this one.
+    /// Standard error if all other coefficients were known; `None` if it is not known. Terms that are nearly collinear have
+    /// inaccurate coefficients but an accurate sum. So this error decides how many digits of the coefficient are written.
     pub resolution: Option<f64>,
-    /// Probability of the term over all subsets of the library, where known.
+    /// Probability of the term over all subsets of the library; `None` if it is not known.
     pub probability: Option<f64>,
 }
 
 /// Friction τ(v) of a joint, in a form that descriptions have.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FrictionLaw {
-    /// `Σ coefficient · basis(v)`.
+    /// `Σ coefficient · basis(v)` over the terms.
     Terms(Vec<FrictionTerm>),
-    /// `a1 v + a2 tanh(a3 v) + a4 exp(−a5 |v|) tanh(3 a3 v)`, by a1 … a5.
+    /// `a1 v + a2 tanh(a3 v) + a4 exp(−a5 |v|) tanh(3 a3 v)` with the parameters a1 … a5.
     Stribeck(Box<[FrictionTerm; 5]>),
 }
 
@@ -54,7 +55,7 @@ impl Default for FrictionLaw {
 impl FrictionLaw {
     /// The Stribeck law with parameters a1 … a5.
     ///
-    /// - `standard_errors`: for correlated residuals; `None` if a parameter is not identifiable
+    /// - `standard_errors`: standard errors for correlated residuals; `None` if a parameter is not identifiable
     /// - `resolutions`: standard errors if all other parameters were known
     pub fn stribeck(
         parameters: [f64; 5],
@@ -70,7 +71,7 @@ impl FrictionLaw {
         })))
     }
 
-    /// The coefficients, or the five parameters.
+    /// The terms, or the five parameters of a Stribeck law.
     pub fn coefficients(&self) -> &[FrictionTerm] {
         match self {
             Self::Terms(terms) => terms,
@@ -78,10 +79,12 @@ impl FrictionLaw {
         }
     }
 
-    /// Torques at `velocities`.
+    /// Torques at `velocities` [N·m or N].
     ///
     /// # Errors
-    /// A basis that is not an expression in `v`, or no term.
+    /// [`IdentificationError::Expression`](super::error::IdentificationError::Expression) or
+    /// [`UnknownChannel`](super::error::IdentificationError::UnknownChannel) if a term is not an expression in `v`, and
+    /// [`Empty`](super::error::IdentificationError::Empty) if the law has no terms.
     pub fn torques(&self, velocities: &[f64]) -> Result<Vec<f64>> {
         match self {
             Self::Terms(terms) => sum(terms, velocities),
@@ -92,10 +95,10 @@ impl FrictionLaw {
         }
     }
 
-    /// Derivatives of the torques by the coefficients `[velocities × coefficients]`.
+    /// Derivatives of the torques with respect to the coefficients `[velocities × coefficients]`.
     ///
     /// # Errors
-    /// As [`Self::torques`].
+    /// The errors are those of [`Self::torques`].
     pub(crate) fn gradients(&self, velocities: &[f64]) -> Result<DMatrix<f64>> {
         match self {
             Self::Terms(terms) => matrix(terms, velocities),
@@ -108,7 +111,7 @@ impl FrictionLaw {
         }
     }
 
-    /// The law as one line of text, with the digits that a description gets.
+    /// The law as one line of text, with the digits that are written into a description.
     pub(crate) fn formula(&self) -> String {
         let terms: Vec<String> = match self {
             Self::Terms(terms) => {
@@ -128,26 +131,26 @@ impl FrictionLaw {
 }
 
 impl FrictionTerm {
-    /// The error that decides how many digits are written.
+    /// The error that decides how many digits are written; `None` if no error is known.
     pub(crate) fn written_error(&self) -> Option<f64> {
         self.resolution.or(self.standard_error)
     }
 
-    /// The coefficient with the digits that a description gets.
+    /// The coefficient with the digits that are written into a description.
     fn written(&self) -> String {
         rounded(self.coefficient, self.written_error())
     }
 
     /// Ends of the interval; `None` if the error is not known.
     ///
-    /// - `t`: half its width in standard errors, [`FrictionResult::interval_factor`]
+    /// - `t`: half width of the interval in standard errors, see [`FrictionResult::interval_factor`]
     pub(crate) fn ends(&self, t: f64) -> Option<[f64; 2]> {
         let error = self.standard_error.filter(|error| error.is_finite() && *error > 0.0)?;
         let half = self.reach.unwrap_or(t * error);
         Some([-half, half].map(|distance| self.coefficient + distance))
     }
 
-    /// `low … high`.
+    /// The interval as text, `low … high`.
     fn interval(&self, t: f64) -> Option<String> {
         let [low, high] = self.ends(t)?.map(|end| rounded(end, self.standard_error));
         Some(format!("{low} … {high}"))
@@ -163,7 +166,7 @@ fn matrix(terms: &[FrictionTerm], velocities: &[f64]) -> Result<DMatrix<f64>> {
     Library::new(&bases, &["v"])?.matrix(&[velocities])
 }
 
-/// Values of a sum of terms.
+/// Values of a sum of terms at velocities.
 fn sum(terms: &[FrictionTerm], velocities: &[f64]) -> Result<Vec<f64>> {
     let theta = matrix(terms, velocities)?;
     let mut sums = vec![0.0; velocities.len()];
@@ -173,7 +176,7 @@ fn sum(terms: &[FrictionTerm], velocities: &[f64]) -> Result<Vec<f64>> {
     Ok(sums)
 }
 
-/// The friction law of one joint and how it was found.
+/// The friction law of one joint with its statistics.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FrictionResult {
     /// Name of the joint in the description.
@@ -182,43 +185,48 @@ pub struct FrictionResult {
     pub unit: String,
     /// Unit of the velocity, `rad/s` or `m/s`.
     pub velocity_unit: String,
-    /// The law.
+    /// Friction law without the constant and without friction under load.
     pub law: FrictionLaw,
-    /// Terms of s₁: friction gains |τ_l| s₁ with the load τ_l. Empty if it does not grow with the load.
+    /// Terms whose sum is s₁(v) in the friction under load `|τ_l| s₁(v)`, with the load τ_l of the gear; empty if friction
+    /// does not grow with the load.
     pub load: Vec<FrictionTerm>,
-    /// The constant torque that repeats over the runs: it is written with the law. `None` if the runs do not tell it from zero.
+    /// Constant torque that all runs have in common [N·m or N]. It is written with the law. `None` if the constant does not
+    /// differ significantly from zero.
     pub constant: Option<FrictionTerm>,
-    /// A Stribeck law in physical words.
+    /// Physical parameters of a Stribeck law; `None` for other laws.
     pub(crate) stribeck: Option<StribeckWords>,
-    /// The constant torque of each run beyond [`Self::constant`], which is not written; none if it belongs to the law.
+    /// Constant torque of each run in addition to [`Self::constant`]. It is not written. Empty if constants are part of the
+    /// law.
     pub offsets: Vec<Offset>,
-    /// Samples used.
+    /// Number of samples to which the law was fitted.
     pub samples: usize,
     /// Degrees of freedom of the standard errors, for Student's distribution.
     pub freedom: f64,
-    /// Range of the velocities in the data; outside the law is extrapolated.
+    /// Least and largest velocity in the data [rad/s or m/s]. The law is extrapolated outside of this range.
     pub velocity_range: [f64; 2],
-    /// Least speed of ten samples that are farther from rests and reversals than the filter reaches. At lower speeds the data
-    /// show the law through the filter only. `None` if the torques passed no filter.
+    /// Speed from which the data determine the law without the effect of the filter [rad/s or m/s]. It is the tenth smallest
+    /// speed of the samples that are farther from rests and reversals than the filter reaches. So all but nine slower
+    /// samples are within the filter's reach of a rest or a reversal. `None` if the torques passed no filter.
     pub resolved_from: Option<f64>,
-    /// Residual rms.
+    /// Root mean square of the residual [N·m or N].
     pub residual: f64,
-    /// `1 − RSS/Σ (τ − τ̄)²` on the data that were fitted, τ̄ by run where offsets are separate.
+    /// `R² = 1 − RSS/Σ (τ − τ̄)²` on the fitted data, with the residual sum of squares RSS and the torque τ. The mean τ̄ is
+    /// that of the run if offsets are separate.
     pub r_squared: f64,
-    /// The same on folds that were left out; `None` if the samples are too few.
+    /// R² on held-out folds; `None` if there are too few samples.
     pub held_out: Option<f64>,
-    /// Change of the residual torque over the log; `None` if the samples are too few.
+    /// Change of the residual torque over the log; `None` if there are too few samples.
     pub(crate) drift: Option<Drift>,
     /// File name and SHA-256 of the data.
     pub data: String,
-    /// Settings in words: method, λ with its convention, selection, differentiation.
+    /// Sentences on the settings: method, λ with its convention, selection of samples, differentiation.
     pub settings: Vec<String>,
-    /// Doubts, and as errors reasons for which the law must not be written; see [`Self::accept`].
+    /// Doubts about the law, and as errors the reasons for which it must not be written, see [`Self::accept`].
     pub findings: Vec<Finding>,
 }
 
 impl FrictionResult {
-    /// Takes a refused law nevertheless: the reasons become warnings.
+    /// Accepts a refused law. The reasons for the refusal become warnings.
     pub fn accept(&mut self) {
         self.findings.iter_mut().for_each(|finding| *finding = finding.clone().accepted());
     }
@@ -228,21 +236,22 @@ impl FrictionResult {
         self.findings.iter().filter(|finding| finding.severity == Severity::Error)
     }
 
-    /// Whether nothing is left of the law with the digits that its errors leave.
+    /// Whether all coefficients of the law are zero with the digits that their errors allow.
     pub(crate) fn vanishes(&self) -> bool {
         let mut terms = self.law.coefficients().iter().chain(&self.load);
         terms.all(|term| vanishes(term.coefficient, term.written_error()))
     }
 
-    /// The constant that is written; 0 without one.
+    /// The constant that is written [N·m or N]; 0 if there is none.
     pub(crate) fn level(&self) -> f64 {
         self.constant.as_ref().map_or(0.0, |term| term.coefficient)
     }
 
-    /// Friction at a velocity and a load τ_l: the law with its constant, and `|τ_l| s₁(v)` where friction grows with the load.
+    /// Friction at a velocity and a load τ_l of the gear: the law with its constant, plus `|τ_l| s₁(v)` if friction grows
+    /// with the load.
     ///
     /// # Errors
-    /// As [`FrictionLaw::torques`].
+    /// The errors are those of [`FrictionLaw::torques`].
     pub fn torque(&self, velocity: f64, load: f64) -> Result<f64> {
         let first = |torques: Vec<f64>| torques.first().copied().unwrap_or(0.0);
         let law = self.level() + first(self.law.torques(&[velocity])?);
@@ -252,8 +261,8 @@ impl FrictionResult {
         Ok(law + load.abs() * first(sum(&self.load, &[velocity])?))
     }
 
-    /// The law as one line of text, with the digits that a description gets, and with `load` for τ_l where friction
-    /// grows with it.
+    /// The law as one line of text, with the digits that are written into a description. If friction grows with the load,
+    /// τ_l is called `load`.
     pub fn formula(&self) -> String {
         let under_load = self.load.iter().map(|term| format!("{}*abs(load)*{}", term.written(), term.basis));
         let constant = self.constant.iter().map(FrictionTerm::written);
@@ -261,7 +270,7 @@ impl FrictionResult {
         terms.collect::<Vec<_>>().join(" + ").replace("+ -", "- ")
     }
 
-    /// Half the width of the interval at 95 % in standard errors.
+    /// Half width of the interval at 95 %, in standard errors.
     pub(crate) fn interval_factor(&self) -> f64 {
         let freedom = if self.freedom > 0.0 { self.freedom } else { 1e9 };
         quantile(CONFIDENCE, freedom).unwrap_or(f64::INFINITY)
@@ -282,21 +291,21 @@ impl FrictionResult {
         self.named().map(line).collect()
     }
 
-    /// The law's coefficients, its constant, then those of the load, with their names.
+    /// The coefficients of the law, its constant, and the coefficients of friction under load, with their names.
     fn named(&self) -> impl Iterator<Item = (String, &FrictionTerm)> {
         let law = self.law.coefficients().iter().chain(&self.constant);
         let law = law.map(|term| (term.basis.clone(), term));
         law.chain(self.load.iter().map(|term| (format!("load: {}", term.basis), term)))
     }
 
-    /// Lines on offsets, Stribeck's words and quality of the fit.
+    /// Lines on the offsets, the parameters of a Stribeck law, and the quality of the fit.
     pub(crate) fn summary_lines(&self) -> Vec<String> {
         let mut lines: Vec<String> =
             self.stribeck.iter().map(|words| words.line(&self.unit, &self.velocity_unit)).collect();
         lines.extend(self.offset_line());
         lines.extend(self.resolved_from.map(|speed| {
             let (speed, unit) = (plain(speed, 2), &self.velocity_unit);
-            format!("resolved from {speed} {unit} on: all slower samples are within the filter of a rest or a reversal")
+            format!("resolved from {speed} {unit} on: all slower samples but at most nine are within a filter length of a rest or a reversal")
         }));
         let held_out = self.held_out.map_or_else(|| "unknown".into(), |r| format!("{r:.4}"));
         lines.push(format!(

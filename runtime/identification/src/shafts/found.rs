@@ -1,4 +1,4 @@
-//! Where friction was looked for if shafts take rows.
+//! Findings about the friction that was identified if shafts take rows.
 
 use super::super::estimation::{Estimate, Uncertain};
 use super::super::robot::Robot;
@@ -19,9 +19,9 @@ const SHAFTS: Rule = Rule::note("rows-of-shafts");
 const JOINT_TERM: Rule = Rule::note("friction-of-joint");
 
 impl ShaftRows {
-    /// Where friction was looked for.
+    /// Findings about the shafts, and about the friction of joints whose rows they take.
     ///
-    /// - `robot`: the one with joints as rows
+    /// - `robot`: the robot with joints as rows
     pub(crate) fn found(&self, robot: &dyn Robot, estimate: &Estimate) -> Vec<Finding> {
         let names: Vec<&str> = self.shafts().iter().map(|shaft| shaft.name.as_str()).collect();
         let shafts = format!(

@@ -1,4 +1,4 @@
-//! A robot whose rows are those of its shafts.
+//! A robot whose rows may be those of shafts.
 
 use super::super::pose::QuaternionJoint;
 use super::super::robot::{Instant, JointLimits, Robot};
@@ -7,10 +7,10 @@ use super::Shaft;
 use super::rows::ShaftRows;
 use gelenk_findings::Subject;
 
-/// A robot as its estimate sees it: by its joints, or with shafts in place of some of them.
+/// A robot as the estimate uses it: with the rows of its joints, or with shafts in place of some joints.
 ///
-/// Behind the inertial parameters stand the factors of the friction that is described on joints whose rows shafts take.
-/// Positions are those of the rows, but for robots with quaternions, whose positions stay those of the joints.
+/// The factors of described friction of joints whose rows shafts take follow the inertial parameters. Positions are those of
+/// the rows. For robots with quaternions, positions are those of the joints.
 #[derive(Clone)]
 pub(crate) struct RobotRows<'a> {
     robot: &'a dyn Robot,
@@ -18,22 +18,22 @@ pub(crate) struct RobotRows<'a> {
 }
 
 impl<'a> RobotRows<'a> {
-    /// The rows of a robot.
+    /// The robot with the rows that its shafts take.
     pub(crate) fn of(robot: &'a dyn Robot) -> Self {
         Self { robot, rows: ShaftRows::of(robot) }
     }
 
-    /// - `rows`: those of the same robot
+    /// - `rows`: rows of the same robot
     pub(crate) fn new(robot: &'a dyn Robot, rows: Option<ShaftRows>) -> Self {
         Self { robot, rows }
     }
 
-    /// The rows of shafts; none if joints keep theirs.
+    /// The rows of shafts; `None` if all rows are those of joints.
     pub(crate) fn of_shafts(&self) -> Option<&ShaftRows> {
         self.rows.as_ref()
     }
 
-    /// Signals of the joints along the rows.
+    /// The runs with signals of the rows instead of the joints.
     pub(crate) fn along(&self, runs: Vec<PreparedRun>) -> Vec<PreparedRun> {
         match self.of_shafts() {
             Some(rows) => runs.into_iter().map(|run| rows.along(run)).collect(),
@@ -41,17 +41,17 @@ impl<'a> RobotRows<'a> {
         }
     }
 
-    /// A motion of the joints at an instant along the rows.
+    /// Motion of the rows from a motion of the joints at one time.
     pub(crate) fn instant(&self, joints: &Instant) -> Instant {
         self.of_shafts().map_or_else(|| joints.clone(), |rows| rows.instant(joints))
     }
 
-    /// Largest speeds of the rows for those of the joints.
+    /// Largest speeds of the rows from the largest speeds of the joints.
     pub(crate) fn speeds(&self, joints: &[f64]) -> Vec<f64> {
         self.of_shafts().map_or_else(|| joints.to_vec(), |rows| rows.speeds(joints))
     }
 
-    /// The shafts.
+    /// The shafts that take rows.
     pub(crate) fn shafts_of_rows(&self) -> &[Shaft] {
         self.of_shafts().map_or(&[], ShaftRows::shafts)
     }
@@ -60,7 +60,7 @@ impl<'a> RobotRows<'a> {
         self.of_shafts().map_or(0, |rows| rows.joint_terms().len())
     }
 
-    /// Values of the joints' terms at a motion of the joints.
+    /// Values of the joints' friction terms at a motion of the joints.
     fn term_values(&self, y: &[f64], v: &[f64]) -> Vec<f64> {
         let mut values = vec![0.0; self.terms()];
         self.robot.joint_term_values(y, v, &mut values);
@@ -136,7 +136,7 @@ impl Robot for RobotRows<'_> {
         let mut matrix = vec![0.0; joints.len()];
         rows.forces(&joints, self.robot.input_names().len(), &mut matrix);
         let largest = matrix.iter().fold(0.0_f64, |largest, b| largest.max(b.abs()));
-        // What is left of differences of equal numbers would make inputs act where they do not.
+        // Rounding in differences of equal numbers would let inputs act on other joints.
         matrix.iter_mut().filter(|b| b.abs() < 1e-12 * largest).for_each(|b| *b = 0.0);
         matrix
     }
@@ -177,7 +177,7 @@ impl Robot for RobotRows<'_> {
         self.robot.friction(row, v)
     }
 
-    /// Not where shafts take rows: the direction is not looked for there.
+    /// `None` if shafts take rows. The direction of gravity is then not tested.
     fn gravity(&self) -> Option<[f64; 3]> {
         self.robot.gravity().filter(|_| self.rows.is_none())
     }

@@ -8,7 +8,7 @@ use nalgebra::DMatrix;
 /// Share of a row's largest entry below which an entry of C⁻¹ is rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// The rows of the equations in `z = C y`.
+/// The rows of the equations in the coordinates `z = C y`.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ShaftRows {
     shafts: Vec<Shaft>,
@@ -18,12 +18,12 @@ pub(crate) struct ShaftRows {
     /// C⁻¹.
     back: DMatrix<f64>,
     has_quaternions: bool,
-    /// Number of the robot's inertial parameters; behind them stand the factors of the joints' terms.
+    /// Number of the robot's inertial parameters. The factors of the joints' friction terms follow them.
     parameters: usize,
 }
 
 impl ShaftRows {
-    /// The rows of a robot; `None` if no drive's shaft takes a row.
+    /// The rows of a robot; `None` if no shaft takes a row.
     #[must_use]
     pub(crate) fn of(robot: &dyn Robot) -> Option<Self> {
         let shafts = robot.shafts();
@@ -47,39 +47,38 @@ impl ShaftRows {
         })
     }
 
-    /// The shafts.
+    /// The shafts that take rows.
     #[must_use]
     pub(crate) fn shafts(&self) -> &[Shaft] {
         &self.shafts
     }
 
-    /// The shaft whose row this is; `None` if it is that of the joint.
+    /// The shaft that takes this row; `None` if the row is that of a joint.
     #[must_use]
     pub(crate) fn shaft(&self, row: usize) -> Option<&Shaft> {
         self.shafts.iter().find(|shaft| shaft.joint == row)
     }
 
-    /// Speed of a row for a unit of speed of the joint that turns its shaft most; 1 if it is that of a joint.
+    /// Largest ratio of the speed of a row to the speed of a joint that turns its shaft; 1 for the row of a joint.
     #[must_use]
     pub(crate) fn speed_scale(&self, row: usize) -> f64 {
         let largest = |ratios: &[f64]| ratios.iter().fold(0.0_f64, |largest, ratio| largest.max(ratio.abs()));
         self.shaft(row).map_or(1.0, |shaft| largest(&shaft.ratios))
     }
 
-    /// Friction that is described on joints whose rows shafts take. Its factors stand behind the inertial parameters of
-    /// the estimate.
+    /// Described friction of joints whose rows shafts take. Its factors follow the inertial parameters of the estimate.
     #[must_use]
     pub(crate) fn joint_terms(&self) -> &[JointTerm] {
         &self.terms
     }
 
-    /// Place of the factor of the first of these terms among the parameters of the estimate.
+    /// Index of the factor of the first term of [`Self::joint_terms`] among the parameters of the estimate.
     #[must_use]
     pub(crate) fn first_term(&self) -> usize {
         self.parameters
     }
 
-    /// The signals of a run of the joints, along the rows.
+    /// A run with the signals of the rows, from a run of the joints.
     pub(crate) fn along(&self, run: PreparedRun) -> PreparedRun {
         let moved = |columns: &[Vec<f64>]| combined(&self.motion, columns);
         let efforts = match run.effort {
@@ -96,7 +95,7 @@ impl ShaftRows {
         }
     }
 
-    /// A shaft rests where all joints rest that turn it.
+    /// For each row and sample, whether the row rests. A shaft rests if all joints that turn it rest.
     fn resting(&self, joints: &[Vec<bool>]) -> Vec<Vec<bool>> {
         let row = |row: usize| {
             let turning = self.motion.row(row).into_iter().zip(joints).filter(|(ratio, _)| **ratio != 0.0);
@@ -106,14 +105,14 @@ impl ShaftRows {
         if joints.is_empty() { Vec::new() } else { (0..self.motion.nrows()).map(row).collect() }
     }
 
-    /// Positions and their derivatives of the rows for those of the joints.
+    /// Positions of the rows and their derivatives, from those of the joints.
     pub(super) fn instant(&self, [y, v, a]: &Instant) -> Instant {
         let row = |x: &[f64], row: usize| self.motion.row(row).iter().zip(x).map(|(c, x)| c * x).sum();
         let moved = |x: &[f64]| (0..self.motion.nrows()).map(|i| row(x, i)).collect();
         [if self.has_quaternions { y.clone() } else { moved(y) }, moved(v), moved(a)]
     }
 
-    /// Largest speeds of the rows for those of the joints.
+    /// Largest speeds of the rows, from the largest speeds of the joints.
     pub(super) fn speeds(&self, joints: &[f64]) -> Vec<f64> {
         let row = |row: usize| {
             let turning = self.motion.row(row).into_iter().zip(joints).filter(|(ratio, _)| **ratio != 0.0);
@@ -122,18 +121,18 @@ impl ShaftRows {
         (0..self.motion.nrows()).map(row).collect()
     }
 
-    /// Positions y for z; those with quaternions are not sums, and stay as they are.
+    /// Positions y from z. Positions of robots with quaternions are returned unchanged, because they are not sums.
     pub(super) fn positions(&self, z: &[f64]) -> Vec<f64> {
         if self.has_quaternions { z.to_vec() } else { self.joint_motion(z) }
     }
 
-    /// ẏ for ż, ÿ for z̈.
+    /// ẏ from ż, or ÿ from z̈.
     pub(super) fn joint_motion(&self, z: &[f64]) -> Vec<f64> {
         let row = |row: usize| self.back.row(row).iter().zip(z).map(|(factor, z)| factor * z).sum();
         (0..self.back.nrows()).map(row).collect()
     }
 
-    /// C⁻ᵀ times a matrix over the joints with `columns` columns, rows first.
+    /// C⁻ᵀ times a matrix over the joints with `columns` columns, row by row.
     pub(super) fn forces(&self, joints: &[f64], columns: usize, rows: &mut [f64]) {
         rows.fill(0.0);
         for (row, found) in rows.chunks_exact_mut(columns.max(1)).enumerate() {
@@ -147,7 +146,7 @@ impl ShaftRows {
     }
 }
 
-/// A matrix times columns of samples. Columns whose factor is 0 are skipped, so that they may hold NaN.
+/// A matrix times columns of samples. Columns whose factor is 0 are skipped, because they may contain NaN.
 fn combined(matrix: &DMatrix<f64>, columns: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let samples = columns.first().map_or(0, Vec::len);
     let row = |row: usize| {

@@ -1,5 +1,5 @@
-//! Bounds inside the method of multipliers (`interior_point::augmented`): forces that need neither slacks nor
-//! an interior.
+//! Bounds in the method of multipliers (`interior_point::augmented`): forces that need neither slacks nor an
+//! interior.
 
 use super::super::lanes::{Vector, largest, vectorized};
 use super::super::multipliers::Multipliers;
@@ -7,15 +7,15 @@ use super::Bounds;
 use super::side::{Side, Softening};
 
 impl<V: Vector> Bounds<V> {
-    /// Starts without multipliers.
+    /// Sets all multipliers to 0.
     pub(in crate::qp) fn start_augmented(&mut self) {
         for side in self.sides.iter_mut().flatten() {
             side.multiplier = V::zero();
         }
     }
 
-    /// Takes the multipliers of another solution, whose variables were `z`, where they tell that a bound was active:
-    /// `λ > c d`. The others become 0.
+    /// Takes the multipliers of another solution with the variables `z` if they show that a bound was active:
+    /// `λ > c d` at the distance d into the bound. The other multipliers become 0.
     pub(in crate::qp) fn recall(&mut self, c: f64, z: &[V], last: &Multipliers<V>) {
         vectorized!(V, {
             let c = V::splat(c);
@@ -28,7 +28,7 @@ impl<V: Vector> Bounds<V> {
         })
     }
 
-    /// True if a multiplier is positive.
+    /// Whether a multiplier is positive.
     pub(in crate::qp) fn is_active(&self) -> bool {
         vectorized!(V, {
             let most = self.sides.iter().flatten().fold(V::zero(), |max, side| max.fast_max(side.multiplier));
@@ -36,8 +36,8 @@ impl<V: Vector> Bounds<V> {
         })
     }
 
-    /// `weight` becomes the second derivative of the terms, `rhs` the gradient with their forces. Which piece of its
-    /// term a bound is on follows from `z`, or if `known` from its multiplier.
+    /// Sets `weight` to the second derivative of the terms and `rhs` to the gradient with their forces. The
+    /// piece of a term follows from `z`, or from the multiplier if `known` is true.
     pub(in crate::qp) fn augment(
         &self,
         (w, known): (f64, bool),
@@ -71,7 +71,7 @@ impl<V: Vector> Bounds<V> {
         })
     }
 
-    /// Takes the forces at `z` for the multipliers.
+    /// Sets the multipliers to the forces at `z`.
     pub(in crate::qp) fn take_forces(&mut self, w: f64, z: &[V]) {
         vectorized!(V, {
             let w = V::splat(w);
@@ -86,9 +86,9 @@ impl<V: Vector> Bounds<V> {
 }
 
 impl<V: Vector> Side<V> {
-    /// The force at the distance `d` into the bound, and by how much a unit of violation raises it: of
-    /// `y = λ − W d` what is positive, and beyond w₁ the share that the violation v = (y − w₁)/(w₂ + W) of a
-    /// soft bound leaves, `w₁ + w₂ v`.
+    /// The force at the distance `d` into the bound, and its increase per unit of violation. The force is the
+    /// positive part of `y = λ − W d`. If y exceeds w₁ of a soft bound, the force is `w₁ + w₂ v` with the
+    /// violation v = (y − w₁)/(w₂ + W).
     #[inline(always)]
     fn augmented(&self, soft: &Softening<V>, w: V, d: V, known: bool) -> [V; 2] {
         let y = d.mul_neg_add(w, self.multiplier);

@@ -1,10 +1,11 @@
-//! Measures of a point by its bounds: violation, penalty and duality gap.
+//! Measures of a point with respect to its bounds: violation, penalty and duality gap.
 
 use super::super::lanes::{Vector, largest, vectorized};
 use super::super::multipliers::Multipliers;
 use super::Bounds;
 
-/// Distances to a bound below this, relative to the bound where that exceeds 1, are rounding.
+/// Distances to a bound below this value count as rounding. They are relative to the bound if its magnitude
+/// exceeds 1.
 pub(in crate::qp) const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 impl<V: Vector> Bounds<V> {
@@ -21,8 +22,8 @@ impl<V: Vector> Bounds<V> {
         })
     }
 
-    /// Largest violation of a bound by `z`, relative to the size of the bound if that exceeds 1; of the hard
-    /// bounds alone if `hard`; 0 if all are kept.
+    /// Largest violation of a bound by `z`, relative to the bound if its magnitude exceeds 1; 0 if all bounds
+    /// are kept. Only hard bounds are considered if `hard` is true.
     pub(in crate::qp) fn violation(&self, z: &[V], hard: bool) -> f64 {
         vectorized!(V, {
             let mut max = V::zero();
@@ -39,7 +40,7 @@ impl<V: Vector> Bounds<V> {
         })
     }
 
-    /// Projects `z` onto the bounds. Exact: what is returned equals a bound or the number given.
+    /// Projects `z` onto the bounds. The result is exactly a bound or the given number.
     pub(in crate::qp) fn clip(&self, z: &mut [V]) {
         vectorized!(V, {
             for ([lower, upper], z) in self.sides.iter().zip(z) {
@@ -49,7 +50,8 @@ impl<V: Vector> Bounds<V> {
         })
     }
 
-    /// Cost of the violation of soft bounds by `z`; of those that were hard too if `relaxed`.
+    /// Cost of the violation of soft bounds by `z`. If `relaxed` is true, bounds that were hard before their
+    /// relaxation are included.
     pub(in crate::qp) fn penalty(&self, z: &[V], relaxed: bool) -> f64 {
         vectorized!(V, {
             let less = V::splat(f64::from(u8::from(!relaxed)));
@@ -64,9 +66,10 @@ impl<V: Vector> Bounds<V> {
         })
     }
 
-    /// Duality gap of the bounds at `z` with given multipliers, term by term what Fenchel's inequality
-    /// leaves: `φ(v) + φ*(λ) + λ d ≥ 0` for the distance `d` into the bound, its violation `v = max(−d, 0)`
-    /// and the penalty φ; `|λ d|` where the bound is hard, so that a violation counts too.
+    /// Duality gap of the bounds at `z` with the given multipliers. Each term is the remainder of Fenchel's
+    /// inequality: `φ(v) + φ*(λ) + λ d ≥ 0` for the distance `d` into the bound, its violation
+    /// `v = max(−d, 0)` and the penalty φ. For a hard bound the term is `|λ d|`, so that a violation counts
+    /// too.
     pub(in crate::qp) fn gap(&self, z: &[V], multipliers: &Multipliers<V>) -> f64 {
         vectorized!(V, {
             let mut sum = V::zero();
@@ -97,7 +100,7 @@ impl<V: Vector> Bounds<V> {
         })
     }
 
-    /// Multipliers of all bounds, zero for inert ones.
+    /// Multipliers of all bounds, zero for infinite bounds.
     pub(in crate::qp) fn multipliers(&self, out: &mut Multipliers<V>) {
         vectorized!(V, {
             for (out, sides) in out.0.iter_mut().zip(&self.sides) {

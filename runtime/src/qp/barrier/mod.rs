@@ -1,18 +1,17 @@
-//! The bounds inside the interior-point method: slacks, multipliers and their Newton steps, four at a time.
+//! Bounds in the interior-point method: slacks, multipliers and their Newton steps, four at a time.
 //!
-//! A bound `ς (z − b) + t ≥ 0` (ς = +1 lower, −1 upper; `t` the softening, absent for a hard bound) is
-//! written with the slack `s > 0`, `ς (z − b) + t − s = −r`, and the multiplier `λ > 0`. A soft bound costs
-//! `w₁ t + ½ w₂ t²`, `t ≥ 0`, whose own multiplier is `ν = w₁ + w₂ t − λ > 0`. Eliminating `ds`, `dt`, `dν`
-//! from the Newton system leaves a diagonal term in z:
-//!
+//! A bound `ς (z − b) + t ≥ 0` (ς = +1 for a lower bound, −1 for an upper bound; `t` is the softening, and
+//! absent for a hard bound) has the slack `s > 0` with `ς (z − b) + t − s = −r` and the multiplier `λ > 0`. A
+//! soft bound costs `w₁ t + ½ w₂ t²` with `t ≥ 0`. The multiplier of `t ≥ 0` is `ν = w₁ + w₂ t − λ > 0`. The
+//! elimination of `ds`, `dt` and `dν` from the Newton system leaves a diagonal term in z:
 //! ```text
 //!     s dλ + λ ds = −rc₁ = −(s λ − τ + c₁)       t dν + ν dt = −rc₂ = −(t ν − τ + c₂)       τ = σμ, c: second-order correction
 //!     ς dz + dt + r = ds       dν = w₂ dt − dλ       D = ν + w₂ t (1 if hard)       Δ = D s + t λ (t = 0 if hard)
 //!     λ + dλ = λ (t (λ + ν) − D r)/Δ + (D (τ − c₁) − λ (τ − c₂))/Δ − W ς dz       W = λ D/Δ
 //! ```
 //!
-//! Source: Wright, *Primal-Dual Interior-Point Methods*, SIAM 1997, chapters 1 and 10; the elimination of
-//! soft bounds as in Frison, Diehl, *HPIPM*, IFAC 2020, section 3.
+//! Source: Wright, *Primal-Dual Interior-Point Methods*, SIAM 1997, chapters 1 and 10. The elimination of
+//! soft bounds is from Frison, Diehl, *HPIPM*, IFAC 2020, section 3.
 
 mod augmented;
 mod measure;
@@ -27,13 +26,13 @@ use super::multipliers::Multipliers;
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
 
-/// All bounds of one kind of variable (inputs, or states), and the passes of an interior-point iteration over
+/// All bounds of one kind of variable (inputs or states), and the passes of an interior-point iteration over
 /// them.
 #[derive(Debug, Clone)]
 pub(super) struct Bounds<V> {
     sides: Vec<[Side<V>; 2]>,
     soft: Vec<[Softening<V>; 2]>,
-    /// `W_max` and its inverse.
+    /// Largest diagonal term `W_max` and its inverse.
     cap: [V; 2],
 }
 
@@ -46,20 +45,20 @@ impl<V: Vector> Bounds<V> {
         }
     }
 
-    /// Forgets bounds, slacks and multipliers.
+    /// Clears bounds, slacks and multipliers.
     pub(super) fn forget(&mut self) {
         self.sides.fill(Default::default());
         self.soft.fill(Default::default());
     }
 
-    /// Largest diagonal term of the Newton system. Beyond it, digits of the smaller weights would be lost
-    /// (`R` in `R + BᵀWB`); a step that takes the slack for `λ/W_max` instead is still a Newton step to
-    /// second order, since `dλ` vanishes at the optimum.
+    /// Sets the largest diagonal term `W_max` of the Newton system. Larger terms would remove digits of the
+    /// smaller weights (`R` in `R + BᵀWB`). A step that takes `λ/W_max` in place of a smaller slack is still
+    /// a Newton step to second order, because `dλ` vanishes at the optimum.
     pub(super) fn cap_weights(&mut self, cap: f64) {
         self.cap = [V::splat(cap), V::splat(1.0 / cap)];
     }
 
-    /// [`Self::linearize_as`], with soft bounds or without.
+    /// Calls [`Self::linearize_as`] with or without soft bounds.
     pub(super) fn linearize(
         &mut self,
         soft: bool,
@@ -77,12 +76,12 @@ impl<V: Vector> Bounds<V> {
         })
     }
 
-    /// [`Self::predictor_as`], likewise.
+    /// Calls [`Self::predictor_as`] with or without soft bounds.
     pub(super) fn predictor(&mut self, soft: bool, dz: &[V]) -> Totals {
         vectorized!(V, { if soft { self.predictor_as::<true>(dz) } else { self.predictor_as::<false>(dz) } })
     }
 
-    /// [`Self::centre_as`], likewise.
+    /// Calls [`Self::centre_as`] with or without soft bounds.
     pub(super) fn centre(&mut self, soft: bool, gradient: &[V], target: f64, correction: f64, rhs: &mut [V]) {
         vectorized!(V, {
             if soft {
@@ -93,7 +92,7 @@ impl<V: Vector> Bounds<V> {
         })
     }
 
-    /// [`Self::corrector_as`], likewise.
+    /// Calls [`Self::corrector_as`] with or without soft bounds.
     pub(super) fn corrector(&mut self, soft: bool, dz: &[V], target: f64, correction: f64) -> Totals {
         vectorized!(V, {
             if soft {
@@ -104,7 +103,7 @@ impl<V: Vector> Bounds<V> {
         })
     }
 
-    /// [`Self::advance_as`], likewise.
+    /// Calls [`Self::advance_as`] with or without soft bounds.
     pub(super) fn advance(&mut self, soft: bool, length: f64) {
         vectorized!(V, {
             if soft {
@@ -115,7 +114,7 @@ impl<V: Vector> Bounds<V> {
         })
     }
 
-    /// [`Self::start_as`], likewise.
+    /// Calls [`Self::start_as`] with or without soft bounds.
     pub(super) fn start(
         &mut self,
         soft: bool,
@@ -134,8 +133,8 @@ impl<V: Vector> Bounds<V> {
         })
     }
 
-    /// First pass: `weight` becomes the diagonal barrier term, `rhs` the gradient of the affine step. Returns
-    /// `Σ sλ` and `max |r|`.
+    /// First pass: sets `weight` to the diagonal barrier term and `rhs` to the gradient of the affine step.
+    /// Returns `Σ sλ`, `max |r|` and the largest multiplier.
     #[inline(always)]
     fn linearize_as<const SOFT: bool>(
         &mut self,
@@ -168,7 +167,7 @@ impl<V: Vector> Bounds<V> {
         tally.totals()
     }
 
-    /// Third pass: `rhs` becomes the gradient of the centred and corrected step.
+    /// Third pass: sets `rhs` to the gradient of the centred and corrected step.
     #[inline(always)]
     fn centre_as<const SOFT: bool>(&mut self, gradient: &[V], target: f64, correction: f64, rhs: &mut [V]) {
         let (target, correction) = (V::splat(target), V::splat(correction));
@@ -179,7 +178,7 @@ impl<V: Vector> Bounds<V> {
         }
     }
 
-    /// Fourth pass: the steps proper. Returns the inverse step to the boundary.
+    /// Fourth pass: centred and corrected steps. Returns the inverse step to the boundary.
     #[inline(always)]
     fn corrector_as<const SOFT: bool>(&mut self, dz: &[V], target: f64, correction: f64) -> Totals {
         let mut tally = Tally::new();
@@ -192,7 +191,7 @@ impl<V: Vector> Bounds<V> {
         tally.totals()
     }
 
-    /// Fifth pass: the step is taken.
+    /// Fifth pass: takes the step with this length.
     #[inline(always)]
     fn advance_as<const SOFT: bool>(&mut self, length: f64) {
         let length = V::splat(length);

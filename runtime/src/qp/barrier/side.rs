@@ -5,35 +5,36 @@ use super::super::lanes::{Vector, largest};
 /// One side of four bounds.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Side<V> {
-    /// Bound, and 1 if it is finite, 0 otherwise (the bound is then stored as 0, slack and multiplier stay
-    /// 1).
+    /// Bound; 0 if it is infinite. `active` is 1 for a finite bound and 0 for an infinite one, whose slack
+    /// and multiplier remain 1.
     pub(super) bound: V,
     pub(super) active: V,
-    /// `1/max(1, |bound|)` where it is finite, 0 elsewhere: violations are relative to the size of the bound.
+    /// `1/max(1, |bound|)` for a finite bound, 0 for an infinite one. It makes violations relative to the
+    /// size of the bound.
     pub(super) relative: V,
     pub(super) slack: V,
     pub(super) multiplier: V,
     /// Primal residual `r`.
     residual: V,
-    /// `W`, `1/s`, `1/λ` of the present iterate.
+    /// `W`, `1/s` and `1/λ` of the present iterate.
     pub(super) weight: V,
     inverse_slack: V,
     inverse_multiplier: V,
-    /// `1/s̃` and `s̃ − s`: the slack of the Newton system, `s̃ = max(s, λ/W_max)`, see
+    /// `1/s̃` and `s̃ − s`. `s̃ = max(s, λ/W_max)` is the slack of the Newton system, see
     /// [`super::Bounds::cap_weights`].
     inverse_damped: V,
     excess: V,
-    /// Steps; after the predictor the affine ones.
+    /// Steps of slack and multiplier; after the predictor they are the affine steps.
     ds: V,
     dl: V,
 }
 
-/// Data of a soft bound in addition to those of a hard one.
+/// Data that a soft bound has in addition to those of a hard bound.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Softening<V> {
     /// 1 if the bound is soft, 0 if it is hard.
     pub(super) active: V,
-    /// 1 if the bound is hard but softened by [`super::Bounds::soften`].
+    /// 1 if the bound is hard but was softened by [`super::Bounds::soften`].
     pub(super) relaxed: V,
     pub(super) w1: V,
     pub(super) w2: V,
@@ -48,7 +49,7 @@ pub(super) struct Softening<V> {
     dnu: V,
 }
 
-/// Sums and maxima over the bounds, gathered by the passes below.
+/// Sums and maxima over the bounds, which the passes below compute.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Tally<V> {
     sum: V,
@@ -56,7 +57,7 @@ pub(super) struct Tally<V> {
     force: V,
 }
 
-/// [`Tally`] over all lanes.
+/// Sums and maxima of a [`Tally`] over all lanes.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::qp) struct Totals {
     pub(in crate::qp) sum: f64,
@@ -76,7 +77,7 @@ impl<V: Vector> Tally<V> {
 }
 
 impl<V: Vector> Default for Side<V> {
-    /// An inert bound: slack and multiplier 1 keep the arithmetic finite.
+    /// An infinite bound. Slack and multiplier are 1 to keep the arithmetic finite.
     fn default() -> Self {
         let (zero, one) = (V::zero(), V::one());
         Self {
@@ -98,7 +99,7 @@ impl<V: Vector> Default for Side<V> {
 }
 
 impl<V: Vector> Default for Softening<V> {
-    /// A hard bound: t and ν of 1 keep the arithmetic finite.
+    /// A hard bound. t and ν are 1 to keep the arithmetic finite.
     fn default() -> Self {
         let (zero, one) = (V::zero(), V::one());
         Self {
@@ -118,14 +119,15 @@ impl<V: Vector> Default for Softening<V> {
     }
 }
 
-/// The arithmetic of one side; `SOFT` tells whether `soft` counts, `UPPER` which side it is.
+/// Arithmetic of one side. `SOFT` is true if `soft` is used, `UPPER` is true for upper bounds.
 impl<V: Vector> Side<V> {
     #[inline(always)]
     fn signed<const UPPER: bool>(v: V) -> V {
         if UPPER { -v } else { v }
     }
 
-    /// Inverses, weight and residual at the iterate. Returns `λ + dλ` of the affine step at `dz = 0`.
+    /// Computes inverses, weight and residual at the iterate. Returns `λ + dλ` of the affine step at
+    /// `dz = 0`.
     #[inline(always)]
     pub(super) fn linearize<const UPPER: bool, const SOFT: bool>(
         &mut self,
@@ -169,9 +171,9 @@ impl<V: Vector> Side<V> {
         self.weight * (self.excess - self.residual)
     }
 
-    /// Steps for a step `dz` of the variable, where `s dλ + λ ds = −rc₁` and `t dν + ν dt = −rc₂`. Each is
-    /// written so that small numbers come from products of small numbers, not from differences of large ones:
-    /// ν is tiny where a soft bound is violated.
+    /// Steps for a step `dz` of the variable, with `s dλ + λ ds = −rc₁` and `t dν + ν dt = −rc₂`. In each
+    /// formula, small numbers are products of small numbers, not differences of large numbers: ν is tiny if a
+    /// soft bound is violated.
     #[inline(always)]
     fn steps<const UPPER: bool, const SOFT: bool>(&mut self, soft: &mut Softening<V>, dz: V, rc1: V, rc2: V) {
         let (s, l) = (self.slack + self.excess, self.multiplier);
@@ -190,7 +192,7 @@ impl<V: Vector> Side<V> {
         }
     }
 
-    /// Largest `−ds/s`, `−dλ/λ`, `−dt/t`, `−dν/ν`: the inverse of the step to the boundary.
+    /// Largest `−ds/s`, `−dλ/λ`, `−dt/t`, `−dν/ν`, which is the inverse of the step to the boundary.
     #[inline(always)]
     fn inverse_step<const SOFT: bool>(&self, soft: &Softening<V>, max: V) -> V {
         let max =
@@ -284,7 +286,7 @@ impl<V: Vector> Side<V> {
 }
 
 impl<V: Vector> Softening<V> {
-    /// `φ(v) + φ*(λ) + λ d` with `φ*(λ) = max(λ − w₁, 0)²/2w₂`; where w₂ = 0, λ exceeds w₁ by rounding alone.
+    /// `φ(v) + φ*(λ) + λ d` with `φ*(λ) = max(λ − w₁, 0)²/2w₂`. If w₂ = 0, λ exceeds w₁ only by rounding.
     #[inline(always)]
     pub(super) fn gap(&self, l: V, d: V) -> V {
         let (half, v) = (V::splat(0.5), (-d).fast_max(V::zero()));
@@ -294,8 +296,8 @@ impl<V: Vector> Softening<V> {
         penalty + l * d.fast_max(V::zero()) + half * beyond * beyond * inverse
     }
 
-    /// `t` and `ν = w₁ + w₂ t − λ` with the product μ, as all other pairs have it: a `t` as large as the
-    /// violation would be far off the central path where the bound will be kept in the end.
+    /// Sets `t` and `ν = w₁ + w₂ t − λ` so that their product is μ, like that of all other pairs. If `t` were
+    /// as large as the violation, it would be far off the central path for bounds that are kept in the end.
     #[inline(always)]
     pub(super) fn start(&mut self, l: V, mu: V) {
         let (beyond, hard) = (l - self.w1, V::one() - self.active);
@@ -310,7 +312,7 @@ impl<V: Vector> Softening<V> {
         self.nu = self.active * (self.w2.mul_add(self.t, self.w1) - l) + hard;
     }
 
-    /// Inverses at the iterate.
+    /// Computes inverses at the iterate.
     #[inline(always)]
     fn linearize(&mut self, s: V, l: V, tally: &mut Tally<V>) {
         let product = self.t * self.nu;

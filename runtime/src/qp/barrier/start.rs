@@ -1,19 +1,20 @@
-//! Bounds of a problem, and where slacks and multipliers start or start again.
+//! Bounds of a problem, and initial values of slacks and multipliers.
 
 use super::super::lanes::{Vector, WIDTH, flat_mut, vectorized};
 use super::super::multipliers::Multipliers;
 use super::Bounds;
 use super::side::Softening;
 
-/// Bounds that are closer to each other are treated as this far apart when the method starts.
+/// Least distance between two bounds for the start of the method. Closer bounds are treated as if they had
+/// this distance.
 const MIN_WIDTH: f64 = 1e-6;
 
-/// Slacks at the start are at least this share of the violation of the bound or its opposite.
+/// Least slack at the start, as a share of the violation of the bound or of its opposite bound.
 const VIOLATION_SHARE: f64 = 0.1;
 
 impl<V: Vector> Bounds<V> {
-    /// Bounds of number `i` of the padded variables, made inert where infinite, and the penalty weights
-    /// `(w₁, w₂)` if it is soft.
+    /// Sets the bounds of number `i` of the padded variables, and the penalty weights `(w₁, w₂)` if it is
+    /// soft. Infinite bounds become inactive.
     pub(in crate::qp) fn set(&mut self, i: usize, lower: f64, upper: f64, penalty: Option<(f64, f64)>) {
         let (lane, i) = (i / WIDTH, i % WIDTH);
         for (side, bound) in [(0, lower), (1, upper)] {
@@ -33,12 +34,12 @@ impl<V: Vector> Bounds<V> {
         }
     }
 
-    /// Forgets all softening, before the bounds of a new problem are set.
+    /// Removes all softening, before the bounds of a new problem are set.
     pub(in crate::qp) fn harden(&mut self) {
         self.soft.fill([Softening::default(); 2]);
     }
 
-    /// Gives every bound that is still hard the penalty `linear · v`.
+    /// Gives all hard bounds the penalty `linear · v`.
     pub(in crate::qp) fn soften(&mut self, linear: f64) {
         vectorized!(V, {
             for (sides, soft) in self.sides.iter().zip(&mut self.soft) {
@@ -52,8 +53,8 @@ impl<V: Vector> Bounds<V> {
         })
     }
 
-    /// Adds a quadratic cost of `size` per distance between the bounds, from their middle; from 1 + |b|
-    /// inside a bound that has no other side.
+    /// Adds a quadratic cost with its minimum in the middle between the bounds and the value `size` at a
+    /// distance equal to their width. A single bound has its minimum 1 + |b| inside the bound b.
     pub(in crate::qp) fn attract(&self, size: f64, weight: &mut [V], linear: &mut [V]) {
         vectorized!(V, {
             let (half, one) = (V::splat(0.5), V::one());
@@ -72,8 +73,8 @@ impl<V: Vector> Bounds<V> {
         })
     }
 
-    /// Raises slacks (and softenings) whose product with their multiplier is below `least`: they would block
-    /// every step. The residual takes it up.
+    /// Raises slacks and softenings whose product with their multiplier is below `least`, because they would
+    /// block every step. The residual compensates the change.
     pub(in crate::qp) fn recentre(&mut self, least: f64) {
         vectorized!(V, {
             let least = V::splat(least);
@@ -90,8 +91,8 @@ impl<V: Vector> Bounds<V> {
         })
     }
 
-    /// Raises slacks to several times the residual that moving the variables to `z` leaves: smaller ones
-    /// would block every step.
+    /// Raises slacks to ten times the residual that a move of the variables to `z` leaves, because smaller
+    /// slacks would block every step.
     pub(in crate::qp) fn loosen(&mut self, z: &[V]) {
         vectorized!(V, {
             let several = V::splat(10.0);
@@ -106,9 +107,9 @@ impl<V: Vector> Bounds<V> {
         })
     }
 
-    /// The point to start from: slacks as the variables `z` have them but at least `share` of the distance
-    /// between the bounds (of 1 + |z| for a one-sided bound), or μ/λ for a multiplier λ of the last solution if that is less;
-    /// multipliers `μ/s`.
+    /// Initial slacks and multipliers. A slack is the distance of the variable `z` from its bound, but at
+    /// least `share` of the distance between the bounds (of 1 + |z| for a single bound) or μ/λ for the
+    /// multiplier λ of the last solution, whichever is less. The multiplier is `μ/s`.
     #[inline(always)]
     pub(super) fn start_as<const SOFT: bool>(
         &mut self,

@@ -1,21 +1,21 @@
 //! The method of multipliers, for problems that the interior-point method has not solved.
 //!
-//! Every bound and row is a term of the cost, by the distance `d` into it, its multiplier λ and, if it is
-//! soft, its penalty φ:
+//! Every bound and row is a term of the cost. It depends on the distance `d` into the bound, its multiplier λ
+//! and, for a soft bound, its penalty φ:
 //!
 //! ```text
 //!     ψ(d) = min_{v ≥ 0} φ(v) + (max(λ − W (d + v), 0)² − λ²) / 2W        v = 0 if it is hard
 //! ```
 //!
-//! Newton's method minimizes the sum, by steps that end when the cost has ceased to fall along them. After a
-//! whole step the forces `−ψ′` become the multipliers. No interior is needed, and multipliers start from zero:
-//! where the bounds hardly leave one, those of the interior-point method grow without limit, until rounding
-//! relative to them stops it. Each gradient is that of the problem's own data, so that a step also corrects what
-//! rounding has left of the one before.
+//! Newton's method minimizes the sum with a line search. After a whole step the forces `−ψ′` become the
+//! multipliers. No interior is needed, and the multipliers start from zero. If the bounds hardly leave an
+//! interior, the multipliers of the interior-point method grow without limit until rounding relative to them
+//! stops it. Each gradient is computed from the data of the problem, so a step also corrects rounding errors
+//! of the previous one.
 //!
 //! Sources: Rockafellar, *Augmented Lagrangians and applications of the proximal point algorithm in convex
-//! programming*, Math. Oper. Res. 1 (1976); Hermans, Themelis, Patrinos, *QPALM*, Math. Program. Comput. 14
-//! (2022), for the steps.
+//! programming*, Math. Oper. Res. 1 (1976). The steps are from Hermans, Themelis, Patrinos, *QPALM*, Math.
+//! Program. Comput. 14 (2022).
 
 use super::super::certificate::Certificate;
 use super::super::core::Core;
@@ -23,20 +23,20 @@ use super::super::lanes::Vector;
 use super::super::problem::QpProblem;
 use super::run::CAP_CUT;
 
-/// The first weight W and the largest one, relative to the largest weight of the cost. It is multiplied by
-/// `RAISE` where a change of the multipliers leaves more than `FALL` of the violation.
+/// First and largest weight W, relative to the largest weight of the cost. W is multiplied by `RAISE` if more
+/// than the share `FALL` of the violation remains after a change of the multipliers.
 const FIRST_WEIGHT: f64 = 1e2;
 const MOST_WEIGHT: f64 = 1e16;
 const RAISE: f64 = 10.0;
 const FALL: f64 = 0.25;
-/// A step is long enough where this share of the slope at its beginning is left.
+/// Share of the slope at the beginning of a step that may remain at its end.
 const SLOPE_LEFT: f64 = 0.1;
-/// Halvings in the search for this length.
+/// Number of bisections in the search for the length of a step.
 const HALVINGS: usize = 20;
 
 impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, NU, NR> {
-    /// Goes on from the solution in memory, which `first` has found not to be one. Returns the certificate of
-    /// the better point, which it makes the solution, and the number of its factorizations.
+    /// Continues from the solution in memory, whose certificate `first` is not that of a solution. Makes the
+    /// better point the solution. Returns its certificate and the number of factorizations.
     pub(super) fn multiply(
         &mut self,
         problem: &QpProblem<NX, NU, NR>,
@@ -76,8 +76,9 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         (kept, self.settings.max_iterations)
     }
 
-    /// Gradient and diagonal terms at the iterate, for weights W of inputs and of states; `known` as in
-    /// [`Bounds::augment`](super::super::barrier::Bounds::augment). The cost's own gradient stays in memory.
+    /// Computes gradient and diagonal terms at the iterate, for the weights W of inputs and of states. For
+    /// `known` see [`Bounds::augment`](super::super::barrier::Bounds::augment). The gradient of the cost
+    /// remains in memory.
     pub(super) fn augment(&mut self, [of_inputs, of_states]: [f64; 2], known: bool) {
         self.rows.evaluate(&mut self.iterate);
         self.riccati.gradient(&self.iterate, &self.linear, &mut self.gradient);
@@ -97,7 +98,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         self.fixed.hold(&mut self.step.u);
     }
 
-    /// Length of the step: 1, or less where the cost would rise again before.
+    /// Length of the step: 1, or less if the cost would rise again before.
     fn augmented_length(&mut self, w: f64) -> f64 {
         let linear = self.gradient.inner(&self.step);
         self.rhs.clear();
@@ -125,8 +126,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         0.5 * (low + high)
     }
 
-    /// The forces at the iterate as multipliers of it and of the solution. Returns the largest violation of a
-    /// hard bound or row.
+    /// Makes the forces at the iterate the multipliers of the iterate and of the solution. Returns the
+    /// largest violation of a hard bound or row.
     pub(super) fn take_forces(&mut self, [of_inputs, of_states]: [f64; 2]) -> f64 {
         let z = &self.iterate;
         self.input_bounds.take_forces(of_inputs, &z.u);

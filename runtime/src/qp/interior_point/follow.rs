@@ -1,13 +1,14 @@
 //! Newton's method from the active set of the last solution.
 //!
-//! The terms of the method of multipliers ([`super::augmented`]) are quadratic on each piece: off the bound, at it, and
-//! beyond a soft one. One Newton step reaches the minimum of the pieces that it assumes. If the pieces there are those
-//! that were assumed, the forces become multipliers and the point is certified, with what its gradient may gain at most
-//! without the weights; what is left of it by the finite weight
-//! W goes in further steps with the same factorization. Otherwise the pieces there are assumed next. The first step
-//! assumes those of the last solution. If the first sets are not the right one, the interior-point method takes fewer iterations
-//! from near the last solution. Noise and motion decide whether that happens, so that it often happens in a row: after each failure more
-//! problems are left to it at once ([`super::super::pause`]).
+//! The terms of the method of multipliers ([`super::augmented`]) are quadratic on each of their pieces: off
+//! the bound, at it, and beyond a soft one. One Newton step reaches the minimum on the assumed pieces. The
+//! first step assumes the pieces of the last solution. If the new point is on the assumed pieces, the forces
+//! become multipliers, and the point is certified. The certificate includes the largest decrease along its
+//! gradient without the weights W. The error due to the finite weight W is removed by further steps with the
+//! same factorization. If the new point is on other pieces, these are assumed in the next step. If the first
+//! sets are wrong, the interior-point method from near the last solution takes fewer iterations. Failures
+//! depend on noise and motion, so they often occur in a row. After each failure, Newton's method is therefore
+//! omitted for more problems ([`super::super::pause`]).
 //!
 //! Source: Hintermüller, Ito, Kunisch, *The primal-dual active set strategy as a semismooth Newton method*, SIAM J.
 //! Optim. 13 (2002), section 3.
@@ -18,12 +19,13 @@ use super::super::ldl::{factor_ldl, solve_ldl};
 use super::super::problem::QpProblem;
 use super::super::status::{KktResiduals, QpReport, QpStatus};
 
-/// Most factorizations, and steps that repeat one. With 2 factorizations the bench `control_step` has 4 and 6 % fewer iterations for UR5
-/// and Panda, 18 and 40 % more for PowerCube and the quadrotor.
+/// Largest number of factorizations, and of steps with the same factorization. With 2 factorizations, the
+/// iterations of the bench `control_step` change by −4 % (UR5), −6 % (Panda), +18 % (PowerCube) and +40 %
+/// (quadrotor).
 const MOST: usize = 4;
 const REPEATED: usize = 3;
-/// The weight W of states and rows, relative to the largest weight of the cost; that of inputs is `RIGID` times as
-/// large, since that of the states acts on them through the dynamics.
+/// Weight W of states and rows, relative to the largest weight of the cost. The weight of inputs is `RIGID`
+/// times as large, because the weight of the states acts on the inputs through the dynamics.
 const WEIGHT: f64 = 1e7;
 const RIGID: f64 = 10.0;
 
@@ -31,7 +33,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     /// Solves the problem from the active set of the solution in memory.
     ///
     /// # Errors
-    /// Where to start instead, and the number of iterations, if that does not lead to its solution.
+    /// The start to use instead, and the number of iterations that were made, if this method does not find
+    /// the solution.
     pub(in crate::qp) fn follow(
         &mut self,
         problem: &QpProblem<NX, NU, NR>,
@@ -95,9 +98,10 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         Err(iterations)
     }
 
-    /// Takes the multipliers of inputs at a bound from the reduced gradient: the force `−W d` has few digits. Returns
-    /// by how much the rest of the gradient g may lower the cost at most, `½ gᵀ R⁻¹ g` with the factors of R; the certificate's own measure
-    /// has the weights W, which hide what a bound kept by mistake would gain.
+    /// Corrects the multipliers of inputs at a bound by the reduced gradient, because the force `−W d` has
+    /// few digits. Returns an upper bound of the decrease of the cost along the remaining gradient g,
+    /// `½ gᵀ R⁻¹ g` with the factors of R. The decrease in the certificate contains the weights W, which hide
+    /// the decrease for a bound that is wrongly kept.
     fn settle(&mut self, problem: &QpProblem<NX, NU, NR>, weight: &[[f64; NU]; NU]) -> f64 {
         let mut gain = 0.0;
         for (k, stage) in problem.stages.iter().enumerate() {
@@ -122,7 +126,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         gain
     }
 
-    /// The inputs of the solution in memory and where they lead to, with the multipliers of its active set.
+    /// Sets the iterate to the inputs of the solution in memory and the states that follow from them, with
+    /// the multipliers of its active set.
     pub(super) fn recall(&mut self, scale: f64) {
         self.iterate.copy_from(&self.solution);
         let [of_inputs, of_states] = &self.multipliers;
@@ -134,12 +139,12 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         self.rows.evaluate(&mut self.iterate);
     }
 
-    /// 0 for one iteration that has found no bound active.
+    /// The number of iterations; 0 for one iteration if no bound is active.
     fn counted(&self, iterations: usize) -> usize {
         if self.has_active_bounds() { iterations } else { iterations - 1 }
     }
 
-    /// True if a bound or row has a force.
+    /// Whether a bound or row has a force.
     pub(super) fn has_active_bounds(&self) -> bool {
         self.equalities.any() || self.input_bounds.is_active() || self.state_bounds.is_active()
     }

@@ -1,4 +1,4 @@
-//! How far an iterate is from the solution, and whether the method still gets closer.
+//! Distance of an iterate from the solution, and tests whether the method still makes progress.
 
 use super::super::certificate::allowed_gap;
 use super::super::core::Core;
@@ -7,25 +7,24 @@ use super::run::{PATIENCE, Run, State};
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
 
-/// A start is a bad one if its first residual exceeds `FAR`, and from the iteration `JUDGED` on if more than
-/// `SLOW` of the residual is left per iteration (looked at in every third one) or if `PATIENCE` steps in a
-/// row are shorter than `CRAWL`, while the residual is not yet `NEAR` its tolerance. Judged earlier, starts
-/// are found bad where patience would have led to the solution sooner.
+/// Conditions of a bad start, while the residual is not yet `NEAR` its tolerance. Its first residual exceeds
+/// `FAR`; or, from iteration `JUDGED` on and tested in every third one, more than the share `SLOW` of the
+/// residual remains per iteration; or `PATIENCE` consecutive steps are shorter than `CRAWL`. An earlier test
+/// rejects starts that would have led to the solution sooner.
 const JUDGED: usize = 14;
 const FAR: f64 = 1e4;
 const SLOW: f64 = 0.7;
 pub(super) const CRAWL: f64 = 0.2;
 pub(super) const NEAR: f64 = 1e3;
-/// From this iteration on the best iterate is kept, and stalling is watched for; nearly all solves have ended
-/// by then.
+/// Iteration from which on the best iterate is stored and stalling is tested. Nearly all solves end earlier.
 pub(super) const LATE: usize = 12;
-/// Iterations between two looks at whether the residual still falls.
+/// Iterations between two tests whether the residual still falls.
 const STALL_PERIOD: usize = 6;
 
 impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, NU, NR> {
-    /// True if the run has had its iterations; beyond the cap, a second start goes on only where the bounds
-    /// are about to be kept, and every start with the iterations of later ones while it closes in on the
-    /// solution: those would begin far from it.
+    /// Whether the run has used its iterations. Beyond its limit, a start may only continue if the bounds are
+    /// nearly kept. A start that approaches the solution may use the iterations of later starts, because
+    /// these would begin far from the solution.
     pub(super) fn is_over(&self, merit: f64, state: &State, run: &Run) -> bool {
         if merit <= NEAR && run.progress.1 < PATIENCE {
             return run.iterations >= run.budget;
@@ -34,7 +33,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         run.iterations >= run.limit || run.iterations >= self.settings.max_iterations && !near
     }
 
-    /// True if the start was a bad one.
+    /// Whether the start is a bad one.
     pub(super) fn is_slow(&self, state: &State, run: &Run) -> bool {
         if state.residual <= NEAR * self.settings.feasibility
             || (run.iterations > 0 && run.iterations < JUDGED)
@@ -47,7 +46,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
             || run.iterations > 0 && run.iterations.is_multiple_of(3) && run.shrink > expected
     }
 
-    /// Multipliers of the iterate, as those of the solution or of the best iterate.
+    /// Stores the multipliers of the iterate as those of the solution, or of the best iterate if `best` is
+    /// true.
     pub(super) fn take_multipliers(&mut self, best: bool) {
         let [of_inputs, of_states] = if best { &mut self.best_multipliers } else { &mut self.multipliers };
         self.input_bounds.multipliers(of_inputs);
@@ -55,7 +55,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         self.equalities.multipliers(of_states);
     }
 
-    /// At most 1 if the tolerances are met.
+    /// Largest ratio of gap and residual to their tolerances, at most 1 for a solution.
     pub(super) fn merit(&self, state: &State, run: &Run) -> f64 {
         let (gap, residual) = (state.gap, state.residual);
         // Maxima drop NaN.
@@ -67,7 +67,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         gap.max(residual / self.settings.feasibility)
     }
 
-    /// Keeps the iterate if it is the best so far.
+    /// Stores the iterate if it is the best so far.
     pub(super) fn keep_best(&mut self, merit: f64, state: &State, run: &mut Run) {
         if merit < run.best.0 || run.best.0.is_infinite() {
             run.best = (merit, state.residual);
@@ -76,7 +76,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         }
     }
 
-    /// True if the residual of the bounds has ceased to fall, as it does where they cannot be kept.
+    /// Whether the residual of the bounds no longer falls, as for bounds that cannot be kept.
     pub(super) fn stalled(&self, state: &State, run: &mut Run) -> bool {
         let iterations = run.iterations - run.begun;
         if iterations < LATE || !iterations.is_multiple_of(STALL_PERIOD) {

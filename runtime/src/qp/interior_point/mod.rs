@@ -1,18 +1,21 @@
 //! Mehrotra's predictor–corrector method on the optimal-control QP.
 //!
 //! Each iteration factorizes the Newton system of the perturbed KKT conditions once ([`super::riccati`]) and
-//! solves it twice: for the affine step, whose length tells how much centring is needed, and for the centred
-//! step with second-order correction. All iterates satisfy the dynamics, so only the bounds have a primal
-//! residual, and equal primal and dual step lengths shrink it and the dual residual by the same factor.
+//! solves it twice. The first solution is the affine step, whose length determines the centring. The second
+//! solution is the centred step with second-order correction. All iterates satisfy the dynamics, so only the
+//! bounds have a primal residual. Equal primal and dual step lengths reduce the primal and the dual residual
+//! by the same factor.
 //!
-//! A start near the last solution has its inputs, the states that they lead to, and slacks
-//! `s = max(d, min(μ/λ, share of the width))` at a distance d into a bound whose multiplier was λ, with multipliers `μ/s`: the
-//! products have one value μ, so that the start lies on the central path as far as the last solution tells it.
+//! A start near the last solution has the inputs of this solution and the states that follow from them. Its
+//! slacks are `s = max(d, min(μ/λ, share of the width))` for the distance d into a bound whose multiplier was
+//! λ, and its multipliers are `μ/s`. All products are μ, so the start is close to the central path if the
+//! last solution is close to the new one.
 //!
 //! Sources: Mehrotra, *On the implementation of a primal-dual interior point method*, SIAM J. Optim. 2
-//! (1992); Wright, *Primal-Dual Interior-Point Methods*, SIAM 1997, chapter 10; Rao, Wright, Rawlings, JOTA
-//! 99 (1998), for the structure of the problem; Yildirim, Wright, *Warm-start strategies in interior-point methods for linear
-//! programming*, SIAM J. Optim. 12 (2002), for starts with a gap that the change of the problem allows.
+//! (1992); Wright, *Primal-Dual Interior-Point Methods*, SIAM 1997, chapter 10. The structure of the problem
+//! is from Rao, Wright, Rawlings, JOTA 99 (1998). Starts with a gap that allows for the change of the problem
+//! are from Yildirim, Wright, *Warm-start strategies in interior-point methods for linear programming*, SIAM
+//! J. Optim. 12 (2002).
 
 mod augmented;
 mod follow;
@@ -30,16 +33,16 @@ use super::ldl::NotPositive;
 use super::problem::QpProblem;
 use super::status::{QpReport, QpStatus};
 
-/// The largest barrier term is multiplied by this where the method makes little progress: damped multipliers fall
-/// slowly, by a share of the gap that hardly changes.
+/// Factor of the largest barrier term if the method makes little progress. Damped multipliers fall slowly, by
+/// a nearly constant share of the gap.
 const CAP_RAISE: f64 = 10.0;
 
-/// How a run of the method ended.
+/// Result of a run of the method.
 #[derive(Debug, Clone, Copy)]
 struct Outcome {
     certificate: Certificate,
     iterations: usize,
-    /// False if the hard bounds could not be reached.
+    /// False if the hard bounds were not reached.
     feasible: bool,
 }
 
@@ -50,13 +53,16 @@ enum Candidate {
     Free,
     /// An iterate.
     Iterate,
-    /// The best iterate, whatever it is worth: the method has ended.
+    /// The best iterate at the end of the method, even if it is not a solution.
     Last,
 }
 
 impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, NU, NR> {
-    /// Solves the problem in memory, `soft` if it has soft bounds or rows. Where its hard state bounds or rows prove out of reach, solves it again with exact penalties in their
-    /// place.
+    /// Solves the problem in memory. `soft` is true if it has soft bounds or rows. If its hard state bounds
+    /// or rows cannot be kept, the problem is solved again with exact penalties in their place.
+    ///
+    /// # Errors
+    /// [`NotPositive`] if the unconstrained problem cannot be factorized.
     pub(super) fn optimize(
         &mut self,
         problem: &QpProblem<NX, NU, NR>,
@@ -112,8 +118,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         self.judge(problem, Ok(report))
     }
 
-    /// Makes the better one of two points the solution: the one kept in memory, if there is one, or the
-    /// present one. Keeps it.
+    /// Makes the better of two points the solution: the stored one, if `kept` is given, or the present one.
+    /// Stores the better point.
     fn better_of(&mut self, kept: Option<Certificate>, present: Certificate) -> Certificate {
         let feasibility = self.settings.feasibility;
         let better = kept.filter(|kept| !present.holds() && kept.is_better_than(&present, feasibility));
@@ -131,8 +137,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         better.unwrap_or(present)
     }
 
-    /// Makes the first iterate. Near a solution without active bounds, the optimum without bounds is tried first, unless
-    /// [`Self::follow`] has found bounds active.
+    /// Sets the first iterate. If the last solution has no active bounds, the unconstrained optimum is tried
+    /// first, unless [`Self::follow`] has found active bounds.
     fn set_out(&mut self, start: Start) -> Result<Start, NotPositive> {
         if start == Start::Near {
             self.recall(self.riccati.largest);
@@ -150,7 +156,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         Ok(start)
     }
 
-    /// The status of the solution in memory. No other place calls one solved.
+    /// Status of the solution in memory. Only this function decides that a point is a solution.
     pub(super) fn status(&mut self, certificate: &Certificate) -> QpStatus {
         if !certificate.is_finite() {
             QpStatus::Invalid
@@ -165,12 +171,12 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         }
     }
 
-    /// True if there is a bound or row that may become active.
+    /// Whether there is a bound or row that may become active.
     fn is_bounded(&self) -> bool {
         self.equalities.any() || self.input_bounds.count() + self.state_bounds.count() > 0.0
     }
 
-    /// True if the iterate keeps all bounds and rows.
+    /// Whether the iterate keeps all bounds and rows.
     fn keeps_bounds(&self) -> bool {
         let inputs = self.input_bounds.violation(&self.iterate.u, false);
         let states = self.state_bounds.violation(&self.iterate.x, false);
@@ -223,8 +229,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         }
     }
 
-    /// One iteration, unless it finds a candidate for the solution; the last one is known to have a merit of
-    /// at least `least`, 0 if there was none.
+    /// Makes one iteration, or returns a candidate for the solution. `least` is the merit of the last
+    /// candidate, 0 if there was no candidate.
     fn iterate(&mut self, least: f64, run: &mut Run) -> Option<Candidate> {
         let state = self.linearize(run.soft);
         // For the next one

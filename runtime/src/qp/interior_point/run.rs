@@ -1,16 +1,15 @@
-//! Runs of the method: their state from one iteration to the next.
+//! Runs of the method, with their state from one iteration to the next.
 
 use super::super::core::Start;
 
-/// The largest barrier term may be this many times the largest multiplier of a state, if that is more:
-/// smaller ones would hold large multipliers back.
+/// Limit of a barrier term relative to the largest multiplier of a state, if it exceeds the absolute limit. A
+/// smaller limit would hold large multipliers back.
 pub(super) const STIFFNESS: f64 = 1e6;
-/// Both limits of the barrier terms are multiplied by this where rounding makes a factorization fail or its
-/// steps inexact.
+/// Factor of both limits of the barrier terms after rounding made a factorization fail or its steps inexact.
 pub(super) const CAP_CUT: f64 = 1e-2;
-/// Iterations without progress after which the second-order correction is left out, since with it the method
-/// can cycle (Cartis, *Some disadvantages of a Mehrotra-type primal-dual corrector interior point algorithm*,
-/// Appl. Numer. Math. 59, 2009).
+/// Number of iterations without progress after which the second-order correction is omitted, because the
+/// method can cycle with it (Cartis, *Some disadvantages of a Mehrotra-type primal-dual corrector interior
+/// point algorithm*, Appl. Numer. Math. 59, 2009).
 pub(super) const PATIENCE: usize = 3;
 
 /// State at the start of an iteration.
@@ -30,34 +29,34 @@ pub(super) struct State {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Run {
     pub(super) start: Start,
-    /// True after [`Core::restart`], which happens once in a run at most.
+    /// Whether [`Core::restart`] was made, which happens at most once in a run.
     pub(super) restarted: bool,
-    /// Iterations that the run had taken when its present start was made: 0, or those up to and including the
-    /// restart.
+    /// Number of iterations before the present start: 0, or the iterations up to and including the restart.
     pub(super) begun: usize,
-    /// Steps in a row shorter than `CRAWL`.
+    /// Number of consecutive steps shorter than `CRAWL`.
     pub(super) crawl: usize,
-    /// True if there are soft bounds or rows.
+    /// Whether there are soft bounds or rows.
     pub(super) soft: bool,
-    /// Complementarity pairs.
+    /// Number of complementarity pairs.
     pub(super) count: f64,
     /// Gap at the start.
     pub(super) start_gap: f64,
     /// Largest diagonal term of the Newton system.
     pub(super) cap: f64,
-    /// The same relative to the largest multiplier.
+    /// Largest diagonal term relative to the largest multiplier.
     pub(super) stiffness: f64,
-    /// `Π (1 − α)`: the remaining share of the dual residual.
+    /// Remaining share `Π (1 − α)` of the dual residual.
     pub(super) shrink: f64,
     pub(super) iterations: usize,
-    /// Iterations after which it ends: the cap of its present start, and those that are left to the solve.
+    /// Number of iterations after which the present start ends.
     pub(super) limit: usize,
     pub(super) budget: usize,
-    /// Smallest merit so far, and the residual that belongs to it; its iterate is in memory.
+    /// Smallest merit so far with its residual. The iterate is in memory.
     pub(super) best: (f64, f64),
-    /// Residual some iterations ago.
+    /// Residual at the last test for stalling.
     pub(super) checkpoint: f64,
-    /// A merit, and iterations since it last fell: to 9 tenths, and to half of it.
+    /// A merit and the number of iterations since it was reached. `progress` requires a decrease to 90 %,
+    /// `pace` to 50 %.
     pub(super) progress: (f64, usize),
     pub(super) pace: (f64, usize),
 }

@@ -1,28 +1,28 @@
-//! Points from which the method starts, and starts again.
+//! Points from which the method starts and restarts.
 
 use super::super::core::{Core, Start};
 use super::super::lanes::Vector;
 use super::super::ldl::NotPositive;
 use super::run::Run;
 
-/// Gap at the start, relative to the cost that keeping the bounds may add. Large: a start far inside takes
-/// fewer iterations than one near the boundary.
+/// Gap at the start, relative to an estimate of the cost of keeping the bounds. It is large, because a start
+/// far inside the bounds takes fewer iterations than a start near the boundary.
 const START_GAP: f64 = 100.0;
-/// Gap at a start near the last solution, relative to the cost. The bench `control_step` has at most 23 % more iterations
-/// with 1 and 8 % more with 0.01.
+/// Gap at a start near the last solution, relative to the cost. In the bench `control_step`, 1 takes up to 23
+/// % more iterations and 0.01 up to 8 % more.
 const NEAR_GAP: f64 = 0.1;
-/// Slacks at the start are at least this share of the distance between the bounds.
+/// Least slack at the start, as a share of the distance between the bounds.
 const START_SLACK: f64 = 0.1;
 /// Largest barrier term of the Newton system, relative to the largest weight of the cost.
 const WEIGHT_CAP: f64 = 1e10;
 /// Penalty of a violated bound in a relaxed problem, relative to the largest gradient or weight of the cost.
 const RELAXATION: f64 = 1e5;
-/// The same penalty relative to the steepest penalty of a soft bound: at less, violating a hard bound would pay for
-/// keeping a soft one.
+/// Least penalty of a violated bound relative to the steepest penalty of a soft bound. With a smaller penalty
+/// it would pay to violate a hard bound in order to keep a soft one.
 const ABOVE_SOFT: f64 = 1e3;
 
 impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, NU, NR> {
-    /// The optimum without bounds, by one factorization.
+    /// Computes the optimum without bounds by one factorization.
     pub(super) fn unconstrained(&mut self) -> Result<(), NotPositive> {
         self.weight.clear();
         self.fixed.weigh(&mut self.weight.u);
@@ -35,7 +35,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         Ok(())
     }
 
-    /// Slacks and multipliers for the first iterate.
+    /// Sets slacks and multipliers of the first iterate.
     pub(super) fn begin(&mut self, run: &mut Run) {
         let gap = match run.start {
             Start::Near => NEAR_GAP * self.cost().abs(),
@@ -48,7 +48,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         self.set_slacks(gap, run);
     }
 
-    /// Slacks as the iterate has them, and multipliers, for a gap `Σ sλ`.
+    /// Sets slacks from the iterate, and multipliers with which the gap `Σ sλ` is `gap`.
     fn set_slacks(&mut self, gap: f64, run: &mut Run) {
         run.count = self.input_bounds.count() + self.state_bounds.count();
         let mu = if gap > 0.0 { gap / run.count.max(1.0) } else { 1.0 };
@@ -60,9 +60,9 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         self.state_bounds.start(run.soft, &self.iterate.x, mu, START_SLACK, far, last(1));
     }
 
-    /// Starts again from a point that lies as deep inside the bounds as the dynamics allow, with its whole
-    /// cost as the scale: where the optimum without bounds lies far outside, what it costs to move it there
-    /// tells nothing, and the method creeps along the boundary.
+    /// Restarts from a point as deep inside the bounds as the dynamics allow, with its whole cost as the
+    /// scale of the gap. If the optimum without bounds is far outside of the bounds, the cost of moving it
+    /// into the bounds is not a good scale, and the method proceeds slowly along the boundary.
     pub(super) fn restart(&mut self, run: &mut Run) {
         if run.iterations > 0 {
             self.iterate.copy_from(&self.best);
@@ -95,7 +95,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         run.best = (f64::INFINITY, f64::INFINITY);
     }
 
-    /// Size of the cost at the iterate.
+    /// Magnitude of the cost at the iterate, with penalties.
     fn scale(&mut self) -> f64 {
         self.cost().abs() + self.state_bounds.penalty(&self.iterate.x, true)
     }
@@ -125,8 +125,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         0.5 * quadratic + linear + self.constant
     }
 
-    /// Scale of the multipliers: the cost of moving each number of the iterate into its bounds and rows, if
-    /// the iterate were the optimum without them.
+    /// Scale of the multipliers: an estimate of the cost of moving each number of the iterate into its bounds
+    /// and rows, if the iterate is the optimum without bounds.
     fn excess_energy(&mut self) -> f64 {
         self.step.copy_from(&self.iterate);
         self.input_bounds.clip(&mut self.step.u);
@@ -142,7 +142,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         0.5 * quadratic + self.riccati.input_energy(&self.step)
     }
 
-    /// Exact penalties in place of all hard state bounds and rows, from the unconstrained optimum in memory.
+    /// Replaces all hard state bounds and rows by exact penalties, from the unconstrained optimum in memory.
     pub(super) fn soften(&mut self) {
         self.riccati.gradient(&self.iterate, &self.linear, &mut self.gradient);
         let mut slope = self.gradient.largest_state();

@@ -8,10 +8,10 @@ use super::run::{CAP_CUT, PATIENCE, Run, State};
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
 
-/// Fraction of the step to the boundary that is taken far from the optimum, and close to it.
+/// Share of the step to the boundary that is taken far from the optimum and close to it.
 const BOUNDARY_FRACTIONS: [f64; 2] = [0.995, 1.0 - 1e-5];
-/// A step shorter than `BLOCKED` is stopped by pairs far below the mean of the products `sλ`; from `SETTLED`
-/// iterations after the start on they are raised to the share `LEAST_PRODUCT` of it.
+/// A step shorter than `BLOCKED` is stopped by pairs whose product `sλ` is far below the mean. From `SETTLED`
+/// iterations after the start on, these products are then raised to the share `LEAST_PRODUCT` of the mean.
 const BLOCKED: f64 = 1e-2;
 const LEAST_PRODUCT: f64 = 1e-2;
 const SETTLED: usize = 8;
@@ -19,7 +19,7 @@ const SETTLED: usize = 8;
 const SAFE_CENTRING: f64 = 0.3;
 
 impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, NU, NR> {
-    /// Gradient of the cost, barrier terms and right-hand side of the affine step.
+    /// Computes the gradient of the cost, barrier terms and the right-hand side of the affine step.
     pub(super) fn linearize(&mut self, soft: bool) -> State {
         self.rows.evaluate(&mut self.iterate);
         let (quadratic, linear) = self.riccati.gradient(&self.iterate, &self.linear, &mut self.gradient);
@@ -40,7 +40,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         }
     }
 
-    /// One iteration. Returns false if the arithmetic broke down, the iterate then being unchanged.
+    /// Makes one iteration. Returns false, with an unchanged iterate, if the arithmetic failed.
     pub(super) fn advance(&mut self, state: &State, run: &mut Run) -> bool {
         if self.riccati.factorize(&self.weight, None, &self.rows).is_err() {
             // Rounding relative to the largest terms.
@@ -81,13 +81,14 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         true
     }
 
-    /// The step for the right-hand side in memory.
+    /// Computes the step for the right-hand side in memory.
     pub(super) fn solve_step(&mut self) {
         self.riccati.solve(&self.rhs, &mut self.step, None);
         self.rows.follow(&mut self.step);
     }
 
-    /// Complementarity `σμ` to aim at, from the affine step: `σ = (μ_affine/μ)³` (Mehrotra 1992).
+    /// Complementarity `σμ` of the centred step, from the affine step: `σ = (μ_affine/μ)³` (Mehrotra 1992).
+    /// The second result is the factor of the second-order correction.
     fn centring(&mut self, state: &State, run: &Run) -> (f64, f64) {
         let inputs = self.input_bounds.predictor(false, &self.step.u);
         let states = self.state_bounds.predictor(run.soft, &self.step.x);

@@ -3,14 +3,14 @@
 use super::super::{Brakes, Reading};
 use super::CanMessage;
 
-/// Collects measurements of one sampling instant. A new sequence number discards an older incomplete set.
+/// Collects the measurements of one sampling time. A new sequence number discards an older incomplete set.
 #[derive(Debug, Clone)]
 pub struct MeasurementSet<const N: usize, const NY: usize = N> {
     sequence: Option<u8>,
     positions: [Option<f64>; NY],
     /// Velocity and force of each drive.
     rates: [Option<(Option<f64>, Option<f64>)>; N],
-    /// True if a set is complete with the rates of each drive alone.
+    /// Whether a complete set must have the rates (velocity or force) of each drive.
     with_rates: bool,
     brakes: Brakes,
 }
@@ -22,12 +22,13 @@ impl<const N: usize, const NY: usize> Default for MeasurementSet<N, NY> {
 }
 
 impl<const N: usize, const NY: usize> MeasurementSet<N, NY> {
-    /// An empty set; complete with positions alone, or `with_rates` of each drive.
+    /// An empty set. It is complete with all positions, and if `with_rates` is true also with the rates of
+    /// each drive.
     pub(super) fn new(with_rates: bool) -> Self {
         Self { sequence: None, positions: [None; NY], rates: [None; N], with_rates, brakes: Brakes::Unknown }
     }
 
-    /// Adds a message; returns the reading if the set is complete. Messages to the drives are ignored.
+    /// Adds a message. Returns the reading if the set is then complete. Messages to the drives are ignored.
     pub fn take(&mut self, message: &CanMessage) -> Option<Reading<N, NY>> {
         match *message {
             CanMessage::Position { index, value, sequence, brake } => {
@@ -68,7 +69,7 @@ impl<const N: usize, const NY: usize> MeasurementSet<N, NY> {
     }
 }
 
-/// The values, if there is one for each.
+/// All values; `None` if a value is missing.
 fn all<V: Copy + Default, const N: usize>(values: &[Option<V>; N]) -> Option<[V; N]> {
     let complete = values.iter().all(Option::is_some);
     complete.then(|| values.map(Option::unwrap_or_default))

@@ -1,24 +1,26 @@
 //! Frames on a CAN bus: classical CAN 2.0A, 11-bit identifiers, at most 8 bytes, little-endian.
 //!
-//! | identifier | from | bytes |
+//! | identifier | sender | bytes |
 //! |---|---|---|
-//! | `base` | controller | command: 0x01 release, 0x02 brake; its complement |
-//! | `base + 0x10 + j` | controller | input j: count, four bytes signed; sequence, one byte |
-//! | `base + 0x40 + i` | drive i | position i: count, four bytes signed; sequence, one byte; status, one byte |
-//! | `base + 0x70 + i` | drive i, if it measures more | velocity i: count, four bytes signed; force of drive i: count, two bytes signed; sequence, one byte; contents, one byte |
+//! | `base` | controller | command (0x01 release, 0x02 brake); complement of the command |
+//! | `base + 0x10 + j` | controller | input j (four bytes, signed count); sequence number (one byte) |
+//! | `base + 0x40 + i` | drive i | position i (four bytes, signed count); sequence number (one byte); status (one byte) |
+//! | `base + 0x70 + i` | drive i, if it measures velocity or force | velocity i (four bytes, signed count); force of drive i (two bytes, signed count); sequence number (one byte); contents (one byte) |
 //!
-//! Status bit 0: the brake is engaged; bit 1: the encoder reports a fault. The command has the lowest
-//! identifier, so that the brakes win every arbitration. Drives stamp positions of the same sampling instant
-//! with the same sequence number (a SYNC of the bus master, or the sequence of the inputs they last
-//! received); only complete sets are readings. A count is `round(value / resolution)`; the CRC of CAN itself
-//! protects the frame.
+//! A count is `round(value / resolution)`. In the status byte, bit 0 means that the brake is engaged, and bit
+//! 1 that the encoder reports a fault. The command has the lowest identifier, so that a brake command wins
+//! every arbitration. Drives give positions of the same sampling time the same sequence number, for example
+//! from a SYNC of the bus master or from the last inputs that they received. Only complete sets are readings.
+//! The CRC of CAN protects the frames.
 //!
-//! Positions i are the NY entries of y, velocities and forces are those of the N velocities. Of a robot with quaternions
-//! whoever measures the attitude sends its entries x, y, z, w, too; a resolution of 1e-9 keeps their length.
+//! The positions i are the NY entries of y. Velocities and forces belong to the N velocity entries. For a
+//! robot with quaternions, the sensor of the attitude sends the entries x, y, z, w too. A resolution of 1e-9
+//! keeps their length accurate.
 //!
-//! Contents bit 0: the velocity is measured; bit 1: the force is. The bytes of what is not are 0. Which of
-//! them the drives measure is a setting of the codec ([`CanCodec::with_velocities`], [`CanCodec::with_torques`]),
-//! and a set is then complete with both frames of each drive.
+//! In the contents byte, bit 0 means that the velocity is measured, and bit 1 that the force is measured. The
+//! bytes of a quantity that is not measured are 0. A setting of the codec says which quantities the drives
+//! measure ([`CanCodec::with_velocities`], [`CanCodec::with_torques`]). A set is then complete with both
+//! frames of each drive.
 
 mod measurement_set;
 #[cfg(test)]
@@ -28,15 +30,15 @@ pub use self::measurement_set::MeasurementSet;
 use super::Brakes;
 use thiserror::Error;
 
-/// Most coordinates or inputs: their identifiers must not meet.
+/// Largest number of coordinates or inputs, so that identifiers do not overlap.
 pub const MAX_NODES: usize = 0x30;
 const INPUT_OFFSET: u16 = 0x10;
 const POSITION_OFFSET: u16 = 0x40;
 const RATES_OFFSET: u16 = 0x70;
-/// Bases above these leave 11 bits.
+/// Largest bases with which all identifiers have 11 bits.
 const LAST_BASE: u16 = 0x780;
 const LAST_BASE_WITH_RATES: u16 = 0x760;
-/// Resolutions with which four bytes of counts neither overflow nor vanish.
+/// Allowed magnitudes of resolutions. With them, counts of four bytes neither overflow nor vanish.
 const RESOLUTIONS: std::ops::RangeInclusive<f64> = 1e-30..=1e30;
 const RELEASE: u8 = 0x01;
 const BRAKE: u8 = 0x02;
@@ -57,7 +59,7 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// A frame from bytes of the bus; `None` for identifiers above 11 bits or more than 8 bytes.
+    /// A frame with these bytes; `None` for an identifier of more than 11 bits, or for more than 8 bytes.
     #[must_use]
     pub fn new(identifier: u16, bytes: &[u8]) -> Option<Self> {
         if identifier > 0x7ff || bytes.len() > 8 {
@@ -78,17 +80,17 @@ impl Frame {
 /// Content of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum CanMessage {
-    /// Release all brakes.
+    /// Command to release all brakes.
     Release,
-    /// Engage all brakes.
+    /// Command to engage all brakes.
     Brake,
     /// Input of a drive.
     Input {
         /// Index of the input.
         index: usize,
-        /// Value of the input, in the model's unit.
+        /// Value of the input [N m, N or A].
         value: f64,
-        /// Sequence number, which all frames of one instant share.
+        /// Sequence number, which is the same in all frames of one time.
         sequence: u8,
     },
     /// Position of a joint.
@@ -97,58 +99,59 @@ pub enum CanMessage {
         index: usize,
         /// Position [rad or m]; NaN if the encoder reports a fault.
         value: f64,
-        /// Number of the set that it belongs to.
+        /// Sequence number of the sampling time.
         sequence: u8,
-        /// The brake of this joint.
+        /// State of the brake of this joint.
         brake: Brakes,
     },
     /// Quantities that a drive measures in addition to the position of its joint.
     Rates {
         /// Index of the coordinate.
         index: usize,
-        /// Velocity of the coordinate [rad/s or m/s].
+        /// Velocity of the coordinate [rad/s or m/s]; `None` if it is not measured.
         velocity: Option<f64>,
-        /// Force of the drive at the joint [N m or N].
+        /// Force of the drive at the joint [N m or N]; `None` if it is not measured.
         torque: Option<f64>,
-        /// Number of the set that it belongs to.
+        /// Sequence number of the sampling time.
         sequence: u8,
     },
 }
 
-/// Errors of encoding or decoding a frame.
+/// Error of encoding or decoding a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum CanFrameError {
     /// The identifier does not belong to this robot.
     #[error("identifier {0:#05x} does not belong to this robot")]
     Identifier(u16),
-    /// Too few or too many bytes for its identifier.
+    /// The frame has too few or too many bytes for its identifier.
     #[error("the frame has {given} bytes instead of {needed}")]
     Length {
-        /// Bytes received.
+        /// Number of bytes in the frame.
         given: u8,
-        /// Bytes needed.
+        /// Number of bytes that the identifier requires.
         needed: u8,
     },
     /// The command is unknown, or its complement is wrong.
     #[error("command bytes {0:#04x}, {1:#04x}")]
     Command(u8, u8),
-    /// The contents differ from those of this robot's drives.
+    /// The contents byte differs from the settings of the codec.
     #[error("the frame contains {given:#04x} instead of {needed:#04x}")]
     Contents {
-        /// Received.
+        /// Contents byte in the frame.
         given: u8,
-        /// The contents of frames for this robot.
+        /// Contents byte according to the settings.
         needed: u8,
     },
-    /// A value is not finite or exceeds the range of its counts: four bytes, two for a force.
+    /// A value is not finite, or exceeds the range of its count, which has four bytes, or two bytes for a
+    /// force.
     #[error("value {value} at resolution {resolution} exceeds the range of its counts")]
     Range {
-        /// The value.
+        /// Value that was given.
         value: f64,
-        /// Unit per count.
+        /// Resolution, which is the unit of a count.
         resolution: f64,
     },
-    /// Settings that are not valid.
+    /// The settings or the index of a message are not valid.
     #[error("{0}")]
     Settings(&'static str),
 }
@@ -164,13 +167,13 @@ pub struct CanCodec<const N: usize, const M: usize, const NY: usize = N> {
 }
 
 impl<const N: usize, const M: usize, const NY: usize> CanCodec<N, M, NY> {
-    /// A codec with identifiers from `base`, and the value of a count for each position [rad or m; entries of
-    /// a quaternion have no unit] and input. A negative resolution reverses the direction of an encoder or
-    /// drive.
+    /// A codec with identifiers from `base` on, and the resolution (the unit of a count) of each position
+    /// [rad or m; entries of a quaternion have no unit] and of each input [N m, N or A]. A negative
+    /// resolution reverses the direction of an encoder or drive.
     ///
     /// # Errors
-    /// [`CanFrameError::Settings`] for more than 48 coordinates or inputs, a base above 0x780 (identifiers
-    /// must have 11 bits), or resolutions whose magnitude is not 1e-30 to 1e30.
+    /// [`CanFrameError::Settings`] for more than 48 coordinates or inputs, for a base above 0x780
+    /// (identifiers must have 11 bits), or for a resolution whose magnitude is not 1e-30 to 1e30.
     pub fn new(
         base: u16,
         position_resolution: [f64; NY],
@@ -195,21 +198,23 @@ impl<const N: usize, const M: usize, const NY: usize> CanCodec<N, M, NY> {
         })
     }
 
-    /// Adds velocities measured by the drives, with the value of a count for each [rad/s or m/s].
+    /// Adds the velocities that the drives measure, as counts of four bytes. `resolution` is the velocity per
+    /// count of each coordinate [rad/s or m/s].
     ///
     /// # Errors
-    /// [`CanFrameError::Settings`], as for [`new`](Self::new); the base must be at most 0x760.
+    /// [`CanFrameError::Settings`] for a resolution whose magnitude is not 1e-30 to 1e30, or for a base above
+    /// 0x760.
     pub fn with_velocities(self, resolution: [f64; N]) -> Result<Self, CanFrameError> {
         require_resolutions(&resolution)?;
         self.require_base_for_rates()?;
         Ok(Self { velocity_resolution: Some(resolution), ..self })
     }
 
-    /// Adds forces measured by the drives at the joints, with the value of a count for each [N m or N]; a
-    /// count has two bytes.
+    /// Adds the forces that the drives measure at the joints, as counts of two bytes. `resolution` is the
+    /// force per count of each joint [N m or N].
     ///
     /// # Errors
-    /// See [`with_velocities`](Self::with_velocities).
+    /// The errors of [`with_velocities`](Self::with_velocities).
     pub fn with_torques(self, resolution: [f64; N]) -> Result<Self, CanFrameError> {
         require_resolutions(&resolution)?;
         self.require_base_for_rates()?;
@@ -225,23 +230,25 @@ impl<const N: usize, const M: usize, const NY: usize> CanCodec<N, M, NY> {
         ))
     }
 
-    /// Contents of this robot's frames of velocities and forces; 0 if there are none.
+    /// Contents byte of this robot's frames of velocities and forces; 0 if the drives measure neither.
     fn contents(&self) -> u8 {
         let bit = |present: bool, bit: u8| if present { bit } else { 0 };
         bit(self.velocity_resolution.is_some(), HAS_VELOCITY)
             | bit(self.torque_resolution.is_some(), HAS_TORQUE)
     }
 
-    /// An empty set of this robot's measurements.
+    /// An empty set for the measurements of this robot.
     #[must_use]
     pub fn new_set(&self) -> MeasurementSet<N, NY> {
         MeasurementSet::new(self.contents() != 0)
     }
 
-    /// The frame of a message.
+    /// Encodes a message as a frame.
     ///
     /// # Errors
-    /// [`CanFrameError::Range`]; [`CanFrameError::Settings`] for an index beyond the robot's.
+    /// [`CanFrameError::Range`] for a value that is not finite or exceeds the range of its count.
+    /// [`CanFrameError::Settings`] for an index out of range, or for measured quantities that differ from the
+    /// settings.
     pub fn encode(&self, message: &CanMessage) -> Result<Frame, CanFrameError> {
         const UNKNOWN: CanFrameError = CanFrameError::Settings("the frame has no such coordinate or input");
         let mut frame = Frame { identifier: self.base, length: 2, data: [0; 8] };
@@ -288,10 +295,11 @@ impl<const N: usize, const M: usize, const NY: usize> CanCodec<N, M, NY> {
         Ok(frame)
     }
 
-    /// The message of a frame. Any frame is accepted as input and never causes a panic.
+    /// Decodes a frame. No frame causes a panic.
     ///
     /// # Errors
-    /// [`CanFrameError::Identifier`] for other traffic on the bus; others for damaged frames of this robot.
+    /// [`CanFrameError::Identifier`] for other traffic on the bus. The other variants, except for `Range` and
+    /// `Settings`, are for damaged frames of this robot.
     pub fn decode(&self, frame: &Frame) -> Result<CanMessage, CanFrameError> {
         let other = CanFrameError::Identifier(frame.identifier);
         let offset = frame.identifier.checked_sub(self.base).ok_or(other)?;
@@ -355,7 +363,10 @@ impl<const N: usize, const M: usize, const NY: usize> CanCodec<N, M, NY> {
     }
 }
 
-/// A value with its resolution: both, or neither.
+/// A value with its resolution, or `None` if both are missing.
+///
+/// # Errors
+/// [`CanFrameError::Settings`] if only one of both is given.
 fn paired<const L: usize>(
     value: Option<f64>,
     resolution: &Option<[f64; L]>,
@@ -365,7 +376,7 @@ fn paired<const L: usize>(
         (Some(value), Some(resolution)) => Ok(Some((value, resolution[index]))),
         (None, None) => Ok(None),
         _ => Err(CanFrameError::Settings(
-            "a drive measures exactly the quantities that its code has a resolution for",
+            "a message must have a velocity or torque exactly if the frame format has its resolution",
         )),
     }
 }

@@ -1,41 +1,37 @@
 //! Datagrams between a controller and a plant process.
 //!
-//! All numbers little-endian:
+//! All numbers are little-endian.
 //!
 //! | bytes | content |
 //! |---|---|
-//! Positions are NY values, velocities and torques N values, all in the order of the model's entries; a joint
-//! with a quaternion has x, y, z, w after its position.
-//! A datagram is accepted only if every byte is valid and its length is exact. Measured values may be NaN,
-//! because the loop's guard checks them and quaternions; inputs must be finite.
-//! A connection begins with a query of kind 9. The plant answers with a random number from the operating
-//! system, which every command of the connection must carry. Sequence numbers increase, and continue at 0
-//! after the largest. Commands of another sender or an earlier connection, duplicates and late commands have
-//! no effect. The first command with an offered number makes its sender the plant's controller and engages
-//! the brakes.
-//! Version 4 adds connections and pushes. Datagrams of earlier versions, whose commands anyone could repeat,
-//! are rejected.
-//! | 8–11 | number of the connection: of a command, the one that the plant offered; of an answer, that of the plant's controller, 0 without one |
+//! | 0–3 | `GLNK` |
+//! | 4 | version of the protocol, 4 |
+//! | 5 | kind, see [`Message`] |
+//! | 6 | N, the number of velocities |
+//! | 7 | M, the number of inputs |
+//! | 8–11 | number of the connection. In a command: the number that the plant offered. In an answer: the number of the plant's controller, 0 if there is no controller |
 //! | 12–19 | sequence number |
 //! | 20 | brakes: 0 unknown, 1 released, 2 engaged |
-//! | 21 | what follows positions in kind 6: 1 velocities, 2 torques, 3 both; in kind 10 the number of the frame plus 1; 0 else |
-//! | 22 | NY − N: how many more positions than velocities a robot with quaternions has; 0 for all others |
+//! | 21 | kind 6: quantities after the positions (1 velocities, 2 torques, 3 both). Kind 10 with a frame: number of the frame plus 1. Otherwise 0 |
+//! | 22 | NY − N, the number of positions minus the number of velocities; 0 for robots without quaternions |
 //! | 23 | 0 |
-//! | 24… | values, 8 bytes each, as many as the kind has |
-//! | last 4 | CRC-32 (IEEE 802.3) of everything before |
+//! | 24… | values, 8 bytes each; their number depends on the kind |
+//! | last 4 | CRC-32 (IEEE 802.3) of all bytes before |
 //!
-//! Positions are NY values, velocities and torques are N, all in the order of the model's entries: of a joint with a
-//! quaternion x, y, z, w behind the position.
+//! There are NY positions and N velocities or torques, in the order of the model's entries. A quaternion is
+//! x, y, z, w, after the position of its joint.
 //!
-//! A datagram is taken only if every byte is as it must be; lengths are exact. What is measured may be NaN,
-//! which the loop's guard judges, as it does quaternions; inputs must be finite.
+//! A datagram is accepted only if every byte is valid and its length is exact. Measured values may be NaN,
+//! because the guard of the loop checks positions, velocities and quaternions. Inputs must be finite.
 //!
-//! A connection begins with the question of kind 9. The plant answers with a number, which the operating system draws, and
-//! which every command of the connection carries; sequence numbers rise, and go on at 0 after the largest. Commands of
-//! another sender, of an earlier connection, doubled ones and late ones have no effect. The first command that carries an
-//! offered number makes its sender the plant's controller in place of the one before, and engages the brakes.
+//! A connection begins with a query of kind 9. The plant answers with a random number from the operating
+//! system, which every command of the connection must carry. Sequence numbers increase, and continue at 0
+//! after the largest one. Commands of another sender or an earlier connection, duplicates and late commands
+//! have no effect. The first command with an offered number makes its sender the plant's controller, in place
+//! of the previous controller, and engages the brakes.
 //!
-//! Version 4 adds connections and pushes. Datagrams of earlier versions, whose commands anybody could repeat, are not taken.
+//! Version 4 has connections and pushes. Datagrams of earlier versions, whose commands anyone could repeat,
+//! are rejected.
 
 #[cfg(test)]
 mod tests;
@@ -45,22 +41,22 @@ use thiserror::Error;
 
 /// First bytes of every datagram.
 const MAGIC: [u8; 4] = *b"GLNK";
-/// Version of this layout.
+/// Version of the protocol.
 pub const VERSION: u8 = 4;
 /// Bits of byte 21.
 const VELOCITIES: u8 = 0x01;
 const TORQUES: u8 = 0x02;
 const HEADER: usize = 24;
 const CHECKSUM: usize = 4;
-/// Most values in a datagram: it fits in one Ethernet frame.
+/// Largest number of values in a datagram, with which it fits in one Ethernet frame.
 const MAX_VALUES: usize = 180;
-/// Length of the longest datagram.
+/// Length of the longest datagram (bytes).
 pub const MAX_DATAGRAM: usize = HEADER + 8 * MAX_VALUES + CHECKSUM;
 
-/// True motion of a simulated robot, for tests and displays; controllers do not get it.
+/// True motion of a simulated robot, for tests and displays. Controllers do not get it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrueState<const N: usize, const NY: usize = N> {
-    /// Positions [rad or m], quaternions.
+    /// Positions [rad or m] and quaternions.
     pub positions: [f64; NY],
     /// Velocities [rad/s or m/s].
     pub velocities: [f64; N],
@@ -68,7 +64,7 @@ pub struct TrueState<const N: usize, const NY: usize = N> {
     pub lowest: [f64; NY],
     /// Highest value of each position since the start [rad or m].
     pub highest: [f64; NY],
-    /// Highest speeds since the start [rad/s or m/s].
+    /// Largest speeds since the start [rad/s or m/s].
     pub fastest: [f64; N],
 }
 
@@ -77,19 +73,19 @@ pub struct TrueState<const N: usize, const NY: usize = N> {
 pub enum Push<const N: usize> {
     /// Forces at the joints.
     Joints {
-        /// How long it lasts (s).
+        /// Duration of the force (s).
         duration: f64,
         /// Generalized forces [N m or N].
         forces: [f64; N],
     },
-    /// A wrench at a frame known to the plant, see
+    /// Force and moment at a frame that the plant knows, see
     /// [`PlantServer::with_frame`](super::PlantServer::with_frame).
     Frame {
-        /// How long it lasts (s).
+        /// Duration of the force (s).
         duration: f64,
         /// Number of the frame, 0 to 254.
         frame: u8,
-        /// Force (N) and moment (N m) at its origin, in the axes of the world.
+        /// Force (N) and moment (N m) at the origin of the frame, in the axes of the world.
         wrench: [f64; 6],
     },
 }
@@ -97,82 +93,84 @@ pub enum Push<const N: usize> {
 /// Content of a datagram.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Message<const N: usize, const M: usize, const NY: usize = N> {
-    /// Kind 1, to the plant: asks for a measurement. In lock-step a period passes first.
+    /// Kind 1, to the plant: requests a measurement. In lock-step, the plant first advances by one period.
     Query,
-    /// Kind 2, to the plant: sets the inputs, in the model's units.
+    /// Kind 2, to the plant: sets the inputs [N m, N or A].
     Inputs([f64; M]),
     /// Kind 3, to the plant: releases the brakes.
     Release,
     /// Kind 4, to the plant: engages the brakes.
     Brake,
-    /// Kind 5, to the plant: asks for the true state. No time passes.
+    /// Kind 5, to the plant: requests the true state. The plant does not advance.
     Inspect,
-    /// Kind 6, from the plant: the measurement, as the answer to a query.
+    /// Kind 6, from the plant: the measurement, as the answer to kinds 1, 3 and 10.
     Measured {
-        /// Positions [rad or m], quaternions.
+        /// Positions [rad or m] and quaternions.
         positions: [f64; NY],
-        /// Velocities [rad/s or m/s], if they are measured.
+        /// Velocities [rad/s or m/s]; `None` if they are not measured.
         velocities: Option<[f64; N]>,
-        /// Forces of the drives at the joints [N m or N], if they are measured.
+        /// Forces of the drives at the joints [N m or N]; `None` if they are not measured.
         torques: Option<[f64; N]>,
     },
-    /// Kind 7, from the plant in lock-step: the answer to a query whose measurement was intentionally lost. The
-    /// period is over.
+    /// Kind 7, from the plant in lock-step: the answer if a datagram was intentionally lost. After a query
+    /// the period is over.
     Lost,
-    /// Kind 8, from the plant: the true state, as the answer to an inspection.
+    /// Kind 8, from the plant: the true state, as the answer to kind 5.
     TrueState(TrueState<N, NY>),
-    /// Kind 9, to the plant: requests a connection. The answer has the same kind and the same number.
+    /// Kind 9, to the plant: requests a connection. The answer also has kind 9, and contains the offered
+    /// number of the connection.
     Connect,
-    /// Kind 10, to the plant: pushes the robot. It is accepted from the controller, or once from anyone with
-    /// an offered number. The answer is that to a query.
+    /// Kind 10, to the plant: pushes the robot. The plant accepts it from the controller, or once from any
+    /// sender with an offered number. The answer is a measurement.
     Push(Push<N>),
 }
 
-/// A message with its envelope.
+/// A message with its connection, sequence number and brakes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Datagram<const N: usize, const M: usize, const NY: usize = N> {
-    /// Number of the connection; 0 without one.
+    /// Number of the connection; 0 if there is no connection.
     pub connection: u32,
-    /// Number of the query, which increases within a connection; an answer has the number of its query.
+    /// Sequence number of the message, which increases within a connection. An answer has the number of its
+    /// query.
     pub sequence: u64,
-    /// Brakes, from the plant.
+    /// State of the brakes, in datagrams from the plant.
     pub brakes: Brakes,
-    /// Content.
+    /// Content of the datagram.
     pub message: Message<N, M, NY>,
 }
 
-/// Reasons why a datagram was rejected.
+/// Reason for which a datagram was rejected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum DatagramError {
-    /// Shorter than any datagram, or not of the length of its kind.
+    /// The datagram is shorter than any datagram, or its length does not match its kind.
     #[error("the datagram has {given} bytes instead of {needed}")]
     Length {
-        /// Bytes received.
+        /// Number of bytes that were received.
         given: usize,
-        /// Bytes needed.
+        /// Number of bytes that are needed.
         needed: usize,
     },
-    /// Not a datagram of this protocol.
+    /// The datagram does not begin with `GLNK`.
     #[error("the datagram does not begin with GLNK")]
     Magic,
-    /// Another version of the protocol.
+    /// The datagram has another version of the protocol.
     #[error("the datagram has version {0} instead of {VERSION}")]
     Version(u8),
-    /// For another robot.
+    /// The datagram is for another robot.
     #[error(
         "the datagram is for {} positions, {} velocities and {} inputs instead of {}, {} and {}",
         .given[2], .given[0], .given[1], .needed[2], .needed[0], .needed[1]
     )]
     Sizes {
-        /// N, M and NY received.
+        /// N, M and NY in the datagram.
         given: [usize; 3],
-        /// N, M and NY here.
+        /// N, M and NY of this robot.
         needed: [usize; 3],
     },
     /// The datagram was damaged.
     #[error("the checksum of the datagram does not match")]
     Checksum,
-    /// Invalid kind, brakes or padding.
+    /// A byte has an invalid value: the kind, the brakes, the contents or padding.
     #[error("byte {position} of the datagram is {value}")]
     Byte {
         /// Index of the byte.
@@ -183,16 +181,16 @@ pub enum DatagramError {
     /// An input is NaN or infinite.
     #[error("input {} is not finite", .input + 1)]
     Input {
-        /// Index of the input; messages count from 1.
+        /// Index of the input, from 0. Messages count from 1.
         input: usize,
     },
-    /// Duration or force of a push is not finite, or its frame has no number.
+    /// The duration or the force of a push is not finite, or the number of its frame is above 254.
     #[error("a push is not finite, or its frame is above 254")]
     Push,
-    /// More coordinates or inputs than fit in a datagram.
+    /// The robot has too many coordinates or inputs for a datagram.
     #[error("{values} values do not fit in a datagram of at most {MAX_VALUES}")]
     TooLarge {
-        /// How many values it would hold.
+        /// Number of values that the datagram would need.
         values: usize,
     },
 }
@@ -213,7 +211,7 @@ impl<const N: usize, const M: usize, const NY: usize> Message<N, M, NY> {
         }
     }
 
-    /// Byte 21.
+    /// Value of byte 21.
     fn contents(&self) -> u8 {
         match self {
             Self::Measured { velocities, torques, .. } => {
@@ -224,7 +222,7 @@ impl<const N: usize, const M: usize, const NY: usize> Message<N, M, NY> {
         }
     }
 
-    /// Number of values of a kind with this byte 21; None if there is no such kind.
+    /// Number of values of a kind with this byte 21; `None` for an unknown kind.
     fn values(kind: u8, contents: u8) -> Option<usize> {
         match kind {
             1 | 3 | 4 | 5 | 7 | 9 => Some(0),
@@ -238,11 +236,11 @@ impl<const N: usize, const M: usize, const NY: usize> Message<N, M, NY> {
 }
 
 impl<const N: usize, const M: usize, const NY: usize> Datagram<N, M, NY> {
-    /// Writes the datagram into `buffer`; returns its bytes.
+    /// Writes the datagram into `buffer`. Returns its bytes.
     ///
     /// # Errors
-    /// [`DatagramError::TooLarge`] if the values do not fit; [`DatagramError::Input`] for non-finite inputs
-    /// and [`DatagramError::Push`] for non-finite pushes.
+    /// [`DatagramError::TooLarge`] if the values do not fit, [`DatagramError::Input`] for inputs that are not
+    /// finite, and [`DatagramError::Push`] for an invalid push.
     pub fn encode<'a>(&self, buffer: &'a mut [u8; MAX_DATAGRAM]) -> Result<&'a [u8], DatagramError> {
         let [n, m, more] = sizes::<N, M, NY>()?;
         let (kind, contents) = (self.message.kind(), self.message.contents());
@@ -293,10 +291,10 @@ impl<const N: usize, const M: usize, const NY: usize> Datagram<N, M, NY> {
         Ok(&buffer[..end + CHECKSUM])
     }
 
-    /// Reads a datagram. Any bytes are accepted as input and never cause a panic.
+    /// Reads a datagram. No sequence of bytes causes a panic.
     ///
     /// # Errors
-    /// [`DatagramError`] for the first invalid byte.
+    /// [`DatagramError`] for the first fault of the datagram.
     pub fn decode(bytes: &[u8]) -> Result<Self, DatagramError> {
         let [n, m, more] = sizes::<N, M, NY>()?;
         let shortest = HEADER + CHECKSUM;
@@ -349,7 +347,10 @@ impl<const N: usize, const M: usize, const NY: usize> Datagram<N, M, NY> {
     }
 }
 
-/// The content of a known kind, with as many values as it has.
+/// The content of a known kind with the right number of values.
+///
+/// # Errors
+/// [`DatagramError::Input`] or [`DatagramError::Push`] for values that are not finite.
 fn message<const N: usize, const M: usize, const NY: usize>(
     kind: u8,
     contents: u8,
@@ -413,7 +414,10 @@ impl<const N: usize> Push<N> {
     }
 }
 
-/// N, M and NY − N.
+/// N, M and NY − N as bytes.
+///
+/// # Errors
+/// [`DatagramError::TooLarge`] if the values do not fit in a datagram.
 fn sizes<const N: usize, const M: usize, const NY: usize>() -> Result<[u8; 3], DatagramError> {
     let values = (3 * NY + 2 * N).max(M);
     let more = NY.checked_sub(N).map(u8::try_from);
@@ -430,7 +434,7 @@ fn require_finite(inputs: &[f64]) -> Result<(), DatagramError> {
     }
 }
 
-/// The first L bytes; zeros if there are fewer, which the checks of length exclude.
+/// The first L bytes. Missing bytes are 0, but the checks of the length exclude this case.
 fn array<const L: usize>(bytes: &[u8]) -> [u8; L] {
     core::array::from_fn(|i| bytes.get(i).copied().unwrap_or(0))
 }

@@ -122,13 +122,16 @@ fn other_versions_and_robots_are_named() {
         bytes[4] = version;
         seal(bytes);
         let error = Small::decode(bytes).unwrap_err();
-        assert!(error.to_string().starts_with(&format!("version {version} instead")), "{error}");
+        assert!(
+            error.to_string().starts_with(&format!("the datagram has version {version} instead")),
+            "{error}"
+        );
     }
     bytes[4] = VERSION;
     bytes[20] = 3;
     seal(bytes);
     let error = Small::decode(bytes).unwrap_err();
-    assert_eq!(error.to_string(), "byte 20 is 3");
+    assert_eq!(error.to_string(), "byte 20 of the datagram is 3");
 }
 
 #[test]

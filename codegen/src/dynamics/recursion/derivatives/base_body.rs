@@ -1,17 +1,17 @@
-//! Bodies seen from the root of their tree.
+//! Bodies in the frame of the root, the first body of their tree.
 
 use super::column::{Column, Disturbance, Disturbed};
 use crate::graph::Scalar;
 use crate::spatial::{Force, Motion, Vector3};
 
-/// A body seen from the root of its tree. Vectors are in the axes of the root's working frame, moments and
-/// accelerations about its origin, velocities relative to the base.
+/// A body in the frame of its tree's root. Vectors are in the axes of the root's working frame. Moments and
+/// accelerations are about the origin of that frame. Velocities are relative to the base.
 #[derive(Clone, Copy)]
 pub(super) struct BaseBody<'g> {
     pub(super) axes: [Vector3<Scalar<'g>>; 3],
     pub(super) origin: Vector3<Scalar<'g>>,
     pub(super) twice_velocity: Vector3<Scalar<'g>>,
-    /// Motion of points at the base's origin per unit of the joint's velocity.
+    /// Motion of the point at the frame's origin for a unit of the joint's velocity.
     pub(super) screw: Motion<'g>,
     pub(super) disturbance: Disturbance<'g>,
 }
@@ -21,7 +21,8 @@ impl<'g> BaseBody<'g> {
         self.axes[0].scaled(v[0]) + self.axes[1].scaled(v[1]) + self.axes[2].scaled(v[2])
     }
 
-    /// Disturbance of the body, with the acceleration of the point at the base's origin.
+    /// Transforms a disturbance of the body to the frame, with the acceleration of the point at the frame's
+    /// origin.
     pub(super) fn disturbed(&self, local: &Disturbed<'g>) -> Disturbed<'g> {
         let (omega, beta) = (self.direction(local.omega), self.direction(local.beta));
         let at_origin =

@@ -1,20 +1,22 @@
-//! Columns of the derivatives, and the disturbances that cause them.
+//! Columns of the derivatives, and the disturbances of bodies that cause them. The symbols δω, β and δa are
+//! defined in [`super`].
 
 use crate::graph::Scalar;
 use crate::kinematics::Mechanism;
 use crate::spatial::{Force, Vector3};
 
-/// A column of the derivatives on the path to the base: three wrenches, and the change of the joint's torque
-/// by disturbances of the current body.
+/// A column of the derivatives on the path to the base. It has three wrenches, and the change of the column's
+/// joint force by disturbances of the current body.
 #[derive(Clone, Copy)]
 pub(super) struct Column<'g> {
-    /// Derivative by the acceleration; also torque of the joint by δa and β.
+    /// Derivative of the wrench by the joint's acceleration. Its components are also the change of the
+    /// joint's force by δa and β.
     pub(super) inertial: Force<'g>,
-    /// Derivative by the velocity.
+    /// Derivative of the wrench by the joint's velocity.
     pub(super) damping: Force<'g>,
-    /// Derivative by the coordinate.
+    /// Derivative of the wrench by the joint's coordinate.
     pub(super) stiffness: Force<'g>,
-    /// Torque of the joint by δω.
+    /// Change of the joint's force by δω.
     pub(super) by_omega: Vector3<Scalar<'g>>,
 }
 
@@ -26,7 +28,7 @@ impl<'g> Column<'g> {
     }
 }
 
-/// Disturbances of a body by its coordinate and velocity.
+/// Disturbances of a body by a unit of its joint's coordinate and velocity.
 #[derive(Clone, Copy)]
 pub(super) struct Disturbance<'g> {
     pub(super) by_coordinate: Disturbed<'g>,
@@ -41,7 +43,7 @@ pub(super) struct Disturbed<'g> {
 }
 
 impl<'g> Disturbed<'g> {
-    /// Creates the column from δω, β and δa.
+    /// Creates the disturbance from δω, β and δa.
     pub(super) fn of([omega, beta, acceleration]: [Vector3<Scalar<'g>>; 3]) -> Self {
         Self { omega, beta, acceleration }
     }

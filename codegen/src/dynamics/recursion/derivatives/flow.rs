@@ -1,4 +1,5 @@
-//! Velocity-dependent composite moments, and the levers for moving them.
+//! Velocity-dependent moments 2P and 2K of composite bodies, and the levers for their transformation. 2P and
+//! 2K are defined in [`super`].
 
 use super::column::Disturbed;
 use crate::dynamics::recursion::composite::Composite;
@@ -9,7 +10,7 @@ use crate::graph::Scalar;
 use crate::kinematics::{Body, JointAxis, Mechanism};
 use crate::spatial::{Force, MassMoments, Matrix3, Vector3};
 
-/// Velocity-dependent composite moments 2P and 2K.
+/// Moments of mass of a composite body, with the velocity-dependent moments 2P (`momentum`) and 2K (`spin`).
 #[derive(Clone, Copy)]
 pub(super) struct Flow<'g> {
     pub(super) composite: Composite<'g>,
@@ -17,7 +18,8 @@ pub(super) struct Flow<'g> {
     pub(super) spin: Matrix3<'g>,
 }
 
-/// Levers of a joint and twice their velocities: along z in the body's frame, and across z in the parent's.
+/// Lever of a joint along z in the body's frame, and twice the velocities of both levers: along z in the
+/// body's frame, and from the parent's origin to the joint's axis in the parent's frame.
 #[derive(Clone, Copy)]
 pub(super) struct Lever<'g> {
     pub(super) along: Scalar<'g>,
@@ -34,7 +36,7 @@ pub(super) fn levers<'g>(
     let zero = mechanism.graph.constant(0.0);
     let lever = |(index, body): (usize, &Body<Scalar<'g>>)| {
         let rate = match body.axis {
-            // The bodies of a chain all move as the last one.
+            // All bodies of a chain have the motion of the last body.
             _ if body.chain.is_some() => zero,
             JointAxis::Revolute => zero,
             JointAxis::Prismatic => body.transmission.motion(input.v),
@@ -60,13 +62,13 @@ pub(super) fn levers<'g>(
     mechanism.bodies.iter().enumerate().map(lever).collect()
 }
 
-/// `2 ω × z`
+/// Vector `2 ω × z`.
 pub(super) fn twice_across(omega: Vector3<Scalar<'_>>) -> Vector3<Scalar<'_>> {
     Vector3([omega[1] * 2.0, -(omega[0] * 2.0), omega[2].constant(0.0)])
 }
 
 impl<'g> Flow<'g> {
-    /// Force and moment about the origin caused by a disturbance of the body.
+    /// Force and moment about the origin that a disturbance of the body requires.
     pub(super) fn response(&self, disturbed: &Disturbed<'g>) -> Force<'g> {
         let Disturbed { omega, beta, acceleration } = *disturbed;
         let moments = self.composite.moments;
@@ -79,7 +81,8 @@ impl<'g> Flow<'g> {
     }
 }
 
-/// 2P and 2K about a point at the lever r with twice its velocity, v.
+/// Transforms 2P and 2K to a point from which the old point has the position `lever`. `velocity` is twice the
+/// rate of the lever.
 pub(super) fn shift_flow<'g>(
     moments: MassMoments<Scalar<'g>>,
     momentum: Vector3<Scalar<'g>>,

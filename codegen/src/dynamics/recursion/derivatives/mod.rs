@@ -1,24 +1,30 @@
-//! Analytic derivatives of the inverse dynamics, with composite bodies.
+//! Analytic derivatives of the inverse dynamics by composite bodies.
 //!
-//! A disturbance of a body consists of an angular velocity δω, β = δω̇ + ω × δω, and an acceleration δa of
-//! the body's origin. With r and ṙ relative to this origin, every point of the subtree then accelerates by
+//! A disturbance of a body consists of an angular velocity δω, of β = δω̇ + ω × δω, and of an acceleration δa
+//! of the body's origin. Every point of the body and of the bodies beyond it has the position r and velocity
+//! ṙ relative to this origin. It gets the additional acceleration
 //!
 //! ```text
 //! δr̈ = δa + β × r + 2 δω × ṙ
 //! ```
 //!
-//! where δω and β are the same in all bodies beyond. The resulting force and moment depend only on the
-//! composite moments m, h = ∫ r dm, Σ = ∫ r rᵀ dm, 2 P = 2 ∫ ṙ dm and 2 K = 2 ∫ ṙ rᵀ dm:
+//! δω and β are the same in all these bodies. The resulting force and moment depend only on the composite
+//! moments m, h = ∫ r dm, Σ = ∫ r rᵀ dm, 2 P = 2 ∫ ṙ dm and 2 K = 2 ∫ ṙ rᵀ dm:
 //!
 //! ```text
 //! δF = m δa + β × h + δω × 2P
 //! δn = h × δa + (tr Σ − Σ) β + (tr 2K − 2K) δω
 //! ```
 //!
-//! A revolute coordinate gives δω = ω × z, β = U z, δa = a × z, its velocity δω = z, β = 2 ω × z. A prismatic
-//! coordinate gives δa = U z, its velocity δa = 2 ω × z. These are the derivatives of Carpentier and Mansard
-//! (2018) and of Singh, Russell and Wensing (2022) with classical accelerations, which require no linear
-//! velocities.
+//! With U = ω̇× + ω× ω× and the joint's axis z, a unit of a joint's position or velocity gives:
+//!
+//! - position of a revolute joint: `δω = ω × z`, `β = U z`, `δa = a × z`
+//! - velocity of a revolute joint: `δω = z`, `β = 2 ω × z`
+//! - position of a prismatic joint: `δa = U z`
+//! - velocity of a prismatic joint: `δa = 2 ω × z`
+//!
+//! These are the derivatives of Carpentier and Mansard (2018) and of Singh, Russell and Wensing (2022) with
+//! classical accelerations instead of spatial ones. They require no linear velocities.
 
 mod base_body;
 mod column;
@@ -41,37 +47,38 @@ use crate::graph::Scalar;
 use crate::kinematics::{Body, ChainPlace, Followed, Mechanism};
 use crate::spatial::Force;
 
-/// Inverse dynamics of bodies and rotors, with derivatives.
+/// Inverse dynamics, with the mass matrix and the derivatives.
 #[derive(Debug, Clone)]
 pub struct ForceDerivatives<'g> {
-    /// `M ÿ + k − q_gravity`
+    /// Forces by coordinate. [`inverse_dynamics_derivatives`] computes `M ÿ + k − q_gravity`.
     pub forces: Vec<Scalar<'g>>,
-    /// ∂/∂y, row i = force i.
+    /// Derivatives of the forces by y. Row i belongs to force i.
     pub by_coordinates: Matrix<'g>,
-    /// ∂/∂ẏ, row i = force i.
+    /// Derivatives of the forces by ẏ. Row i belongs to force i.
     pub by_velocities: Matrix<'g>,
     /// Mass matrix M.
     pub mass_matrix: Matrix<'g>,
 }
 
-/// Frame in which columns of the derivatives meet the joints that they couple with.
+/// Frame in which the entries of pairs of joints are computed. A column of the derivatives belongs to one
+/// joint; its entries belong to the joints before it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PairFrame {
-    /// Working frame of each joint; the column is transformed link by link.
+    /// The working frame of each body on the path to the base. The column is transformed from body to body.
     Links,
-    /// Frame of the tree's first body. Nothing is transformed, but every product has all components. All
-    /// bodies must have the same unit of length.
+    /// The frame of the tree's first body. The column is not transformed, but each product has all
+    /// components. All bodies must have the same unit of length.
     Root,
 }
 
-/// Derives forces and derivatives in the working frames of a formulation.
+/// Derives `M ÿ + k − q_gravity`, the derivatives by y and ẏ, and M, in the working frames of a formulation.
 pub fn inverse_dynamics_derivatives<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     formulation: &Formulation,
     pairs: PairFrame,
     input: MotionInput<'_, 'g>,
 ) -> ForceDerivatives<'g> {
-    // Wrenches are read at every body, so none may be led past it.
+    // The wrench of each body is used, so no part of a wrench may bypass a body.
     let formulation = &formulation.without_shortcuts();
     let parts = inverse_dynamics_parts(mechanism, formulation, input);
     let zeros = vec![vec![mechanism.graph.constant(0.0); mechanism.coordinates]; mechanism.coordinates];
@@ -121,16 +128,16 @@ pub fn inverse_dynamics_derivatives<'g>(
     result
 }
 
-/// Owner of the columns of a walk to the base.
+/// Joint or rotor to which a column belongs on its path to the base.
 struct Source<'g> {
-    /// The body whose joint it is; `None` for a rotor by itself.
+    /// The body of the joint; `None` if the column belongs to a rotor.
     joint: Option<usize>,
-    /// The coordinates that the column stands for, each with the share of a unit of its motion.
+    /// Coordinates of the column, with the factor of the column for each coordinate.
     coordinates: Vec<Followed<Scalar<'g>>>,
 }
 
 impl<'g> Tree<'_, 'g> {
-    /// Carries a column from a body to the base and reads off the entries at every joint that it passes.
+    /// Transforms a column from a body to the base, and adds the entries of each joint on the path.
     fn walk(
         &self,
         start: usize,
@@ -151,7 +158,7 @@ impl<'g> Tree<'_, 'g> {
         }
     }
 
-    /// Reads the entries of the column at the joint of a body and at all joints before it.
+    /// Adds the entries of the column for the joint of a body and for all joints before it.
     fn arrive(
         &self,
         index: usize,
@@ -163,7 +170,8 @@ impl<'g> Tree<'_, 'g> {
         self.walk(index, source, column, result);
     }
 
-    /// Reads the entries of the column at the joint of a body. Returns the body at which the column continues.
+    /// Adds the entries of the column for the joint of a body. Returns the body at which the column
+    /// continues.
     fn read_joint(
         &self,
         index: usize,
@@ -183,8 +191,8 @@ impl<'g> Tree<'_, 'g> {
         }
     }
 
-    /// Reads off the entries at the velocities of a joint with a quaternion: those before `end` in its chain. The
-    /// column has arrived at the last body of the chain.
+    /// Adds the entries for the velocities of a joint with a quaternion that are before `end` in its chain.
+    /// The column is in the frame of the chain's last body.
     fn read_chain(
         &self,
         place: ChainPlace,
@@ -198,7 +206,7 @@ impl<'g> Tree<'_, 'g> {
         }
     }
 
-    /// From the last body of a chain to its first: the columns only change their axes.
+    /// Transforms a column from the last body of a chain to the first body. Only the axes change.
     fn pass_chain(&self, place: ChainPlace, mut column: Column<'g>) -> Column<'g> {
         for index in (place.first + 1..=place.last).rev() {
             column = self.pass_on(index, &column);
@@ -206,8 +214,9 @@ impl<'g> Tree<'_, 'g> {
         column
     }
 
-    /// Carries the column of a velocity of a joint with a quaternion on. Its forces are those in the frame of the
-    /// moved body; only the joints before it see them turned.
+    /// Continues the column of a velocity of a joint with a quaternion. The column is in the frame of the
+    /// moved body; for the joints before it the rotation of this frame is added to the derivative by the
+    /// coordinate.
     fn leave_chain(
         &self,
         index: usize,
@@ -225,7 +234,7 @@ impl<'g> Tree<'_, 'g> {
         self.walk(place.first, source, column, result);
     }
 
-    /// The entries of the column's own joint.
+    /// Adds the entries of the column for its own joint.
     fn read_own(
         &self,
         index: usize,
@@ -243,7 +252,7 @@ impl<'g> Tree<'_, 'g> {
         }
     }
 
-    /// Component of a transmitted force along the joint of a body.
+    /// Component of a transformed force along the joint of a body.
     fn met_by(&self, index: usize, f: Force<'g>) -> Scalar<'g> {
         match self.base.get(index) {
             None => self.own_force(index, f),
@@ -260,7 +269,7 @@ impl<'g> Tree<'_, 'g> {
         }
     }
 
-    /// The entries that couple the unknown of the column with the joint of a body.
+    /// Adds the entries that couple the column's coordinates with the joint of a body.
     fn read_off(
         &self,
         index: usize,

@@ -1,4 +1,5 @@
-//! A mechanism in motion: effect of each body on its joint, and the part passed to its parent.
+//! A mechanism in motion: the columns of the derivatives at each body, and their transformation to the
+//! parent.
 
 use super::base_body::BaseBody;
 use super::column::{Column, Disturbance, Disturbed};
@@ -19,12 +20,12 @@ pub(super) struct Tree<'a, 'g> {
     pub(super) placements: &'a [Placement<'g>],
     pub(super) motions: &'a [BodyMotion<'g>],
     pub(super) levers: Vec<Lever<'g>>,
-    /// Every body seen from the base, if columns meet joints in that frame.
+    /// All bodies in the frame of the root for [`PairFrame::Root`](super::PairFrame::Root); otherwise empty.
     pub(super) base: Vec<BaseBody<'g>>,
 }
 
 impl<'g> Tree<'_, 'g> {
-    /// Composite moments of every body in its working frame.
+    /// Composite moments of each body in its working frame, including 2P and 2K.
     pub(super) fn flows(&self, formulation: &Formulation, input: MotionInput<'_, 'g>) -> Vec<Flow<'g>> {
         let composites = composites(self.mechanism, formulation, self.placements);
         let mut flows: Vec<Flow<'g>> = composites
@@ -48,7 +49,7 @@ impl<'g> Tree<'_, 'g> {
         flows
     }
 
-    /// 2P and 2K of a subtree about the parent's origin.
+    /// Transforms 2P and 2K of a composite body to the parent's frame and origin.
     fn pass_flow(&self, index: usize, flow: &Flow<'g>) -> (Vector3<Scalar<'g>>, Matrix3<'g>) {
         let (body, placement, lever) =
             (&self.mechanism.bodies[index], &self.placements[index], &self.levers[index]);
@@ -64,7 +65,7 @@ impl<'g> Tree<'_, 'g> {
         shift_flow(moments, momentum, &spin, placement.translation, lever.across_velocity)
     }
 
-    /// A rotor's spin turns with its carrier.
+    /// Adds the spin of the rotors to 2K of their carriers.
     fn add_rotor_spin(&self, flows: &mut [Flow<'g>], input: MotionInput<'_, 'g>) {
         for rotor in &self.mechanism.rotors {
             let Some(carrier) = rotor.carrier else {
@@ -76,8 +77,10 @@ impl<'g> Tree<'_, 'g> {
         }
     }
 
-    /// Column of body `index` per unit of acceleration, velocity and position of its coordinate, or of its
-    /// joint if that follows several coordinates.
+    /// Column of body `index` for a unit of acceleration, velocity and position of its coordinate. If the
+    /// joint follows several coordinates, the unit is that of the joint.
+    ///
+    /// - `needed`: wrench that the body and all bodies beyond it require
     pub(super) fn column(&self, index: usize, flow: &Flow<'g>, needed: &Force<'g>) -> Column<'g> {
         let zero = needed.force[0].constant(0.0);
         let axis = self.mechanism.bodies[index].axis;
@@ -102,7 +105,7 @@ impl<'g> Tree<'_, 'g> {
             JointAxis::Prismatic => flow.momentum.cross(screw.linear),
         };
         if self.looks_the_same_turned(index) {
-            // What it needs does not change with its angle; the sums above would only leave their rounding.
+            // The wrench does not depend on the angle. The sums above would only leave rounding.
             stiffness = Force::zero(zero);
         }
         let single = self.mechanism.bodies[index].transmission.single();
@@ -116,7 +119,7 @@ impl<'g> Tree<'_, 'g> {
     }
 
     /// Column of the last body of a chain for a unit of acceleration, velocity and position along one
-    /// velocity of its joint, in the frame of that body, which moves along.
+    /// velocity of the joint. It is in the moving frame of this body.
     fn chain_column(
         &self,
         index: usize,
@@ -129,7 +132,7 @@ impl<'g> Tree<'_, 'g> {
         let disturbance = self.disturbance(index);
         let spin = &flow.spin;
         let trace = spin[0][0] + spin[1][1] + spin[2][2];
-        // Row `axis` of tr 2K − 2K, or what a sliding body's momentum does.
+        // Row `axis` of tr 2K − 2K for a rotation, 2P × e for a translation.
         let by_omega = match self.mechanism.bodies[index].axis {
             JointAxis::Revolute => screw.angular.scaled(trace) - Vector3(spin[place.axis]),
             JointAxis::Prismatic => flow.momentum.cross(screw.linear),
@@ -142,7 +145,8 @@ impl<'g> Tree<'_, 'g> {
         }
     }
 
-    /// Whether a body that carries nothing has its masses around the axis of its revolute joint evenly.
+    /// Whether a body is a leaf with a revolute joint, and its mass is rotationally symmetric about the
+    /// joint's axis.
     fn looks_the_same_turned(&self, index: usize) -> bool {
         let moments = self.placements[index].moments;
         let (first, second) = (moments.first, moments.second);
@@ -211,7 +215,7 @@ impl<'g> Tree<'_, 'g> {
         Column { inertial, damping: pass(column.damping), stiffness: pass(column.stiffness), by_omega }
     }
 
-    /// Every body seen from the base.
+    /// All bodies in the frame of the root.
     pub(super) fn base_bodies(&self) -> Vec<BaseBody<'g>> {
         let mut bodies: Vec<BaseBody<'g>> = Vec::with_capacity(self.mechanism.bodies.len());
         for (index, body) in self.mechanism.bodies.iter().enumerate() {
@@ -224,7 +228,7 @@ impl<'g> Tree<'_, 'g> {
                     let parent = &bodies[parent];
                     let origin = parent.origin + parent.direction(placement.translation);
                     let velocity = parent.twice_velocity + parent.direction(lever.across_velocity);
-                    // Column k of R is what the twist makes of the unit vector k, turned afterwards.
+                    // Column k of R is the unit vector k after the twist, then turned.
                     let [x, y, z] = unit.map(|axis| parent.direction(body.twist.to_parent(axis)));
                     match placement.turn {
                         Some((s, c)) => {
@@ -254,12 +258,12 @@ impl<'g> Tree<'_, 'g> {
         bodies
     }
 
-    /// A column at the start of its path to the base.
+    /// Transforms a column to the frame of its path to the base.
     pub(super) fn depart(&self, index: usize, column: Column<'g>) -> Column<'g> {
         self.base.get(index).map_or(column, |body| body.column(&column))
     }
 
-    /// Whether the path from a joint to the base passes a body, after the joint's own.
+    /// Whether a body is on the path from the parent of a joint to the base.
     pub(super) fn passes(&self, joint: usize, body: usize) -> bool {
         let mut next = self.mechanism.bodies[joint].parent;
         while let Some(index) = next {
@@ -271,11 +275,11 @@ impl<'g> Tree<'_, 'g> {
         false
     }
 
-    /// Coordinates of a column, each with its share of the unit motion.
+    /// Coordinates of the column of a body, with the factor of the column for each coordinate.
     pub(super) fn coordinates_of(&self, index: usize) -> Vec<Followed<Scalar<'g>>> {
         let transmission = &self.mechanism.bodies[index].transmission;
         match transmission.single() {
-            // The column itself is that of the coordinate.
+            // The column already contains the ratio.
             Some(Followed { coordinate, ratio }) => {
                 vec![Followed { coordinate, ratio: ratio.constant(1.0) }]
             }
@@ -283,7 +287,7 @@ impl<'g> Tree<'_, 'g> {
         }
     }
 
-    /// Adds the rotors on a body whose drives move the column's joint.
+    /// Adds to a column the rotors on a body that the column's joint turns.
     pub(super) fn add_rotor_couplings(&self, index: usize, joint: usize, column: &mut Column<'g>) {
         let rotors = self.mechanism.rotors.iter();
         for rotor in rotors.filter(|r| r.carrier == Some(index) && r.driven == Some(joint)) {
@@ -291,7 +295,7 @@ impl<'g> Tree<'_, 'g> {
         }
     }
 
-    /// Adds a rotor on a body to the column of the coordinate that the rotor follows.
+    /// Adds a rotor on a body to the column of the coordinates that the rotor follows.
     pub(super) fn add_rotor_coupling(
         &self,
         index: usize,

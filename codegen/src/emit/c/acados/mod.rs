@@ -1,8 +1,8 @@
 //! Files for acados: discrete dynamics in C, and a Python file with an optimal control problem.
 //!
 //! acados calls generic functions `int f(void **in, void **out, void *params)`. Vectors and matrices are
-//! parts of BLASFEO's, whose storage depends on the processor, so the source accesses them with macros of
-//! acados' headers. `setup.rs` prints the Python file, `python.rs` its literals.
+//! types of BLASFEO, whose storage depends on the processor, so the source accesses them with macros of the
+//! headers of acados. `setup.rs` prints the Python file, and `python.rs` prints the literals in this file.
 
 mod python;
 mod setup;
@@ -16,7 +16,7 @@ use crate::emit::options::Companion;
 
 pub(super) use setup::text as setup;
 
-/// Text of `<name>_acados.c`.
+/// Prints the file `<name>_acados.c`.
 pub(super) fn dynamics(context: &Context<'_>) -> String {
     let has_quaternions = context.module.has_quaternions();
     let step = if has_quaternions { STEP_ABOUT } else { STEP };
@@ -38,7 +38,8 @@ pub(super) fn dynamics(context: &Context<'_>) -> String {
     .concat()
 }
 
-/// The module, and the functions that costs and constraints in CasADi call.
+/// Includes of the module's source, and of the source for CasADi if it is generated. Costs and constraints in
+/// CasADi call it.
 fn sources(context: &Context<'_>) -> String {
     let with_casadi = context.options.companions.contains(&Companion::Casadi);
     let names = [Some(".c"), with_casadi.then_some("_casadi.c")].into_iter().flatten();
@@ -73,7 +74,7 @@ const HEADERS: &str = r#"
 const PARAMETERS: &str =
     "    gelenk_parameters parameters;\n    memcpy(&parameters, FIRST, sizeof parameters);\n";
 
-/// Reading and writing BLASFEO's vectors.
+/// Text of the functions that read and write BLASFEO's vectors and matrices.
 const BEGIN: &str = include_str!("begin.c");
 
 /// Text of the functions that acados calls.
@@ -84,7 +85,7 @@ const STEP_ABOUT: &str = include_str!("step_about.c");
 
 const END: &str = include_str!("end.c");
 
-/// The names of both functions in C.
+/// Names of the step and of the step with derivatives in C.
 fn functions(context: &Context<'_>) -> [String; 2] {
     ["acados_step", "acados_step_derivatives"].map(|name| context.function(name))
 }

@@ -1,6 +1,6 @@
-//! Python literals.
+//! Literals of Python.
 
-/// A number.
+/// A number as a literal. Numbers that are not finite are NumPy's constants.
 pub(super) fn number(number: f64) -> String {
     match number {
         _ if number.is_nan() => "np.nan".to_owned(),
@@ -10,7 +10,7 @@ pub(super) fn number(number: f64) -> String {
     }
 }
 
-/// Text that cannot become code.
+/// A text as a string literal. Other letters than printable ASCII are escaped.
 pub(super) fn string(text: &str) -> String {
     let mut literal = String::from("\"");
     for letter in text.chars() {
@@ -24,7 +24,7 @@ pub(super) fn string(text: &str) -> String {
     literal
 }
 
-/// A tuple of strings.
+/// Texts as a tuple of string literals.
 pub(super) fn strings<'a>(texts: impl Iterator<Item = &'a str>) -> String {
     let texts: Vec<String> = texts.map(string).collect();
     // A tuple of one has a comma.
@@ -32,7 +32,7 @@ pub(super) fn strings<'a>(texts: impl Iterator<Item = &'a str>) -> String {
     format!("({}{comma})", texts.join(", "))
 }
 
-/// An array of numbers.
+/// Numbers as an array of NumPy, rows first.
 ///
 /// - `columns`: number of columns of a matrix, which may have no rows; `None` for a vector
 pub(super) fn array(numbers: &[f64], columns: Option<usize>) -> String {

@@ -1,4 +1,4 @@
-//! The Python file with an optimal control problem: constants of the robot before a fixed text.
+//! The Python file with an optimal control problem. Constants of the robot are inserted into a fixed text.
 
 use super::super::context::Context;
 use super::functions;
@@ -7,13 +7,13 @@ use crate::emit::header;
 use crate::functions::function::{Constant, ConstantValue};
 use crate::program::interpret::{Functions, interpret};
 
-/// All of the file except its constants and the code for positions.
+/// The file without the constants and without the code for the parameters of a stage.
 const TEXT: &str = include_str!("setup.py");
 
-/// The parameters of a stage.
+/// Code for the parameters of a stage.
 const PARAMETERS: &str = include_str!("parameters.py");
 
-/// The parameters of a stage with reference positions.
+/// Code for the parameters of a stage that include reference positions.
 const REFERENCES: &str = include_str!("references.py");
 
 const STATE: &str = "The dynamics are discrete: x = (y, ẏ) after a period over which the inputs u are held. The parameters p are the period in
@@ -23,7 +23,7 @@ const STATE_ABOUT: &str = "The dynamics are discrete: x = (d, v) after a period 
 motion from reference positions of each stage; d is at most half a turn. The parameters p are the period in s, the references
 at its begin and at its end, then the free parameters of the description.";
 
-/// Text of `<name>_acados.py`.
+/// Prints the file `<name>_acados.py`.
 pub(in crate::emit::c) fn text(context: &Context<'_>) -> String {
     let lines = header::lines(context.module, &context.options.command);
     let top: String = lines.iter().map(|line| format!("#{}\n", line.trim_start_matches('/'))).collect();
@@ -37,12 +37,13 @@ pub(in crate::emit::c) fn text(context: &Context<'_>) -> String {
     format!("{top}{}", text.replace("# constants\n", &constants))
 }
 
-/// Properties of a robot in the setup file.
+/// Values of a robot for the constants of the file.
 struct Robot<'a> {
     context: &'a Context<'a>,
     n: usize,
     m: usize,
-    /// B, rows first; none if it depends on positions.
+    /// Entries of B, rows first, at the description's values of free parameters; `None` if B depends on
+    /// positions.
     input_matrix: Option<Vec<f64>>,
 }
 
@@ -103,7 +104,7 @@ impl<'a> Robot<'a> {
         ]
     }
 
-    /// Additional entries of robots with quaternions.
+    /// Additional constants of robots with quaternions.
     fn of_positions(&self) -> Vec<Entry> {
         if !self.context.module.has_quaternions() {
             return vec![];
@@ -189,7 +190,7 @@ impl<'a> Robot<'a> {
         ]
     }
 
-    /// Limits that are not constant bounds.
+    /// Names of the limits that are not constant bounds of x and u.
     fn left_out(&self) -> Entry {
         let has_efforts = ["EFFORT_LIMITS", "PEAK_EFFORT_LIMITS"]
             .iter()
@@ -202,7 +203,8 @@ impl<'a> Robot<'a> {
         entry("LEFT_OUT", strings(efforts.into_iter().chain(followers)), about)
     }
 
-    /// Whether some joints follow driven ones, which no function for acados takes.
+    /// Whether a joint follows driven joints. Functions for acados have no argument for the motion of driven
+    /// joints.
     fn follow_driven_joints(&self) -> bool {
         self.value("DEPENDENT_DRIVEN_RATIOS").is_some()
     }
@@ -212,7 +214,7 @@ impl<'a> Robot<'a> {
         found.map(|constant| &constant.value)
     }
 
-    /// Numbers; infinite if the module does not have them.
+    /// Entries of a constant of numbers; infinite if the module does not have it.
     fn numbers(&self, name: &str, count: usize) -> Vec<f64> {
         match self.value(name) {
             Some(ConstantValue::Numbers(_, numbers)) => numbers.clone(),
@@ -220,7 +222,7 @@ impl<'a> Robot<'a> {
         }
     }
 
-    /// The entries of `count` rows, rows first; none if the module does not have them.
+    /// Entries of a constant with `count` rows, rows first; empty if the module does not have it.
     fn flat(&self, name: &str, count: usize) -> Vec<f64> {
         match self.value(name) {
             _ if count == 0 => vec![],

@@ -1,22 +1,24 @@
-//! Functions for CasADi: inputs, outputs, and the source of each entry.
+//! Functions for CasADi as data: inputs, outputs, and the place of each output entry in the array `e` of
+//! computed values.
 
-/// A function with its derivatives.
+/// A function for CasADi with its derivatives.
 pub(super) struct External {
-    /// The function.
+    /// The function that computes the value.
     pub(super) value: Evaluation,
-    /// First and second derivatives; `None` if the module lacks the first.
+    /// The functions that compute the first and second derivatives; `None` if the module lacks the first
+    /// derivatives.
     pub(super) derivatives: Option<[Evaluation; 2]>,
 }
 
-/// A function for CasADi.
+/// A function for CasADi without its derivatives.
 pub(super) struct Evaluation {
-    /// Name in C.
+    /// Name of the function in C.
     pub(super) name: String,
-    /// Description.
+    /// Description of the function, for a comment.
     pub(super) about: String,
-    /// Inputs; all are dense.
+    /// Inputs. All of them are dense.
     pub(super) inputs: Vec<Input>,
-    /// Outputs.
+    /// Outputs, which may be sparse.
     pub(super) outputs: Vec<Block>,
     /// Computation of the outputs.
     pub(super) body: Body,
@@ -24,45 +26,46 @@ pub(super) struct Evaluation {
 
 /// Computation of the outputs of a function.
 pub(super) enum Body {
-    /// Statements fill an array `e` of this size from index [`VALUES`] on; the outputs are entries of `e`.
+    /// The statements fill an array `e` of this size from index [`VALUES`] on. The outputs are entries of
+    /// `e`.
     Filled { statements: Vec<String>, size: usize },
-    /// Central differences with respect to the first inputs.
+    /// The outputs are central differences of another function by its first inputs.
     Differences {
-        /// The differentiated function.
+        /// Name of the differentiated function.
         of: String,
-        /// How many inputs they are, and how many outputs the function has.
+        /// Number of inputs by which the function is differentiated, and number of its outputs.
         counts: [usize; 2],
-        /// The numbers that they store.
+        /// Length of the work array.
         work: usize,
     },
 }
 
-/// An input.
+/// An input of a function.
 #[derive(Clone)]
 pub(super) struct Input {
     pub(super) name: String,
     pub(super) rows: usize,
     pub(super) columns: usize,
-    /// Whether these are the free parameters, which the module takes as a struct.
+    /// Whether the input is the free parameters, for which the module has a struct.
     pub(super) are_parameters: bool,
 }
 
-/// An output; only some entries are non-zero in some state.
+/// An output of a function. Entries that are zero in every state are left out.
 pub(super) struct Block {
     pub(super) name: String,
     pub(super) rows: usize,
     pub(super) columns: usize,
-    /// Row, column and index in `e` of each entry, column by column.
+    /// Row, column and index in `e` of each entry that can be non-zero, column by column.
     pub(super) entries: Vec<(usize, usize, usize)>,
 }
 
 /// Index in `e` of the number 1.
 pub(super) const ONE: usize = 0;
-/// First index of computed values in `e`.
+/// Index in `e` of the first computed value.
 pub(super) const VALUES: usize = 1;
 
 impl Input {
-    /// The free parameters as an input.
+    /// An input for `count` free parameters.
     pub(super) fn parameters(count: usize) -> Self {
         Self { are_parameters: true, ..Self::new("p", count) }
     }
@@ -83,7 +86,7 @@ impl Block {
         Self { name: name.to_owned(), rows, columns, entries: entries.collect() }
     }
 
-    /// A column of `e` from an index on.
+    /// A dense column of entries that are adjacent in `e`, from index `start` on.
     pub(super) fn column(name: &str, rows: usize, start: usize) -> Self {
         Self::new(name, [rows, 1], |row, _| Some(start + row))
     }
@@ -106,7 +109,7 @@ impl External {
     }
 }
 
-/// The inputs of a function's derivatives: its own, then its outputs.
+/// Inputs of the derivatives of a function: the function's inputs, then the function's outputs.
 fn with_outputs(evaluation: &Evaluation) -> Vec<Input> {
     let of_outputs = evaluation.outputs.iter().map(|output| {
         let name = format!("out_{}", output.name);
@@ -115,7 +118,8 @@ fn with_outputs(evaluation: &Evaluation) -> Vec<Input> {
     evaluation.inputs.iter().cloned().chain(of_outputs).collect()
 }
 
-/// Central differences of derivatives by the first `by` inputs: no derivative depends on the outputs, which follow.
+/// Second derivatives as central differences by the first `by` inputs. The further inputs are the outputs of
+/// the function, on which no derivative depends.
 fn second_derivatives(jacobian: &Evaluation, by: usize) -> Evaluation {
     let blocks = jacobian.outputs.iter().flat_map(|output| {
         jacobian.inputs.iter().enumerate().map(move |(index, input)| {
@@ -137,12 +141,14 @@ fn second_derivatives(jacobian: &Evaluation, by: usize) -> Evaluation {
     }
 }
 
-/// Room of a result in `e`. Empty results also get an index of their own.
+/// Number of entries of `e` that a result with `entries` entries occupies. An empty result occupies one
+/// entry.
 pub(super) fn room(entries: usize) -> usize {
     entries.max(1)
 }
 
-/// Computation of derivatives: statements that fill `e`, and the blocks read from it.
+/// Computation of derivatives: statements that fill `e`, the size of `e`, and the outputs that are read from
+/// `e`.
 pub(super) struct Derivatives {
     pub(super) statements: Vec<String>,
     pub(super) size: usize,
@@ -154,7 +160,7 @@ impl Derivatives {
         Self { statements, size: VALUES, blocks: vec![] }
     }
 
-    /// Reserves `count` values; returns the first index.
+    /// Reserves `count` entries of `e` and returns the first index.
     pub(super) const fn room(&mut self, count: usize) -> usize {
         let place = self.size;
         self.size += count;
@@ -162,7 +168,7 @@ impl Derivatives {
     }
 }
 
-/// A result in `e`: first index, and the entries that are not always zero.
+/// A result in `e`: its first index, and a flag for each entry that can be non-zero.
 pub(super) struct Stored {
     pub(super) start: usize,
     pub(super) nonzero: Vec<bool>,

@@ -1,4 +1,4 @@
-//! Functions for CasADi with their derivatives.
+//! The functions for CasADi with their derivatives.
 
 use super::super::context::Context;
 use super::external::{Block, Body, Derivatives, Evaluation, External, Input, ONE, Stored, VALUES, room};
@@ -6,7 +6,7 @@ use super::robot::{Given, Robot};
 use crate::emit::interface::Interface;
 use crate::functions::function::{FrameFunction, FrameKind};
 
-/// All functions of a module in order.
+/// All functions for CasADi that a module has, in order.
 pub(super) fn all(context: &Context<'_>, interface: &Interface) -> Vec<External> {
     let robot = Robot { context, interface, n: context.module.coordinates, m: context.module.inputs };
     let of_frames = context.module.functions.iter().filter_map(|function| function.frame.as_ref());
@@ -16,7 +16,7 @@ pub(super) fn all(context: &Context<'_>, interface: &Interface) -> Vec<External>
     functions.into_iter().flatten().chain(frames).collect()
 }
 
-/// The name of a frame's function.
+/// Name of the module's function for a quantity of a frame.
 fn of_frame(frame: &str, kind: FrameKind) -> String {
     FrameFunction { frame: frame.to_owned(), kind }.name()
 }
@@ -24,7 +24,7 @@ fn of_frame(frame: &str, kind: FrameKind) -> String {
 const REFERENCE: [&str; 1] = ["y_ref"];
 
 impl Robot<'_> {
-    /// ẋ = f(x, u).
+    /// Forward dynamics ẋ = f(x, u); `None` if the module lacks them.
     fn dynamics(&self) -> Option<External> {
         let (n, m) = (self.n, self.m);
         let [rate, a] = [VALUES, VALUES + n];
@@ -69,7 +69,7 @@ impl Robot<'_> {
                 (Some(row), Some(column), _) => by_v.at(row * n + column),
             }
         }));
-        // The first half of the rows does not depend on the following.
+        // The first half of the rows does not depend on the further inputs.
         let lower = |name: &str, columns: usize, by: &Stored| {
             Block::new(name, [2 * n, columns], |row, column| by.at(row.checked_sub(n)? * columns + column))
         };
@@ -83,7 +83,7 @@ impl Robot<'_> {
         Some(made)
     }
 
-    /// The forces of a motion.
+    /// Inverse dynamics; `None` if the module lacks them.
     fn inverse_dynamics(&self) -> Option<External> {
         let n = self.n;
         let positions = self.name_of(Given::Positions);
@@ -125,7 +125,7 @@ impl Robot<'_> {
         Some(made)
     }
 
-    /// x⁺ after a period.
+    /// State x⁺ after one period; `None` if the module lacks `step`.
     fn step(&self) -> Option<External> {
         let (n, m) = (self.n, self.m);
         let call = self.call("step", VALUES)?;
@@ -158,7 +158,7 @@ impl Robot<'_> {
         Some(External::new(value, derivatives))
     }
 
-    /// The reference after the period, with quaternions of unit length.
+    /// Statements that normalize the quaternions of the reference after the period.
     fn next_reference(&self) -> [String; 3] {
         let ny = self.context.module.positions;
         [
@@ -177,7 +177,7 @@ impl Robot<'_> {
         let [by_x, by_u] = [after + ny + n, after + ny + n + 4 * n * n];
         let width = 1 + self.parameters().unwrap_or(0);
         let others = made.room(2 * n * width);
-        // They take as long as all others, and solvers seldom ask for them.
+        // These derivatives take as long as all other ones, and solvers seldom need them.
         let places = [Some(2), self.parameters().map(|_| if self.has_reference() { 5 } else { 3 })];
         let wanted = places.into_iter().flatten().map(|place| format!("res[{place}]"));
         let wanted = wanted.collect::<Vec<_>>().join(" || ");
@@ -192,7 +192,7 @@ impl Robot<'_> {
                 self.name("step_about")
             ));
         }
-        // Blocks of N × N, those of y⁺ first.
+        // Blocks of N × N entries. The blocks of y⁺ are first.
         let by_state = |row: usize, column: usize| {
             let block = 2 * (row / n) + column / n;
             Some(by_x + block * n * n + row % n * n + column % n)
@@ -203,7 +203,7 @@ impl Robot<'_> {
         if let Some([by_ref, by_next]) = references {
             let place = |row, column| Some(by_ref + row * ny + column);
             made.blocks.push(Block::new("jac_x_next_y_ref", [2 * n, ny], place));
-            // The velocities do not depend on what the positions are compared with.
+            // The velocities do not depend on the next reference.
             let place = |row, column| (row < n).then_some(by_next + row * ny + column);
             made.blocks.push(Block::new("jac_x_next_y_ref_next", [2 * n, ny], place));
         }
@@ -214,7 +214,8 @@ impl Robot<'_> {
         Some(made)
     }
 
-    /// The call of the function that `sensitivities.rs` prints; none if what it calls is not in the module.
+    /// Call of the function that `sensitivities.rs` prints; `None` if the module lacks a function that it
+    /// calls.
     fn sensitivities(&self, place: usize) -> Option<String> {
         let by_parameters = self.parameters().map(|_| "forward_dynamics_by_parameters");
         let called = ["forward_dynamics", "linearize"].into_iter().chain(by_parameters);
@@ -223,7 +224,7 @@ impl Robot<'_> {
         Some(format!("{}(y, v, u, *period, {parameters}&e[{place}]);", self.name("sensitivities")))
     }
 
-    /// The pose of a frame.
+    /// Pose of a frame; `None` if the module lacks its function.
     fn frame(&self, frame: &str) -> Option<External> {
         let [position, rotation] = [VALUES, VALUES + 3];
         let turned = |row: usize, column: usize| Some(rotation + 3 * row + column);
@@ -262,7 +263,7 @@ impl Robot<'_> {
             let (position, rotation) = (stored.next()?, stored.next()?);
             let place = |row: usize, column: usize| position.at(row * count + column);
             made.blocks.push(Block::new("jac_position_p", [3, count], place));
-            // Column by column here, rows first in the module.
+            // CasADi has columns first, the module rows first.
             let place =
                 |entry: usize, column: usize| rotation.at((3 * (entry % 3) + entry / 3) * count + column);
             of_rotation.push(Block::new("jac_rotation_p", [9, count], place));
@@ -271,10 +272,10 @@ impl Robot<'_> {
         Some(made)
     }
 
-    /// The derivatives of a rotation matrix, ∂R = ω × R, each axis of R a column of three rows.
+    /// Derivatives ∂R = ω × R of a rotation matrix R. The nine entries of R are in the order of its columns.
     ///
-    /// - `axes`: R
-    /// - `jacobian`: three rows, then those of ω
+    /// - `axes`: the entries of R
+    /// - `jacobian`: Jacobian of the frame, whose last three rows are ω
     fn turned(&self, made: &mut Derivatives, name: &str, axes: &Stored, jacobian: &Stored) -> Block {
         let columns = jacobian.nonzero.len() / 6;
         let turning = made.room(9 * columns);

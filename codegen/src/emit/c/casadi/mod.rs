@@ -1,11 +1,12 @@
-//! External functions for CasADi with Jacobians.
+//! External functions for CasADi, with Jacobians.
 //!
-//! `casadi.external` finds a function by name, and its derivatives as `jac_<name>`: one block per output and
-//! input, outputs first. The derivatives of `jac_<name>` are `jac_jac_<name>`, central differences from
-//! `differences.c`. `functions.rs` lists the functions and the sources of their entries, `robot.rs` the calls
-//! of the module, `text.rs` the interface to CasADi, `sensitivities.rs` the derivatives of a step by its
-//! period and the free parameters. States of robots with quaternions are small motions from a reference:
-//! `positions.c`, `tangents.c` and `steps.c` complete the texts of `about_reference/`.
+//! `casadi.external` finds a function by its name, and the function's derivatives by the name `jac_<name>`.
+//! The derivatives have one output for each pair of output and input, outputs first. The derivatives of
+//! `jac_<name>` are `jac_jac_<name>`, central differences by `differences.c`. `functions.rs` has the
+//! functions and the places of their entries. `robot.rs` makes calls of the module, and `text.rs` prints the
+//! interface to CasADi. `sensitivities.rs` has the derivatives of a step by the period and the free
+//! parameters. States of robots with quaternions are small motions from reference positions; `positions.c`,
+//! `tangents.c` and `steps.c` complete the texts of `about_reference/` for them.
 
 mod external;
 mod functions;
@@ -19,7 +20,7 @@ use super::context::Context;
 use super::{about_reference, header, interface};
 use external::Evaluation;
 
-/// Text of `<name>_casadi.c`.
+/// Prints the file `<name>_casadi.c`.
 pub(super) fn text(context: &Context<'_>) -> String {
     let externals = functions::all(context, &interface::of(context));
     let evaluations: Vec<&Evaluation> = externals
@@ -30,7 +31,7 @@ pub(super) fn text(context: &Context<'_>) -> String {
         evaluations.iter().map(|each| format!("\n{}", text::function(context, each))).collect();
     let is_called = |name: &str| functions.contains(&format!("{name}("));
     let with_steps = is_called("casadi_step_about");
-    // Compilers warn of what nothing calls.
+    // Compilers warn of functions that are not called.
     let shared = [
         (is_called("casadi_positions"), include_str!("positions.c")),
         (is_called("casadi_tangents"), about_reference::BLOCKS),

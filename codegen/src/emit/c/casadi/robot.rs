@@ -1,4 +1,5 @@
-//! A module as used by external functions, with positions relative to a reference if joints have quaternions.
+//! Calls of a module by functions for CasADi. If joints have quaternions, positions are small motions d from
+//! a reference.
 
 use super::super::context::Context;
 use super::external::{Derivatives, Input, Stored, room};
@@ -7,7 +8,7 @@ use crate::functions::function::Function;
 use crate::layout::{Dimension, Extent};
 use crate::program::nonzero_entries;
 
-/// A module and the prefix of its functions.
+/// A module that functions for CasADi call, with n velocities and m inputs.
 pub(super) struct Robot<'a> {
     pub(super) context: &'a Context<'a>,
     pub(super) interface: &'a Interface,
@@ -15,34 +16,34 @@ pub(super) struct Robot<'a> {
     pub(super) m: usize,
 }
 
-/// Derivatives by arguments that determine the positions.
+/// Derivatives of a result by the arguments that determine the positions.
 pub(super) struct ByPositions {
-    /// Derivative by the positions, or by small motions `d` from the reference.
+    /// Derivatives by the positions, or by the small motions d from the reference.
     pub(super) own: Stored,
-    /// Derivative by the entries of the reference, if any.
+    /// Derivatives by the entries of the reference; `None` if there is no reference.
     pub(super) reference: Option<Stored>,
 }
 
-/// Argument that determines the positions of a function.
+/// Argument of a function that determines the positions.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Given {
-    /// The state.
+    /// The state x of positions and velocities.
     State,
-    /// The positions.
+    /// The positions y, or the small motions d.
     Positions,
 }
 
-/// Variable of the derivatives.
+/// Variable by which the positions are differentiated.
 #[derive(Clone, Copy)]
 enum Chart {
-    /// Small motions d.
+    /// The small motions d.
     Motion,
-    /// Entries of the reference.
+    /// The entries of the reference.
     Reference,
 }
 
 impl Robot<'_> {
-    /// Whether positions are given as small motions from a reference.
+    /// Whether positions are small motions from a reference. This is the case for robots with quaternions.
     pub(super) fn has_reference(&self) -> bool {
         self.context.module.has_quaternions()
     }
@@ -51,7 +52,7 @@ impl Robot<'_> {
         self.context.module.positions
     }
 
-    /// Name of an argument.
+    /// Name of the argument.
     pub(super) fn name_of(&self, argument: Given) -> &'static str {
         match argument {
             Given::State => "x",
@@ -60,19 +61,19 @@ impl Robot<'_> {
         }
     }
 
-    /// Name of a function or type.
+    /// Name in C of a private function or type of the file for CasADi.
     pub(super) fn name(&self, name: &str) -> String {
         self.context.function(&format!("casadi_{name}"))
     }
 
-    /// Number of free parameters; `None` without any.
+    /// Number of free parameters; `None` if there are no free parameters.
     pub(super) fn parameters(&self) -> Option<usize> {
         Some(self.interface.parameters.len()).filter(|&count| count > 0)
     }
 
-    /// Appends the inputs that follow all others.
+    /// Appends the reference positions and the free parameters to the inputs of a function.
     ///
-    /// - `references`: names of reference positions, only for robots with quaternions
+    /// - `references`: names of the inputs for reference positions, which only robots with quaternions have
     pub(super) fn with_rest(&self, mut inputs: Vec<Input>, references: &[&str]) -> Vec<Input> {
         let references = references.iter().filter(|_| self.has_reference());
         inputs.extend(references.map(|name| Input::new(name, self.positions())));
@@ -80,7 +81,7 @@ impl Robot<'_> {
         inputs
     }
 
-    /// Positions y of an argument, and velocities of a state.
+    /// Statements that compute the positions y from an argument, and the velocities v from a state.
     pub(super) fn begin(&self, argument: Given) -> Vec<String> {
         let n = self.n;
         let is_state = argument == Given::State;
@@ -96,7 +97,8 @@ impl Robot<'_> {
         velocities.into_iter().chain([references, call]).collect()
     }
 
-    /// Positions and velocities of an argument, and values for derivatives by positions.
+    /// Begins the computation of derivatives, with the statements of [`Self::begin`]. For robots with
+    /// quaternions the derivatives of the positions by d and by the reference are computed, too.
     pub(super) fn begin_derivatives(&self, given: Given) -> Derivatives {
         let (mut statements, argument) = (self.begin(given), self.name_of(given));
         if self.has_reference() {
@@ -107,7 +109,7 @@ impl Robot<'_> {
         Derivatives::new(statements)
     }
 
-    /// Rates of d with derivatives by d and by v; `None` if positions are not small motions.
+    /// Derivatives of the rate of d by d and by v; `None` if positions are not small motions.
     pub(super) fn rates(&self, made: &mut Derivatives) -> Option<[Stored; 2]> {
         let n = self.n;
         let [by_d, by_v] = self.has_reference().then(|| [made.room(n * n), made.room(n * n)])?;
@@ -127,7 +129,8 @@ impl Robot<'_> {
         Some([of_d, Stored { start: by_v, nonzero: all }])
     }
 
-    /// Derivatives by positions from derivatives along small motions, one column per velocity.
+    /// Derivatives by the arguments that determine the positions, from the derivatives `along` small motions
+    /// with one column per velocity.
     pub(super) fn by_positions(&self, made: &mut Derivatives, along: Stored) -> ByPositions {
         if !self.has_reference() {
             return ByPositions { own: along, reference: None };
@@ -162,7 +165,8 @@ impl Robot<'_> {
         }
     }
 
-    /// Which entries of a matrix with a block for each joint are not zero in every state: a row for each velocity.
+    /// Flags for the entries that can be non-zero, of a matrix with one block per joint and one row per
+    /// velocity.
     fn nonzero_blocks(&self, chart: Chart) -> Vec<bool> {
         let columns = self.columns(chart);
         let mut nonzero = vec![false; self.n * columns];
@@ -171,7 +175,7 @@ impl Robot<'_> {
                 Chart::Motion => joint.velocities(),
                 Chart::Reference => joint.position..joint.position + joint.entries,
             };
-            // How a floating joint turns does not depend on where it is.
+            // The rotation of a floating joint does not depend on its translation.
             let linear = if joint.entries == 7 { 3 } else { 0 };
             for (i, row) in joint.velocities().enumerate() {
                 for (j, column) in of_columns.clone().enumerate() {
@@ -182,7 +186,7 @@ impl Robot<'_> {
         nonzero
     }
 
-    /// Joints in order; `None` if positions are not small motions.
+    /// Positions and velocities of the joints; empty for robots without quaternions.
     fn joints(&self) -> Vec<JointEntries> {
         let (mut position, mut velocity) = (0, 0);
         let place = |&entries: &usize| {
@@ -194,8 +198,8 @@ impl Robot<'_> {
         self.context.module.joint_positions.iter().map(place).collect()
     }
 
-    /// Calls a function that writes to `e`; returns the indices of its results and their entries that are not
-    /// always zero.
+    /// Adds the call of a function that writes its results to `e`. Returns the places of the results in `e`;
+    /// `None` if [`Self::call`] returns `None`.
     pub(super) fn stored(&self, made: &mut Derivatives, name: &str) -> Option<std::vec::IntoIter<Stored>> {
         let nonzero = self.nonzero(name)?;
         let call = self.call(name, made.size)?;
@@ -205,8 +209,8 @@ impl Robot<'_> {
         Some(stored.collect::<Vec<_>>().into_iter())
     }
 
-    /// Call of a function that writes its results to `e` from an index on; `None` if the module lacks it, or
-    /// if it has an argument that CasADi cannot give.
+    /// Call of a function of the module that writes its results to `e` from index `place` on. `None` if the
+    /// module lacks the function, or if the function has wrenches or driven joints as arguments.
     pub(super) fn call(&self, name: &str, place: usize) -> Option<String> {
         let function = self.callable(name)?;
         let mut words: Vec<String> = vec![];
@@ -232,7 +236,7 @@ impl Robot<'_> {
         self.interface.functions.iter().find(|function| function.name == name)
     }
 
-    /// Which entries of each result are not zero in every state.
+    /// For each result of a function the flags of the entries that can be non-zero.
     fn nonzero(&self, name: &str) -> Option<Vec<Vec<bool>>> {
         let functions = self.interface.functions.iter().zip(&self.context.module.functions);
         let found: Option<(&Callable, &Function)> = functions.into_iter().find(|(face, _)| face.name == name);
@@ -240,18 +244,18 @@ impl Robot<'_> {
     }
 }
 
-/// Where the entries of a joint stand.
+/// Places of the positions and velocities of a joint.
 struct JointEntries {
-    /// Number of its position entries.
+    /// Number of the joint's position entries.
     entries: usize,
-    /// The first of them.
+    /// Index of the joint's first position entry.
     position: usize,
-    /// First velocity of the joint.
+    /// Index of the joint's first velocity.
     velocity: usize,
 }
 
 impl JointEntries {
-    /// Number of its velocities.
+    /// Number of the joint's velocities.
     fn size(&self) -> usize {
         if self.entries > 1 { self.entries - 1 } else { 1 }
     }

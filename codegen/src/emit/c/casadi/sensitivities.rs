@@ -1,21 +1,22 @@
-//! Derivatives of a step by its period and the free parameters.
+//! Function for the derivatives of a step by the period and the free parameters.
 
 use super::super::context::Context;
 use crate::functions::function::ConstantValue;
 
-/// Text of the function; `None` if no step needs it.
+/// Prints the function; `None` if it is not called.
 ///
-/// Rows of its result `d` are the small motions of the positions, then the velocities. Columns are the
-/// period, then the parameters.
+/// The rows of the function's result `d` are the small motions of the positions, then the velocities. The
+/// columns are the period, then the free parameters.
 ///
-/// - `is_called`: whether functions for CasADi call it
+/// - `is_called`: whether functions for CasADi call the function
 pub(super) fn text(context: &Context<'_>, is_called: bool) -> Option<String> {
     let count = context.module.parameters.len();
     let substeps = match context.module.substeps.as_ref().map(|constant| &constant.value) {
         Some(ConstantValue::Count(count)) => *count,
         _ => 1,
     };
-    // The classical Runge–Kutta method, or that of Munthe-Kaas, differentiated stage by stage.
+    // The function differentiates the stages of the classical Runge–Kutta method, or of the method of
+    // Munthe-Kaas.
     let (text, state) = match context.module.has_quaternions() {
         false => (include_str!("sensitivities.c"), "z, &z[GELENK_N]"),
         true => (include_str!("sensitivities_about.c"), "reached, &z[GELENK_N]"),

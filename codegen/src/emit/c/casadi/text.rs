@@ -1,4 +1,4 @@
-//! Printing of functions for CasADi.
+//! Prints functions for CasADi.
 
 use super::super::context::Context;
 use super::super::{comment, layout};
@@ -6,7 +6,7 @@ use super::external::{self, Body, Evaluation, External, Input, ONE};
 use crate::emit::documentation::Block;
 use crate::emit::text::code;
 
-/// Overview of all functions for the top of the file.
+/// Comment with a list of all functions, for the top of the file.
 pub(super) fn overview(context: &Context<'_>, externals: &[External]) -> String {
     let item = |external: &External| {
         let External { value, derivatives } = external;
@@ -40,7 +40,7 @@ pub(super) fn overview(context: &Context<'_>, externals: &[External]) -> String 
 const REFERENCE: &str = "Positions are given as d, a small motion from the reference y_ref: y = y_ref ⊕ d. The quaternions of a \
     reference are made unit ones, along which derivatives by them are taken; an evaluation fails where one is zero or not finite.";
 
-/// Common text after the include of the module.
+/// Text that all functions share, after the include of the module.
 pub(super) fn shared(context: &Context<'_>) -> String {
     let text = context.pasted_names(SHARED);
     match context.module.has_quaternions() {
@@ -92,10 +92,10 @@ static inline void gelenk_casadi_turn(const double *r, const double *w, int colu
 }
 "#;
 
-/// The end of the file.
+/// End of the file.
 pub(super) const END: &str = "\n#ifdef __cplusplus\n}\n#endif\n";
 
-/// A function with the queries that CasADi calls.
+/// Prints a function, and the functions with which CasADi queries its inputs, outputs and sparsity.
 pub(super) fn function(context: &Context<'_>, evaluation: &Evaluation) -> String {
     let Evaluation { name, about, inputs, outputs, .. } = evaluation;
     let define = |head: &str, statements: &[String]| {
@@ -141,7 +141,7 @@ pub(super) fn function(context: &Context<'_>, evaluation: &Evaluation) -> String
 
 const ARGUMENTS: &str = "const casadi_real **arg, casadi_real **res, casadi_int *iw, casadi_real *w, int mem";
 
-/// The numbers that CasADi reserves for a function.
+/// Length of the work array that CasADi reserves for a function.
 fn work(body: &Body) -> usize {
     match body {
         Body::Filled { .. } => 0,
@@ -149,10 +149,11 @@ fn work(body: &Body) -> usize {
     }
 }
 
-/// The statements of central differences of a function.
+/// Statements that compute central differences of a function.
 ///
-/// - `inputs`: of the differences: those of the function, then its outputs
-/// - `by`, `outputs`: how many inputs the differences are by, and how many outputs the function has
+/// - `of`: name of the function
+/// - `inputs`: number of inputs of the differences: the inputs and the outputs of the function
+/// - `by`, `outputs`: number of inputs by which the function is differentiated, and number of its outputs
 fn differences(context: &Context<'_>, of: &str, inputs: usize, [by, outputs]: [usize; 2]) -> Vec<String> {
     let [own, differences] = [inputs - outputs, outputs].map(|count| count.max(1));
     let call = context.function("casadi_differences");
@@ -165,7 +166,7 @@ fn differences(context: &Context<'_>, of: &str, inputs: usize, [by, outputs]: [u
     ]
 }
 
-/// The statements of a function that fills `e`.
+/// Statements of a function that fills `e` and copies the outputs.
 fn filled(context: &Context<'_>, evaluation: &Evaluation, statements: &[String], size: usize) -> Vec<String> {
     let Evaluation { inputs, outputs, .. } = evaluation;
     let longest = inputs.iter().map(|input| input.rows * input.columns).max().unwrap_or(0).max(1);
@@ -200,7 +201,7 @@ fn filled(context: &Context<'_>, evaluation: &Evaluation, statements: &[String],
     lines
 }
 
-/// Whether statements read an argument.
+/// Whether statements contain the name of an argument.
 fn reads(statements: &str, name: &str) -> bool {
     let is_word = |letter: char| letter.is_ascii_alphanumeric() || letter == '_';
     statements.split(|letter| !is_word(letter)).any(|word| word == name)
@@ -210,7 +211,8 @@ fn dense(input: &Input) -> Vec<usize> {
     vec![input.rows, input.columns, 1]
 }
 
-/// Rows, columns, the number of the first entry of each column, and the row of each entry.
+/// Sparsity in the format of CasADi: numbers of rows and columns, index of the first entry of each column,
+/// and row of each entry.
 fn pattern(block: &external::Block) -> Vec<usize> {
     if block.entries.len() == block.rows * block.columns && !block.entries.is_empty() {
         return vec![block.rows, block.columns, 1];
@@ -231,7 +233,7 @@ fn sparsity(
         .iter()
         .enumerate()
         .map(|(index, numbers)| {
-            // Entries without a value are zero: those of a matrix without entries.
+            // Trailing zeros are left out. A matrix without entries has only them.
             let last = numbers.iter().rposition(|number| *number > 0).map_or(1, |last| last + 1);
             let listed: Vec<String> = numbers[..last].iter().map(ToString::to_string).collect();
             format!("static const casadi_int s{index}[{}] = {};", numbers.len(), layout::braces(4, &listed))

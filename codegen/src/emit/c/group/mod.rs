@@ -1,4 +1,5 @@
-//! Values of several states: type, entries in arrays, and elementary functions.
+//! Code for several states at once: the type of values, access to entries in arrays, and elementary
+//! functions.
 
 use gelenk_kernels::math::Kernel;
 
@@ -7,25 +8,31 @@ use super::literal::in_scalar;
 use crate::emit::kernels;
 use crate::emit::options::Scalar;
 
-/// States per call: one register of AVX-512, two of AVX2, four of SSE2 or Neon.
+/// Number of states of a call. In double precision they need one register of AVX-512, two of AVX2, four of
+/// SSE2 or Neon.
 pub(super) const COUNT: usize = 8;
 
-/// Type of a quantity of several states, of register width.
+/// Name of the vector type for the values of several states.
 pub(super) fn ty(context: &Context<'_>) -> String {
     context.function("group")
 }
 
-/// A number that is the same for all states.
+/// Text of a vector with the same number for all states.
 pub(super) fn same(context: &Context<'_>, number: &str) -> String {
     format!("{}({number})", context.function("same"))
 }
 
-/// Entry of an argument; the arrays of the states are stored one after the other.
+/// Text that reads one entry of an argument for several states. The arrays of the states are stored one after
+/// the other.
+///
+/// - `len`: number of entries of the argument for one state
 pub(super) fn gather(context: &Context<'_>, argument: &str, index: usize, len: usize) -> String {
     format!("{}(&{argument}[{index}], {len})", context.function("gather"))
 }
 
-/// Statement that writes one entry of a result, or two adjacent ones.
+/// Statement that writes one entry, or two adjacent entries, of a result for several states.
+///
+/// - `len`: number of entries of the result for one state
 pub(super) fn scatter(
     context: &Context<'_>,
     result: &str,
@@ -37,7 +44,7 @@ pub(super) fn scatter(
     format!("{callee}(&{result}[{index}], {len}, {});", values.join(", "))
 }
 
-/// Form over several states of an elementary function.
+/// Name of the version of an elementary function for several states at once.
 pub(super) fn of_each(context: &Context<'_>, callee: &str, arguments: usize) -> String {
     let stem = callee.strip_prefix(&context.function("")).unwrap_or(callee);
     let scalar = context.options.scalar;
@@ -52,7 +59,7 @@ pub(super) fn of_each(context: &Context<'_>, callee: &str, arguments: usize) -> 
     }
 }
 
-/// Function that computes sine and cosine of the angles of several states.
+/// Name of the function that computes sine and cosine for several states at once.
 pub(super) fn sin_cos(context: &Context<'_>) -> String {
     own(context, kernels::of_scalar([Kernel::SinCos, Kernel::SinCosF32], context.options.scalar))
 }
@@ -67,7 +74,8 @@ fn own(context: &Context<'_>, kernel: Kernel) -> String {
     context.function(&name)
 }
 
-/// A loop over the states, of which compilers make vectors: for functions that are an instruction.
+/// Name of a function that calls a scalar function state by state. Compilers vectorize its loop if the scalar
+/// function is one instruction.
 fn one_by_one(context: &Context<'_>, callee: &str, stem: &str, arguments: usize) -> String {
     let names = &["x", "y", "z"][..arguments.min(3)];
     let list = |each: &dyn Fn(&str) -> String| -> String {
@@ -87,7 +95,7 @@ fn one_by_one(context: &Context<'_>, callee: &str, stem: &str, arguments: usize)
     })
 }
 
-/// Types and functions that the printed functions use.
+/// The text of the types and functions that functions over several states use.
 pub(super) fn text(context: &Context<'_>) -> String {
     if !context.has_lanes() {
         return String::new();

@@ -1,4 +1,4 @@
-//! Functions over lanes: one text, compiled for each instruction set.
+//! Prints functions over lanes (eight states at once). One text is compiled for several instruction sets.
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
@@ -14,7 +14,7 @@ use crate::emit::options::Scalar;
 use crate::program::lanes::Plan;
 use crate::program::{Operand, Operation, Output};
 
-/// A form of a function: for the target as it is, or for more.
+/// Instruction set of a version of a function: the compiler's target, or an extension of it.
 #[derive(Clone, Copy)]
 enum InstructionSet {
     Target,
@@ -25,7 +25,7 @@ enum InstructionSet {
 impl InstructionSet {
     const ALL: [Self; 3] = [Self::Target, Self::Avx2, Self::Avx512];
 
-    /// Suffix of the function's name.
+    /// Ending of the function's name.
     fn suffix(self) -> &'static str {
         match self {
             Self::Target => "",
@@ -34,7 +34,7 @@ impl InstructionSet {
         }
     }
 
-    /// Required features of the processor.
+    /// Features of the processor that the function requires; `None` for the compiler's target.
     fn features(self) -> Option<&'static str> {
         match self {
             Self::Target => None,
@@ -43,9 +43,9 @@ impl InstructionSet {
         }
     }
 
-    /// States in one run of the text: those of one register, so that no loop over them is left, which the
-    /// compiler would unroll. With all eight in two AVX2 registers, `linearize` of a UR5 outgrew the
-    /// instruction cache: 114 ns instead of 76 ns per state.
+    /// Number of states that the text computes at a time. The states fit in one register, so there is no loop
+    /// over registers that the compiler would unroll. With all eight states in two AVX2 registers,
+    /// `linearize` of a UR5 did not fit in the instruction cache and took 114 ns instead of 76 ns per state.
     fn width(self, scalar: Scalar) -> usize {
         match (self, scalar) {
             (Self::Avx512, _) | (Self::Avx2, Scalar::F32) => LANES,
@@ -54,15 +54,15 @@ impl InstructionSet {
     }
 }
 
-/// The function whose forms the runtime takes from a table.
+/// Name of the function whose versions are listed in a table for the runtime.
 const TABLED: &str = "linearize";
 
-/// Names that the text over lanes takes.
+/// Names of variables in the text over lanes, which arguments and values must not have.
 const LOCALS: [&str; 8] = ["p", "group", "lane", "W", "angles", "sines", "cosines", "values"];
 
-/// The loops, and one public function per instruction set.
+/// The loops over states, and one public function for each instruction set.
 ///
-/// - `unused`: unused arguments
+/// - `unused`: arguments that the text does not use
 pub(super) fn items(body: &Body<'_>, name: &Ident, plan: &Plan, unused: &[TokenStream]) -> Vec<TokenStream> {
     let form = Form::new(body, name, plan);
     let mut items = vec![form.each(unused)];
@@ -71,20 +71,20 @@ pub(super) fn items(body: &Body<'_>, name: &Ident, plan: &Plan, unused: &[TokenS
     items
 }
 
-/// Form shared by the functions over lanes.
+/// Parts of the text that the functions of all instruction sets have in common.
 struct Form<'a> {
     context: &'a Context<'a>,
-    /// The body of one state, a lane.
+    /// The body of one lane (state).
     body: Body<'a>,
     plan: &'a Plan,
     name: &'a Ident,
-    /// Arguments with their types.
+    /// Arguments with types.
     arguments: Vec<TokenStream>,
     /// Names of the arguments.
     names: Vec<Ident>,
     /// Names of the results.
     results: Vec<Ident>,
-    /// Names of the values that each part hands on.
+    /// For each part the name of the array of values that later parts read.
     values: Vec<Ident>,
 }
 
@@ -118,7 +118,8 @@ impl<'a> Form<'a> {
         }
     }
 
-    /// The loops, inlined into one function for each instruction set.
+    /// The private function with the loops over states. It is inlined into the function of each instruction
+    /// set.
     fn each(&self, unused: &[TokenStream]) -> TokenStream {
         let (each, arguments) = (self.each_name(), &self.arguments);
         let documentation = format!("`{}` of eight states, `W` at a time.", self.name);
@@ -146,7 +147,7 @@ impl<'a> Form<'a> {
         )
     }
 
-    /// Sines and cosines of all angles.
+    /// Statements that compute sines and cosines of all angles.
     fn angles(&self) -> TokenStream {
         let plan = self.plan;
         if plan.pairs.is_empty() {
@@ -176,7 +177,7 @@ impl<'a> Form<'a> {
         }
     }
 
-    /// Array of `count` zeros, each a group of states.
+    /// Array of `count` groups of states with the value zero.
     fn array(&self, count: usize) -> TokenStream {
         self.context.has_groups.set(true);
         let zero = self.context.zero();
@@ -184,7 +185,7 @@ impl<'a> Form<'a> {
         quote!([Group([#zero; W]); #count])
     }
 
-    /// The loop over the states of one part.
+    /// The loop of one part over the states.
     fn part(&self, index: usize) -> TokenStream {
         let part = &self.plan.parts[index];
         let callee = body_name(self.name, self.plan, index);
@@ -214,7 +215,7 @@ impl<'a> Form<'a> {
         }
     }
 
-    /// Operand of a part: a sine, a cosine or a value of an earlier part.
+    /// Tokens of a value that a part takes: a sine, a cosine or a value of an earlier part.
     fn taken(&self, value: usize) -> TokenStream {
         let made_at = self.body.flow.made_at[value];
         if let Ok(k) = self.plan.pairs.binary_search(&made_at) {
@@ -234,7 +235,7 @@ impl<'a> Form<'a> {
         place.unwrap_or_else(|| unreachable!("an earlier part returns what a part takes"))
     }
 
-    /// A part of a function that returns its results: all but the last part only hand on values.
+    /// Statements of a part of a function that returns its results. Only the last part has results.
     fn returning(&self, index: usize, call: &TokenStream) -> TokenStream {
         if index + 1 < self.plan.parts.len() {
             let stores = self.handed_on(index);
@@ -249,7 +250,8 @@ impl<'a> Form<'a> {
         quote!(let #locals = #call; #(#stores)*)
     }
 
-    /// A part of a function with results in place: what it writes is copied.
+    /// Statements of a part of a function that writes its results in place. The results of one state are
+    /// copied to the results of all states.
     fn storing(&self, index: usize, callee: &Ident, arguments: &TokenStream) -> TokenStream {
         let part = &self.plan.parts[index];
         let all = self.locals();
@@ -286,7 +288,7 @@ impl<'a> Form<'a> {
         stores.collect()
     }
 
-    /// Names for the results of one state.
+    /// Names of variables for the results of one state.
     fn locals(&self) -> Vec<Ident> {
         let results = 1..=self.results.len();
         results.map(|k| format_ident!("result_{}", k)).collect()
@@ -296,7 +298,7 @@ impl<'a> Form<'a> {
         format_ident!("{}_each", self.name)
     }
 
-    /// The forms by their instruction sets.
+    /// The table of the functions for all instruction sets.
     fn table(&self) -> TokenStream {
         let (arguments, name) =
             (&self.arguments, format_ident!("{}_LANES", self.name.to_string().to_uppercase()));
@@ -317,8 +319,8 @@ impl<'a> Form<'a> {
         }
     }
 
-    /// The function for one instruction set; never inlined, since in a caller's loop the lanes would be
-    /// undone.
+    /// The public function for one instruction set. It is never inlined, because in a loop of the caller the
+    /// compiler would undo the lanes.
     fn public(&self, set: InstructionSet) -> TokenStream {
         let (each, arguments, names) = (self.each_name(), &self.arguments, &self.names);
         let name = format_ident!("{}_lanes{}", self.name, set.suffix());
@@ -349,7 +351,7 @@ impl<'a> Form<'a> {
     }
 }
 
-/// Copies entries of one state's result.
+/// Statements that copy entries of one state's result to the result of all states.
 fn copies(
     output: &Output,
     result: &Ident,

@@ -1,9 +1,10 @@
-//! Functions over eight states side by side, with the same bits as functions over one state.
+//! Prints functions over lanes: eight states at once. The results have the same bits as those of functions
+//! over one state.
 //!
-//! Sines and cosines are computed first, in a separate loop. The rest are inlined functions of one state. The
-//! scalar function calls them once, the function over lanes in a loop over the states. A loop with all
-//! indices written out becomes SIMD code however long its body is; an inner loop, or arrays of lanes with
-//! operators, would prevent this. A long function is divided into several such loops ([`Plan`]).
+//! Sines and cosines are computed first, in a separate loop. The other statements are in inlined functions of
+//! one state, which are called in a loop over the states. The compiler makes SIMD code of a loop without
+//! inner loops and with constant indices, however long its body is. Arrays of lanes with operators would
+//! prevent this. A long function is divided into several such loops ([`Plan`]).
 
 mod form;
 mod scalar;
@@ -21,13 +22,14 @@ use crate::program::Operand;
 use crate::program::flow::{Flow, operands};
 use crate::program::lanes::Plan;
 
-/// States per call: one register of AVX-512, two of AVX2, four of SSE2 or Neon.
+/// Number of states of a call. In double precision they need one register of AVX-512, two of AVX2, four of
+/// SSE2 or Neon.
 const LANES: usize = 8;
 
-/// Statements of one loop over the states. `linearize` of UR5 and Panda, ns per state, AVX2 and AVX-512
-/// (EPYC, Zen 4):
+/// Largest number of statements of one loop over the states. Times of `linearize` per state [ns] on an EPYC
+/// processor (Zen 4):
 ///
-/// | statements | UR5 | | Panda | |
+/// | statements | UR5, AVX2 | UR5, AVX-512 | Panda, AVX2 | Panda, AVX-512 |
 /// |---|---|---|---|---|
 /// | 40 | 80 | 60 | 267 | 141 |
 /// | 60 | 83 | 60 | 225 | 134 |
@@ -36,14 +38,15 @@ const LANES: usize = 8;
 /// | 250 | 83 | 80 | 241 | 163 |
 /// | 500 | 106 | 75 | 417 | 295 |
 ///
-/// The values between loops stand on the stack, each in a place of its own: with places that later values
-/// take again they could not move to registers (95 to 128 ns).
+/// Each value between loops has its own place on the stack. If later values reused the places, the compiler
+/// could not keep values in registers, and the times would be 95 ns to 128 ns.
 const LONGEST_LOOP: usize = 100;
 
-/// Names reserved for lanes.
+/// Names of items for lanes, which other items must not have.
 pub(super) const RESERVED: [&str; 3] = ["Lanes", "Group", "LINEARIZE_LANES"];
 
-/// Types that the printed functions use: eight values, and the values between the loops of a function.
+/// The types that the printed functions use: one for eight states, and one for the values between the loops
+/// of a function.
 pub(super) fn types(context: &Context<'_>) -> Vec<TokenStream> {
     let (ty, len) = (context.ty(), Literal::usize_unsuffixed(LANES));
     let lanes = context.has_lanes.get().then(|| {
@@ -65,7 +68,8 @@ pub(super) fn types(context: &Context<'_>) -> Vec<TokenStream> {
     lanes.into_iter().chain(group).collect()
 }
 
-/// Division of a function over lanes into loops; `None` with functions of std.
+/// Division of a function into loops over lanes; `None` if no version over lanes is requested or elementary
+/// functions are those of std.
 pub(super) fn plan(context: &Context<'_>, function: &Function) -> Option<Plan> {
     let is_asked = context.module.lanes.contains(&function.name);
     if !is_asked || context.options.math == Math::Std {
@@ -76,7 +80,7 @@ pub(super) fn plan(context: &Context<'_>, function: &Function) -> Option<Plan> {
     Some(plan.unwrap_or_else(|| unreachable!("`Module::lanes` have a form over lanes")))
 }
 
-/// The public functions of one state, their bodies, and the functions over lanes.
+/// The public functions of one state, the bodies for lanes, and the functions over lanes.
 pub(super) fn items(
     context: &Context<'_>,
     function: &Function,
@@ -90,7 +94,7 @@ pub(super) fn items(
     let angles = angles.map(|&index| body.program.instructions[index].operation);
     let read: Vec<Operand> = angles.flat_map(operands).collect();
     let unused = parts::unused(&body, &plan.parts, read.into_iter());
-    // The bodies as they are cut for lanes would make a slower function of one state.
+    // The function of one state has its own text, because the bodies for lanes would make it slower.
     let mut items = straight::items(context, function, name);
     items.extend(scalar::items(&body, name, &signature, plan));
     items.extend(form::items(&body, name, plan, &unused));

@@ -1,4 +1,4 @@
-//! The bodies of a function, from which that over lanes is made.
+//! Prints the bodies of a function over lanes: functions of one state that are called in a loop.
 
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
@@ -11,7 +11,7 @@ use super::super::signature::{Signature, item};
 use crate::program::lanes::Plan;
 use crate::program::split::Part;
 
-/// Name of the body of a part.
+/// Name of the body of the part with this index.
 pub(super) fn body_name(name: &Ident, plan: &Plan, index: usize) -> Ident {
     match plan.parts.len() {
         1 => format_ident!("{}_body", name),
@@ -19,14 +19,14 @@ pub(super) fn body_name(name: &Ident, plan: &Plan, index: usize) -> Ident {
     }
 }
 
-/// The arguments of a body.
+/// Arguments of a body.
 fn arguments(taken: Taken, results: impl Iterator<Item = TokenStream>) -> Vec<TokenStream> {
     let values = taken.values.into_iter();
     let read = values.chain(taken.inputs).chain(taken.parameters);
     read.chain(results).collect()
 }
 
-/// One function for each part.
+/// The bodies, one function for each part.
 pub(super) fn items(body: &Body<'_>, name: &Ident, signature: &Signature, plan: &Plan) -> Vec<TokenStream> {
     let parts = 0..plan.parts.len();
     parts.map(|index| part(body, name, signature, plan, index)).collect()
@@ -74,7 +74,7 @@ fn part(body: &Body<'_>, name: &Ident, signature: &Signature, plan: &Plan, index
     )
 }
 
-/// The statements of a part. The last one has the entries that no part makes too: numbers, inputs, sines and
+/// Statements of a part. The last part also has the result entries that are numbers, inputs, sines or
 /// cosines.
 fn part_statements(body: &Body<'_>, plan: &Plan, part: &Part, is_last: bool) -> TokenStream {
     let statements = body.statements_among(part.range.clone(), |index| plan.is_in_part[index]);

@@ -4,8 +4,8 @@ use super::{Key, Keys, ROBOT};
 use crate::diagnostic::nearest;
 use std::collections::VecDeque;
 
-/// Help for an unknown key: a known key with another name, in an inner table or in another table, or the
-/// nearest spelling.
+/// Help for an unknown key: a known key with another name, a key of an inner table, a key of another table,
+/// or the nearest spelling. `None` without a similar key.
 pub(crate) fn advice(unknown: &str, keys: &Keys) -> Option<String> {
     if let Some(row) = keys.rows().find(|row| row.also.contains(&unknown)) {
         return Some(format!("{}: {}", row.line(), row.says));
@@ -20,7 +20,7 @@ pub(crate) fn advice(unknown: &str, keys: &Keys) -> Option<String> {
     nearest(unknown, keys.rows().map(|row| row.name))
 }
 
-/// The table nearest to the top that has a key.
+/// The table nearest to the top level that has this key, and the key.
 fn elsewhere(name: &str) -> Option<(&'static Keys, &'static Key)> {
     let mut waiting = VecDeque::from([&ROBOT]);
     while let Some(keys) = waiting.pop_front() {

@@ -1,5 +1,5 @@
-//! Keys of TOML descriptions, one row per key. The reader, help on unknown keys, `gelenk schema` and the
-//! tables of models/README.md use these rows.
+//! Keys of TOML descriptions, with one row for each key. The reader, the help on unknown keys,
+//! `gelenk schema` and the tables of models/README.md use these rows.
 
 mod advice;
 mod bodies;

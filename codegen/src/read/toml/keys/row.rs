@@ -1,4 +1,4 @@
-//! Rows of the tables of keys.
+//! Types of the tables of keys.
 
 /// Keys of one table of a description.
 #[derive(Debug)]
@@ -6,9 +6,9 @@ pub(crate) struct Keys {
     /// Name in the schema.
     #[cfg_attr(not(feature = "cli"), expect(dead_code, reason = "of the schema alone"))]
     pub(crate) name: &'static str,
-    /// Name of the described object, with article: `a joint`.
+    /// The object that the table describes, with article: `a joint`.
     pub(crate) what: &'static str,
-    /// Rows of the table; several tables may share a group.
+    /// Rows of the table. Several tables may share a group of rows.
     pub(crate) groups: &'static [&'static [Key]],
 }
 
@@ -17,14 +17,14 @@ pub(crate) struct Keys {
 pub(crate) struct Key {
     pub(crate) name: &'static str,
     pub(crate) value: Value,
-    /// SI unit of the value; empty if there is none or several.
+    /// SI unit of the value; empty if the value has no unit or several units.
     pub(crate) unit: &'static str,
-    /// Value or meaning if the key is absent, as text.
+    /// Value or meaning of an absent key, as text.
     #[cfg_attr(not(feature = "cli"), expect(dead_code, reason = "of the schema alone"))]
     pub(crate) default: &'static str,
     /// Example of a value in TOML.
     pub(crate) example: &'static str,
-    /// Meaning.
+    /// Meaning of the key.
     pub(crate) says: &'static str,
     /// Names of the same quantity in other formats, data sheets and tables.
     pub(crate) also: &'static [&'static str],
@@ -32,7 +32,7 @@ pub(crate) struct Key {
     pub(crate) is_needed: bool,
 }
 
-/// Values of a key.
+/// Type of the values of a key.
 #[derive(Debug)]
 pub(crate) enum Value {
     /// Any text.
@@ -48,21 +48,21 @@ pub(crate) enum Value {
     Formula,
     /// A force law as text.
     Law,
-    /// One of these texts.
+    /// One of these words.
     Words(&'static [&'static str]),
-    /// A list of this number of values, or of any number.
+    /// A list of this number of values; `None` allows any number.
     List(&'static Self, Option<usize>),
     /// Two values of different kinds.
     Pair(&'static [Self; 2]),
     Table(&'static Keys),
     /// A table whose keys are names of the user.
     Names(&'static Self),
-    /// One value; for joints of several degrees of freedom a table of values by the names of the parts.
+    /// One value. For joints with several degrees of freedom, a table with a value for each part.
     ByPart(&'static Self),
     Either(&'static [Self]),
 }
 
-/// A row with the fields that are always set.
+/// A row with the fields that all keys have.
 pub(super) const fn key(name: &'static str, value: Value, example: &'static str, says: &'static str) -> Key {
     Key { name, value, unit: "", default: "", example, says, also: &[], is_needed: false }
 }
@@ -84,13 +84,13 @@ impl Key {
         Self { is_needed: true, ..self }
     }
 
-    /// Key with example and unit.
+    /// The key with its example and unit.
     pub(crate) fn line(&self) -> String {
         let unit = if self.unit.is_empty() { String::new() } else { format!(", in {}", self.unit) };
         format!("`{} = {}`{unit}", self.name, self.example)
     }
 
-    /// Meaning with unit and default.
+    /// Meaning of the key, with unit and default.
     #[cfg(feature = "cli")]
     pub(crate) fn description(&self) -> String {
         let unit = if self.unit.is_empty() { String::new() } else { format!(" ({})", self.unit) };
@@ -116,7 +116,7 @@ impl Keys {
 }
 
 impl Value {
-    /// The alternatives of the value itself, of the entries of a list and of a table by names.
+    /// The types of the entries of a list, pair or table, or the alternatives of a value.
     fn parts(&self) -> &[Self] {
         match self {
             Self::List(entry, _) | Self::Names(entry) | Self::ByPart(entry) => std::slice::from_ref(entry),
@@ -126,7 +126,7 @@ impl Value {
         }
     }
 
-    /// Keys of the table that the value is or contains.
+    /// Keys of the table that the value is or contains; `None` if it contains no table.
     pub(crate) fn keys(&self) -> Option<&'static Keys> {
         match self {
             Self::Table(keys) => Some(keys),
@@ -134,7 +134,7 @@ impl Value {
         }
     }
 
-    /// Allowed words of the value.
+    /// Words that the value allows; empty if the value is not a word.
     pub(crate) fn words(&self) -> &'static [&'static str] {
         match self {
             Self::Words(words) => words,
@@ -144,7 +144,7 @@ impl Value {
         }
     }
 
-    /// Whether numbers must be positive.
+    /// Whether numbers in the value must be positive.
     pub(crate) fn is_positive(&self) -> bool {
         matches!(self, Self::Positive) || self.parts().iter().any(Self::is_positive)
     }
@@ -154,7 +154,7 @@ impl Value {
         matches!(self, Self::List(Self::Table(_), None))
     }
 
-    /// Description of the allowed types.
+    /// Description of the types that the value allows.
     pub(crate) fn kinds(&self) -> String {
         match self {
             Self::Text | Self::Name => "a text in quotes".to_owned(),

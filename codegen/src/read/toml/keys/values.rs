@@ -1,4 +1,4 @@
-//! Values common to several tables.
+//! Values that several tables have.
 
 use super::row::{Key, Keys, Value, key};
 
@@ -13,7 +13,7 @@ pub(super) const UNIT: Key = key("unit", Value::Text, r#""kg""#, "unit of the pa
 pub(super) const DESCRIPTION: Key =
     key("description", Value::Text, r#""payload""#, "meaning of the parameter, for documentation");
 
-/// A free parameter in place of a number.
+/// A free parameter instead of a number.
 #[rustfmt::skip]
 pub(crate) static FREE: Keys = Keys {
     name: "free",

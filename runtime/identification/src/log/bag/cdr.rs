@@ -1,14 +1,14 @@
-//! `sensor_msgs/msg/JointState` in CDR (OMG, *DDS-RTPS*, section 10, encodings `CDR_BE` and `CDR_LE`).
+//! Messages `sensor_msgs/msg/JointState` in CDR (OMG, *DDS-RTPS*, section 10, encodings `CDR_BE` and `CDR_LE`).
 
 use super::bytes::Bytes;
 
-/// A message ends with fewer bytes of padding.
+/// A message ends with fewer bytes of padding than this.
 const PADDING: usize = 8;
 
-/// A message `sensor_msgs/msg/JointState`. Lists of values are empty or have one for each name.
+/// A message `sensor_msgs/msg/JointState`. A list of values is empty or has one value for each name.
 #[derive(Debug, PartialEq)]
 pub(super) struct JointState {
-    /// Seconds and nanoseconds.
+    /// Seconds and nanoseconds of the stamp.
     pub(super) stamp: (i32, u32),
     pub(super) names: Vec<String>,
     /// Positions, velocities and efforts.
@@ -16,7 +16,7 @@ pub(super) struct JointState {
 }
 
 impl JointState {
-    /// Decodes a message; `None` for other bytes.
+    /// Decodes a message; `None` if the bytes are not a message of this type.
     pub(super) fn decode(bytes: &[u8]) -> Option<Self> {
         let mut rest = Bytes(bytes);
         let is_little = match rest.array::<4>()? {
@@ -29,14 +29,14 @@ impl JointState {
         cdr.text()?;
         let names = (0..cdr.number()?).map(|_| cdr.text()).collect::<Option<Vec<_>>>()?;
         let mut values = [cdr.doubles()?, cdr.doubles()?, cdr.doubles()?];
-        // A list of another length belongs to no joints.
+        // A list of another length than the names is left out.
         values.iter_mut().filter(|list| list.len() != names.len()).for_each(Vec::clear);
         let is_whole = cdr.rest.0.len() < PADDING;
         is_whole.then_some(Self { stamp, names, values })
     }
 }
 
-/// Items at multiples of their size, counted from the first one.
+/// A reader of items that are aligned to multiples of their size, counted from the first item.
 struct Cdr<'a> {
     rest: Bytes<'a>,
     length: usize,
@@ -58,7 +58,7 @@ impl Cdr<'_> {
         self.item().map(u32::from_le_bytes)
     }
 
-    /// A string with its zero byte.
+    /// A string that ends with a zero byte.
     fn text(&mut self) -> Option<String> {
         let count = usize::try_from(self.number()?).ok()?;
         let (_, text) = self.rest.take(count)?.split_last()?;

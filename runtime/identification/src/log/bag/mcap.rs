@@ -1,4 +1,4 @@
-//! Records of an MCAP file ([its specification](https://mcap.dev/spec)).
+//! Records of an MCAP file ([specification](https://mcap.dev/spec)).
 
 use super::super::packed::{LARGEST, unpacked};
 use super::bytes::Bytes;
@@ -83,7 +83,7 @@ fn message<'a>(mut record: Bytes<'a>) -> Option<(u16, i64, &'a [u8])> {
     Some((id, time, record.0))
 }
 
-/// The packing of a chunk's records, their size without it, and the records.
+/// Compression of the records of a chunk, their uncompressed size, and the records.
 fn chunk<'a>(mut record: Bytes<'a>) -> Option<(Cow<'a, str>, u64, &'a [u8])> {
     record.take(8 + 8)?;
     let size = u64::from_le_bytes(record.array()?);

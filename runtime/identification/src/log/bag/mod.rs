@@ -9,7 +9,7 @@ mod sqlite;
 
 use topics::Bag;
 
-/// Text of the table of a bag; `None` for other bytes.
+/// Text of the table of a bag; `None` if the bytes are not a bag.
 pub(super) fn table(bytes: &[u8]) -> Option<Result<Vec<u8>, String>> {
     let mut bag = Bag::default();
     let read = if bytes.starts_with(sqlite::MAGIC) {

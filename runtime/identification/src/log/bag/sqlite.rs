@@ -1,4 +1,4 @@
-//! Tables of a bag in SQLite ([its file format](https://sqlite.org/fileformat2.html)).
+//! Tables of a bag in SQLite ([file format](https://sqlite.org/fileformat2.html)).
 
 use super::bytes::Bytes;
 use super::topics::Bag;
@@ -43,13 +43,13 @@ enum Value<'a> {
     Bytes(&'a [u8]),
 }
 
-/// Visits the number of a row and its columns.
+/// Function that is called with the number of a row and its columns.
 type Visit<'v> = dyn FnMut(i64, &[Value<'_>]) -> Result<(), String> + 'v;
 
 struct File<'a> {
     bytes: &'a [u8],
     page: usize,
-    /// Bytes of a page without those reserved at its end.
+    /// Bytes of a page without the reserved bytes at its end.
     usable: usize,
 }
 
@@ -63,16 +63,16 @@ impl<'a> File<'a> {
         Some(Self { bytes, page, usable })
     }
 
-    /// The bytes of a page, counted from 1.
+    /// The bytes of a page. Pages are counted from 1.
     fn page(&self, number: u32) -> Option<&'a [u8]> {
         let start = usize::try_from(number).ok()?.checked_sub(1)?.checked_mul(self.page)?;
         self.bytes.get(start..)?.get(..self.usable)
     }
 
-    /// Visits the rows of a table in their order.
+    /// Calls `visit` for the rows of a table in their order.
     fn rows(&self, root: u32, visit: &mut Visit<'_>) -> Result<(), String> {
         let mut pages = vec![root];
-        // Pages of a file that is not broken are visited once.
+        // In an intact file each page is visited once.
         let mut left = self.bytes.len() / self.page;
         while let Some(number) = pages.pop() {
             left = left.checked_sub(1).ok_or(BROKEN)?;
@@ -106,7 +106,7 @@ impl<'a> File<'a> {
         visit(id, &columns(&payload).ok_or(BROKEN)?)
     }
 
-    /// The bytes of a row, which continue on pages of their own where they are many.
+    /// The bytes of a row. Long rows continue on overflow pages.
     fn payload(&self, mut cell: Bytes<'a>, length: i64) -> Option<Vec<u8>> {
         let length = usize::try_from(length).ok().filter(|length| *length <= self.bytes.len())?;
         let most = self.usable - 35;
@@ -128,7 +128,7 @@ impl<'a> File<'a> {
     }
 }
 
-/// A number of up to nine bytes, of which each but the ninth holds seven bits.
+/// A number of up to nine bytes. Each byte except the ninth has seven bits of the number.
 fn varint(bytes: &mut Bytes<'_>) -> Option<i64> {
     let mut number = 0_i64;
     for place in 0..9 {

@@ -1,23 +1,23 @@
-//! A bag's states of joints as a table.
+//! The joint states of a bag as a table.
 
 use super::super::packed::{LARGEST, unpacked};
 use super::cdr::JointState;
 use std::collections::{BTreeMap, BTreeSet};
 
 const TYPE: &str = "sensor_msgs/msg/JointState";
-/// Quantities of a state of joints, in the order of the message.
+/// Quantities of a joint state, in the order of the message.
 const QUANTITIES: [&str; 3] = ["position", "velocity", "effort"];
 /// Nanoseconds in a second.
 const NANOSECONDS: i128 = 1_000_000_000;
 
-/// A bag as far as it has been read.
+/// The part of a bag that has been read.
 #[derive(Debug, Default)]
 pub(super) struct Bag {
-    /// Names and types of its topics.
+    /// Names and types of the topics, by their numbers.
     topics: BTreeMap<i64, [String; 2]>,
-    /// Topic, time of arrival in nanoseconds, and message.
+    /// Topic, time of arrival [ns], and content of each message.
     messages: Vec<(i64, i64, JointState)>,
-    /// Bytes of messages.
+    /// Bytes of all messages.
     size: u64,
 }
 
@@ -38,14 +38,14 @@ impl Bag {
         Ok(())
     }
 
-    /// Whether the stamps of a topic are times: some publishers leave them zero, or never change them.
+    /// Whether the stamps of a topic are times. Some publishers leave the stamps zero, or never change them.
     fn is_stamped(&self, topic: i64) -> bool {
         let stamps = self.messages.iter().filter(|(of, ..)| *of == topic).map(|(.., state)| state.stamp);
         let (zeros, others): (Vec<_>, Vec<_>) = stamps.partition(|stamp| *stamp == (0, 0));
         zeros.len() < others.len() && others.iter().any(|stamp| *stamp != others[0])
     }
 
-    /// One row for each message. Columns of other joints and topics are empty.
+    /// Text of a table with one row for each message. Columns of other joints and topics are empty.
     pub(super) fn text(&self) -> Result<Vec<u8>, String> {
         if self.messages.is_empty() {
             let topics: Vec<String> =

@@ -9,11 +9,13 @@ use super::pattern::{Chosen, Pattern};
 use super::table::Kind;
 
 impl Finder<'_> {
-    /// The columns of the efforts, and their meaning.
+    /// The columns of the efforts, and the kind of the efforts.
+    ///
+    /// - `stated`: kind that the user states
     ///
     /// # Errors
-    /// Columns that are missing or ambiguous. If joints have quaternions, also currents, and torques at the joints if inputs act at
-    /// frames.
+    /// [`IdentificationError::File`] if columns are missing or ambiguous. If joints have quaternions, also for currents, and
+    /// for torques at the joints if inputs act at frames.
     pub(super) fn efforts(&self, stated: Option<Effort>) -> Result<(Effort, Found)> {
         let pattern = self.pattern(Kind::is_effort);
         let wanted = stated.or_else(|| pattern.map(|pattern| of_kind(pattern.kind)));
@@ -34,7 +36,7 @@ impl Finder<'_> {
         if effort == Effort::Joint { &self.robot.torques } else { &self.robot.inputs }
     }
 
-    /// Whether these are the efforts at frames, and the robot has other inputs.
+    /// Whether the efforts are only those of inputs at frames, although the robot has other inputs.
     pub(super) fn has_frames_alone(&self, efforts: &Found) -> bool {
         let (frames, inputs) = (&self.robot.frame_inputs.places, &self.robot.inputs.places);
         efforts.kind == Kind::Input && efforts.places == *frames && inputs.len() > frames.len()
@@ -58,7 +60,7 @@ impl Finder<'_> {
         }
     }
 
-    /// The columns that the user names. Robots with quaternions need those of inputs at frames alone.
+    /// The columns that the user names. A robot with quaternions needs only those of the inputs at frames.
     fn named_efforts(&self, pattern: &Pattern, effort: Effort) -> Result<(Effort, &Targets, Chosen)> {
         let frames = &self.robot.frame_inputs;
         let all = self.targets_of(effort);
@@ -87,14 +89,14 @@ impl Finder<'_> {
         let mut found = Vec::new();
         for (effort, kinds) in tried {
             let targets = self.targets_of(*effort);
-            // No columns would do for a robot without drives.
+            // A robot without drives would need no columns.
             if !targets.names.is_empty() {
                 found.extend(self.best(kinds, targets)?.map(|choice| (*effort, targets, choice)));
             } else if stated.is_some() {
                 return Err(self.missing(kinds, targets));
             }
         }
-        // Commanded columns are the last choice: a commanded torque says less than a measured current.
+        // Commanded columns are the last choice. A measured current contains more information than a commanded torque.
         let best = found.iter().position(|(.., choice)| !self.is_commanded(&choice.columns));
         match best.or((!found.is_empty()).then_some(0)) {
             Some(best) => Ok(found.swap_remove(best)),
@@ -102,7 +104,7 @@ impl Finder<'_> {
         }
     }
 
-    /// The columns of a robot with quaternions: torques at the joints, all inputs, or those at frames.
+    /// The columns of a robot with quaternions: torques at the joints, all inputs, or the inputs at frames.
     fn efforts_or_frames(&self, wanted: Option<Effort>) -> Result<(Effort, &Targets, Chosen)> {
         let robot = self.robot;
         if wanted != Some(Effort::Input)
@@ -127,7 +129,7 @@ impl Finder<'_> {
         Ok((Effort::Input, &robot.frame_inputs, choice))
     }
 
-    /// The same error, with the efforts that a robot with a floating base needs at least.
+    /// The same error with the efforts that a robot with a floating base needs at least.
     fn nothing_acts(&self, error: IdentificationError) -> IdentificationError {
         let IdentificationError::File { place, message } = error else { return error };
         let Some(base) = self.robot.quaternions.iter().find(|joint| joint.is_floating) else {

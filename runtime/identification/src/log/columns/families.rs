@@ -1,4 +1,4 @@
-//! Columns that belong together: one quantity of all joints, one column for each name or number.
+//! Families of columns: columns of one quantity that differ only in the name or number of the joint.
 
 use super::super::units;
 use super::header::{Header, Meaning, is_number, is_plain, words};
@@ -8,31 +8,31 @@ use std::collections::BTreeMap;
 /// The difference between the columns of a family. Families are preferred in this order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Key {
-    /// The names of the joints or inputs.
+    /// The columns have the names of the joints or inputs.
     Name,
-    /// Names in the rows of the log (a ROS message's), by their numbers.
+    /// The columns have numbers, and the rows of the log (of a ROS message) have the names in this order.
     Listed,
-    /// Numbers, of which the first is this.
+    /// The columns have numbers. The first number is given.
     Number(u64),
-    /// Nothing: there is one joint.
+    /// There is a single joint, and its column has neither name nor number.
     Alone,
-    /// Letters of components.
+    /// The columns have letters of components.
     Component,
 }
 
-/// One quantity of several joints.
+/// Columns of one quantity for several joints.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Family {
     pub meaning: Meaning,
     pub key: Key,
-    /// Column of each joint or input; none if the log has no such column.
+    /// Index of the column of each joint or input; `None` if the log does not have the column.
     pub columns: Vec<Option<usize>>,
-    /// Numbers in the headers if the columns differ by these.
+    /// Numbers in the headers; empty if the columns do not differ by numbers.
     pub numbers: Vec<u64>,
 }
 
 impl Family {
-    /// All columns if none is missing.
+    /// All columns; `None` if one is missing.
     pub(super) fn complete(&self) -> Option<Vec<usize>> {
         self.columns.iter().copied().collect()
     }
@@ -44,17 +44,17 @@ impl Family {
     }
 }
 
-/// Names that columns are matched with: for each joint or input, the words of its names.
+/// Names with which columns are matched: for each joint or input, the words of its names.
 #[derive(Debug, Clone, Default)]
 pub(in crate::log) struct Targets {
     pub names: Vec<String>,
-    /// Place of each among all joints or inputs, by which headers count them.
+    /// Index of each name among all joints or inputs, by which headers count them.
     pub places: Vec<usize>,
     aliases: Vec<Vec<Vec<String>>>,
 }
 
 impl Targets {
-    /// - `others`: a second name of each, or an empty slice
+    /// - `others`: a second name of each joint or input, or an empty slice
     pub(super) fn new(names: &[String], others: &[Option<String>]) -> Self {
         let spelled: Vec<Vec<String>> = names.iter().map(|n| words(n)).collect();
         let short: Vec<Vec<String>> = spelled.iter().map(|w| without_joint(w)).collect();
@@ -70,12 +70,12 @@ impl Targets {
         Self { names: names.to_vec(), places: (0..names.len()).collect(), aliases: aliases.collect() }
     }
 
-    /// One target for a quantity that no joint has.
+    /// A single target for a quantity that belongs to no joint.
     pub(super) fn one(name: &str) -> Self {
         Self::new(&[name.to_owned()], &[])
     }
 
-    /// Those at some places.
+    /// The targets with some of the indices in [`Self::places`].
     pub(super) fn only(&self, is_kept: impl Fn(usize) -> bool) -> Self {
         let kept: Vec<usize> = (0..self.names.len()).filter(|i| is_kept(self.places[*i])).collect();
         Self {
@@ -85,7 +85,8 @@ impl Targets {
         }
     }
 
-    /// The joint whose name is in the words, by the longest name, and the words without it.
+    /// The joint whose name is part of the words (the longest name if there are several), and the other words; `None` if
+    /// there is no name.
     fn find(&self, header: &[String]) -> Option<(usize, Vec<String>)> {
         let mut best: Option<(usize, usize, usize)> = None;
         for (joint, alias) in self.aliases.iter().enumerate().flat_map(|(j, a)| a.iter().map(move |a| (j, a)))
@@ -101,19 +102,20 @@ impl Targets {
         Some((joint, [&header[..at], &header[at + length..]].concat()))
     }
 
-    /// The words name a joint.
+    /// Whether the words name a joint.
     pub(super) fn mentions(&self, words: &[String]) -> bool {
         self.find(words).is_some()
     }
 
-    /// The joint of a name in the rows of a log.
+    /// The index of the joint with a name in the rows of a log; `None` if no joint has it.
     pub(super) fn named(&self, name: &str) -> Option<usize> {
         let exact = self.names.iter().position(|known| known == name);
         exact.or_else(|| self.find(&words(name)).map(|(joint, _)| joint))
     }
 
-    /// The columns of the targets by numbers in ascending order: in the order of the targets if there are as many consecutive numbers,
-    /// otherwise by their places, from 0 if there is a 0 and from 1 if not.
+    /// The columns of the targets by their numbers, which ascend. If there are as many consecutive numbers as targets, they
+    /// are in the order of the targets. Otherwise the numbers are the indices in [`Self::places`], from 0 on if there is a
+    /// 0, and from 1 on if not.
     pub(super) fn by_number(&self, numbered: &[(u64, usize)]) -> Vec<Option<usize>> {
         let first = numbered.first().map_or(0, |n| n.0);
         let is_consecutive = numbered.windows(2).all(|pair| pair[0].0.checked_add(1) == Some(pair[1].0));
@@ -126,14 +128,14 @@ impl Targets {
     }
 }
 
-/// `wrist_1` of `wrist_1_joint`.
+/// Words without `joint`, as `wrist_1` of `wrist_1_joint`.
 fn without_joint(words: &[String]) -> Vec<String> {
     words.iter().filter(|w| *w != "joint").cloned().collect()
 }
 
 /// All families of the headers.
 ///
-/// - `listed`: names of the joints in the order of the log's messages, if the rows have them
+/// - `listed`: names of the joints in the order of the log's messages; `None` if the rows do not have them
 pub(super) fn families(headers: &[Header], targets: &Targets, listed: Option<&[String]>) -> Vec<Family> {
     let mut families = by_name(headers, targets);
     families.extend(by_number(headers, targets, listed));
@@ -150,7 +152,7 @@ fn push(groups: &mut Groups, key: Phrase, column: usize) {
     groups.entry(key).or_default().push(column);
 }
 
-/// Words without those that name the joint, and the quantity of the unit: columns of one quantity have the same.
+/// Quantity of the unit, and words without those that name the joint. They are the same for all columns of one quantity.
 type Phrase = (Option<Kind>, Vec<String>);
 
 fn by_name(headers: &[Header], targets: &Targets) -> Vec<Family> {
@@ -178,7 +180,7 @@ fn by_name(headers: &[Header], targets: &Targets) -> Vec<Family> {
     groups.into_iter().chain(stems).filter_map(family).collect()
 }
 
-/// Groups that differ in a unit at the end only, as one: `cart_pos_mm` and `pole_pos_deg`.
+/// Groups that differ only in a unit at the end, combined to one group: `cart_pos_mm` and `pole_pos_deg`.
 fn by_stem(groups: &Groups) -> Groups {
     let mut stems: BTreeMap<Phrase, (usize, Vec<usize>)> = BTreeMap::new();
     for ((unit, rest), members) in groups {
@@ -189,7 +191,8 @@ fn by_stem(groups: &Groups) -> Groups {
     stems.into_iter().filter(|(_, (parts, _))| *parts > 1).map(|(phrase, (_, all))| (phrase, all)).collect()
 }
 
-/// The joints' names count from 1, and the columns also have a 0: their 1 may be the second joint.
+/// Whether columns count joints from 0, although the joints' names count from 1: the column 1 may then belong to the second
+/// joint.
 fn counts_from_zero(headers: &[Header], columns: &[Option<usize>], targets: &Targets) -> bool {
     let Some(first) = columns.iter().flatten().next() else { return false };
     let zero = |word: &String| if is_number(word) { "0".into() } else { word.clone() };
@@ -219,7 +222,7 @@ fn by_number(headers: &[Header], targets: &Targets, listed: Option<&[String]>) -
             let number = headers[member].words[slot].clone();
             let mut rest = headers[member].words.clone();
             rest.remove(slot);
-            // `joint1_q1` has its number twice.
+            // The header `joint1_q1` has its number twice.
             rest.iter_mut().filter(|word| **word == number).for_each(|word| "#".clone_into(word));
             push(&mut groups, (unit, rest), member);
         }
@@ -233,7 +236,7 @@ fn by_number(headers: &[Header], targets: &Targets, listed: Option<&[String]>) -
     families
 }
 
-/// The number by which the columns of a shape differ: the one with the most values, the last of several.
+/// The number by which the columns of a shape differ: the one with the most values, and the last one of several.
 fn varying_slot(headers: &[Header], shape: &[String], members: &[usize]) -> usize {
     let values = |slot: usize| {
         let mut values: Vec<&str> = members.iter().map(|m| headers[*m].words[slot].as_str()).collect();
@@ -245,7 +248,7 @@ fn varying_slot(headers: &[Header], shape: &[String], members: &[usize]) -> usiz
     slots.max_by_key(|slot| values(*slot)).unwrap_or(0)
 }
 
-/// Columns by their numbers.
+/// The family of columns with numbers; `None` if a number occurs twice.
 fn numbered(
     meaning: Meaning,
     mut sorted: Vec<(u64, usize)>,
@@ -265,7 +268,7 @@ fn numbered(
         }
         return Some(Family { meaning, key: Key::Listed, columns, numbers });
     }
-    // More numbers than joints: which of them are the robot's is not known.
+    // If there are more numbers than joints, it is not known which of them belong to the robot.
     if numbers.len() <= columns.len() {
         columns = targets.by_number(&sorted);
     }
@@ -281,10 +284,10 @@ fn alone(headers: &[Header]) -> Vec<Family> {
     plain.filter_map(family).collect()
 }
 
-/// The families of a quantity with components: columns that differ in their letter alone. Their doubt is 0 if the header has the joint's
-/// name, 1 if it has none, else 2.
+/// The families of a quantity with components, whose columns differ only in the letter of the component. Their doubt is 0 if
+/// the header has the joint's name, 1 if it has no name, otherwise 2.
 ///
-/// - `joint`: words of its name
+/// - `joint`: words of the joint's name
 pub(super) fn by_component(headers: &[Header], kind: Kind, joint: &[String]) -> Vec<Family> {
     let letters = kind.row().components;
     let mut groups: BTreeMap<Vec<String>, Vec<Option<usize>>> = BTreeMap::new();
@@ -293,7 +296,7 @@ pub(super) fn by_component(headers: &[Header], kind: Kind, joint: &[String]) -> 
         let Some(place) = letters.iter().position(|known| *known == letter) else { continue };
         if found == kind {
             let columns = groups.entry(stem).or_insert_with(|| vec![None; letters.len()]);
-            // The first of two columns of one name; the other is no part of the pose.
+            // Of two columns with one name the first one is taken. The other one is not part of the pose.
             columns[place].get_or_insert(header.index);
         }
     }
@@ -306,7 +309,7 @@ pub(super) fn by_component(headers: &[Header], kind: Kind, joint: &[String]) -> 
     groups.into_iter().map(family).collect()
 }
 
-/// Words before the letter of a component, the letter, and its quantity.
+/// Words before the letter of a component, the letter, and the quantity; `None` if the words are not a component.
 fn component(words: &[String]) -> Option<(Vec<String>, &str, Kind)> {
     let (last, before) = words.split_last()?;
     if before.iter().any(|word| is_no_pose(word)) {
@@ -331,7 +334,7 @@ fn is_role(word: &str, role: Role) -> bool {
     known(word).is_some_and(|known| known.role == role)
 }
 
-/// Words of other quantities than poses, and of poses that were not measured.
+/// Whether a word belongs to another quantity than poses, or to a pose that was not measured.
 fn is_no_pose(word: &str) -> bool {
     let is_pose = |Known { role, doubt, .. }: Known| match role {
         Role::Quantity(kind) => doubt == 0 && matches!(kind, Kind::Position | Kind::Place | Kind::Attitude),
@@ -342,14 +345,14 @@ fn is_no_pose(word: &str) -> bool {
     known(word).is_some_and(|known| !is_pose(known))
 }
 
-/// A word that is not the name of a joint.
+/// Whether a word is not the name of a joint.
 fn has_no_name(word: &str) -> bool {
     is_plain(word)
         || known(word)
             .is_some_and(|known| !matches!(known.role, Role::Angle | Role::Origin(Origin::Filtered)))
 }
 
-/// The headers that write an attitude as angles.
+/// The headers of columns that contain an orientation as angles.
 pub(super) fn angles(headers: &[Header]) -> Vec<String> {
     let is_angle = |header: &&Header| {
         let is_measured = !header.words.iter().any(|word| is_no_pose(word));

@@ -11,16 +11,16 @@ use super::robot::RobotColumns;
 use super::table::{Kind, Origin};
 use gelenk_findings::digits::plain;
 
-/// A sheet, the joints of a robot, and the line of the user.
+/// A sheet, the joints of a robot, and the user's patterns for the columns.
 pub(super) struct Finder<'a> {
     pub sheet: &'a Sheet<'a>,
     pub headers: Vec<Header>,
     pub robot: &'a RobotColumns,
     patterns: Vec<Pattern>,
-    /// Names of the joints in the order of the log's messages, if the rows have them.
+    /// Names of the joints in the order of the log's messages; `None` if the rows do not have them.
     listed: Option<Vec<String>>,
     source: &'a str,
-    /// End of messages about columns that the table does not decide.
+    /// End of messages about columns that the headers do not decide.
     hint: &'static str,
 }
 
@@ -41,7 +41,7 @@ impl<'a> Finder<'a> {
         IdentificationError::File { place: self.source.into(), message }
     }
 
-    /// The table does not decide: the user has to.
+    /// The error that the headers do not decide and the user has to name the columns.
     pub(super) fn undecided(&self, message: String) -> IdentificationError {
         self.fault(format!("{message}{}", self.hint))
     }
@@ -50,7 +50,7 @@ impl<'a> Finder<'a> {
         self.patterns.iter().find(|p| matches(p.kind))
     }
 
-    /// Name of a column for people.
+    /// Name of a column in messages.
     pub(super) fn label(&self, column: usize) -> String {
         match self.headers.get(column) {
             Some(header) => format!("`{}`", header.text),
@@ -58,14 +58,15 @@ impl<'a> Finder<'a> {
         }
     }
 
-    /// A column in `--columns`: its header, or its number if others have the same header or it cannot be spelled.
+    /// Name of a column in `--columns`: its header, or its number if other columns have the same header or the header cannot
+    /// be written there.
     pub(super) fn unique(&self, column: usize) -> String {
         let Some(header) = self.headers.get(column) else { return (column + 1).to_string() };
         let is_only = self.headers.iter().filter(|h| h.text == header.text).count() == 1;
         if is_only && is_spellable(&header.text) { header.text.clone() } else { (column + 1).to_string() }
     }
 
-    /// Columns in `--columns`: a pattern if it names them, otherwise a list.
+    /// Names of columns in `--columns`: a pattern if there is one for these columns, otherwise a list.
     pub(super) fn pattern_of(&self, columns: &[usize], targets: &Targets) -> String {
         let texts: Vec<String> = columns.iter().map(|column| self.unique(*column)).collect();
         let list = texts.join("|");
@@ -93,10 +94,10 @@ impl<'a> Finder<'a> {
         all
     }
 
-    /// The best complete family.
+    /// The best complete family; `None` if there is none.
     ///
     /// # Errors
-    /// Two that are equally good.
+    /// [`IdentificationError::File`] if two families are equally good.
     pub(super) fn best(&self, kinds: &[Kind], targets: &Targets) -> Result<Option<Chosen>> {
         let mut complete: Vec<(Family, Vec<usize>)> = Vec::new();
         for family in self.families(kinds, targets) {
@@ -116,7 +117,7 @@ impl<'a> Finder<'a> {
         Ok(Some(Chosen { is_commanded, ..Chosen::alike(columns.clone(), None) }))
     }
 
-    /// The columns that the user names, or the best family.
+    /// The columns that the user names, or the best family; `None` if there are none.
     pub(super) fn optional(&self, kind: Kind, targets: &Targets) -> Result<Option<Chosen>> {
         match self.pattern(|k| k == kind) {
             Some(pattern) => self.by_pattern(pattern, targets).map(Some),
@@ -127,7 +128,7 @@ impl<'a> Finder<'a> {
     /// The columns with their units.
     ///
     /// # Errors
-    /// Units that are not known, or that are none of the quantity.
+    /// [`IdentificationError::File`] if a unit is not known or is not one of the quantity.
     pub(super) fn found(&self, chosen: Chosen, kind: Kind, targets: &Targets) -> Result<Found> {
         let of_inputs = matches!(kind, Kind::Input | Kind::Current);
         let units = if of_inputs { &self.robot.input_units } else { &self.robot.units };
@@ -145,7 +146,7 @@ impl<'a> Finder<'a> {
         })
     }
 
-    /// A column with the unit that the user, the header or the row below it names.
+    /// A column with the unit that the user, the header or the row of units names.
     pub(super) fn column(
         &self,
         index: usize,
@@ -184,24 +185,25 @@ impl<'a> Finder<'a> {
         Ok(Column { index, label, unit, unit_words, is_stated: stated.is_some() })
     }
 
-    /// Text in brackets that is not a unit: words of headers, or a joint's name.
+    /// Whether text in brackets is not a unit but words of headers or a joint's name.
     pub(super) fn is_described(&self, text: &str) -> bool {
         let spelled = words(text);
         is_known(&spelled) || self.is_named(&spelled)
     }
 
-    /// Whether words are the name of a joint or an input: `tau_turn` of a joint `turn` is in no revolutions.
+    /// Whether words are the name of a joint or an input. For example, `tau_turn` of a joint `turn` is not in the unit
+    /// turns.
     fn is_named(&self, spelled: &[String]) -> bool {
         self.robot.all_joints.mentions(spelled) || self.robot.inputs.mentions(spelled)
     }
 
-    /// A unit that ends the words: `q1_deg`, `vel_2_deg_s`.
+    /// A unit at the end of the words, as in `q1_deg` or `vel_2_deg_s`; `None` if there is none.
     pub(super) fn suffix(&self, header: &Header, wanted: &[&str]) -> Option<Unit> {
         let words: Vec<String> = header.words.iter().filter(|w| !is_number(w)).cloned().collect();
         let tails = (1..=3.min(words.len().saturating_sub(1))).rev().map(|n| &words[words.len() - n..]);
         let mut named = tails.filter(|tail| !self.is_named(tail)).filter_map(|tail| {
             let parts: Vec<&str> = tail.iter().map(String::as_str).filter(|w| *w != "per").collect();
-            // A letter at the end may mean something else (`q_m`, measured): it counts if it fits.
+            // A letter at the end may have another meaning (`q_m`, measured). It counts only if it fits the quantity.
             let is_sure = parts.first().is_some_and(|p| p.len() > 1);
             let unit = units::in_header(&parts.join("/"), header.is_translated);
             unit.filter(|unit| is_sure || wanted.contains(&unit.si))
@@ -209,7 +211,7 @@ impl<'a> Finder<'a> {
         named.next()
     }
 
-    /// Two or more sets of columns for one quantity.
+    /// The error that two sets of columns are possible for one quantity.
     pub(super) fn ambiguous(&self, kind: Kind, [one, other]: [String; 2]) -> IdentificationError {
         let key = kind.key();
         self.undecided(format!(
@@ -218,7 +220,7 @@ impl<'a> Finder<'a> {
         ))
     }
 
-    /// No columns, or not those of all joints.
+    /// The error that there are no columns, or not those of all joints.
     pub(super) fn missing(&self, kinds: &[Kind], targets: &Targets) -> IdentificationError {
         let (n, kind) = (targets.names.len(), kinds[0]);
         if n == 0 {
@@ -264,20 +266,20 @@ impl<'a> Finder<'a> {
         ))
     }
 
-    /// A header of a quantity.
+    /// Text that names a header of a quantity.
     fn example(&self, kind: Kind) -> String {
         let header = self.headers.iter().find(|h| h.meaning(&h.words).is_some_and(|m| m.kind == kind));
         header.map_or("these".into(), |h| format!("`{}`", h.text))
     }
 
-    /// Whether columns are commanded by the header of the first one.
+    /// Whether columns are commanded, by the header of the first one.
     pub(super) fn is_commanded(&self, columns: &[usize]) -> bool {
         let header = columns.first().and_then(|column| self.headers.get(*column));
         header.and_then(Header::own_meaning).is_some_and(|m| m.origin == Origin::Commanded)
     }
 }
 
-/// A unit that is none of the quantity.
+/// Message about a unit that does not belong to the quantity.
 fn misfit(label: &str, kind: Kind, unit: Unit, wanted: &[&str]) -> String {
     let name = kind.singular();
     if kind == Kind::Attitude {
@@ -299,7 +301,7 @@ fn misfit(label: &str, kind: Kind, unit: Unit, wanted: &[&str]) -> String {
     format!("column {label} is {article} {name} in {}, but {} is expected here", unit.si, wanted.join(" or "))
 }
 
-/// `q{}` of `q1`, `q2`, …, for each number of the first text.
+/// Patterns as `q{}` of `q1`, `q2`, …, one for each number in the first text.
 fn numbered_patterns(texts: &[String]) -> Vec<String> {
     let Some(first) = texts.first() else { return Vec::new() };
     let is_digit = |c: char| c.is_ascii_digit();
@@ -311,7 +313,8 @@ fn numbered_patterns(texts: &[String]) -> Vec<String> {
     starts.map(pattern).collect()
 }
 
-/// Joints in the order of a message that names them in its rows: `field.name0`, … or one list of names.
+/// Names of the joints in the order of a message that has them in its rows (`field.name0`, … or one list of names); `None`
+/// if it does not have all names.
 fn listed_names(sheet: &Sheet, headers: &[Header], robot: &RobotColumns) -> Option<Vec<String>> {
     let is_name = |h: &&Header| h.own_meaning().is_some_and(|m| m.kind == Kind::Name);
     let columns: Vec<&Header> = headers.iter().filter(is_name).collect();

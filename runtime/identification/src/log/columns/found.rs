@@ -1,4 +1,4 @@
-//! The columns of one quantity, and how they are printed.
+//! The columns of one quantity, and their text in messages.
 
 use super::super::finding::COLUMN_DOUBTFUL;
 use super::super::units::Unit;
@@ -9,12 +9,12 @@ use gelenk_findings::Finding;
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::log) struct Column {
     pub index: usize,
-    /// Header for people.
+    /// Header in messages.
     pub label: String,
     pub unit: Unit,
     /// The unit in words.
     pub unit_words: String,
-    /// The unit is not that of the header.
+    /// Whether the unit is not the one of the header.
     pub is_stated: bool,
 }
 
@@ -25,31 +25,31 @@ pub(in crate::log) struct Found {
     pub columns: Vec<Column>,
     /// Names of the joints or inputs.
     pub names: Vec<String>,
-    /// Their places in the description.
+    /// Indices of the joints or inputs in the description.
     pub places: Vec<usize>,
-    /// The columns as `--columns` takes them.
+    /// The columns in the form that `--columns` takes.
     pub pattern: String,
-    /// No measured columns are found, and nobody named these.
+    /// Whether only commanded columns were found and the user did not name them.
     pub is_commanded: bool,
 }
 
-/// The names that a log has for the columns of a quantity, for messages and for `--columns`.
+/// The names of the columns of a quantity in a log, for messages and for `--columns`.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct ColumnLabels {
-    /// Header of the column of each joint or input, or its number; `none` if the log has no such column.
+    /// Header or number of the column of each joint or input; `none` if the log does not have the column.
     pub(crate) columns: Vec<String>,
-    /// All of them as `--columns` takes them, as `q{}`.
+    /// All columns in the form that `--columns` takes, as `q{}`.
     pub(crate) pattern: String,
 }
 
-/// The names that a log has for its columns.
+/// The names of the columns of a log.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Labels {
     /// The column of times; `row` if rows are counted.
     pub(crate) time: String,
-    /// Positions of the joints.
+    /// Columns of the joints' positions.
     pub(crate) positions: ColumnLabels,
-    /// Efforts of the joints or inputs.
+    /// Columns of the efforts of joints or inputs.
     pub(crate) efforts: ColumnLabels,
 }
 
@@ -58,7 +58,7 @@ impl Found {
         self.columns.iter().map(|column| column.index)
     }
 
-    /// Line of a message: pattern, first and last joint, and units.
+    /// Line of a message with pattern, first and last joint, and units; `None` without columns.
     pub(super) fn line(&self, what: &str) -> Option<String> {
         let mut units: Vec<&str> = Vec::new();
         for Column { unit_words: unit, .. } in &self.columns {
@@ -74,9 +74,9 @@ impl Found {
         Some(format!("{what}: `{}`{whose}, {}", self.pattern, units.join(" or ")))
     }
 
-    /// The columns of all joints or inputs, by their places.
+    /// The columns of all joints or inputs, by their indices.
     ///
-    /// - `count`: of the joints or inputs
+    /// - `count`: number of all joints or inputs
     pub(super) fn labels(&self, count: usize) -> ColumnLabels {
         let mut columns = vec!["none".to_owned(); count];
         self.places

@@ -1,4 +1,4 @@
-//! The columns of a log as a line of `--columns`, to be edited and given back.
+//! The columns of a log as an argument of `--columns`, which the user can edit and pass again.
 
 use super::super::super::error::Result;
 use super::super::sheet::Sheet;
@@ -9,21 +9,21 @@ use super::mapping::Parts;
 use super::pattern::ColumnOptions;
 use super::robot::RobotColumns;
 
-/// The columns of a log as far as they are found.
+/// The columns of a log that were found.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct ColumnGuess {
-    /// The line; `QUANTITY=?` is missing.
+    /// The argument of `--columns`. `QUANTITY=?` is a quantity that was not found.
     pub line: String,
-    /// Why quantities are missing.
+    /// Reasons for which quantities were not found.
     pub faults: Vec<String>,
-    /// All columns of the log: their headers, or the first row if there are none.
+    /// All columns of the log: their headers, or the fields of the first row if there are no headers.
     pub columns: Vec<String>,
 }
 
-/// The guess for a sheet.
+/// The columns of a sheet that are found.
 ///
 /// # Errors
-/// Options that cannot be read. Columns that are not found are not an error.
+/// Errors of options that cannot be read. Columns that are not found are not an error.
 pub(in crate::log) fn guess(
     sheet: &Sheet,
     robot: &RobotColumns,
@@ -39,7 +39,7 @@ pub(in crate::log) fn guess(
     Ok(guess)
 }
 
-/// Columns of a quantity, and the part of the line that names them.
+/// Columns of a quantity, and the part of the argument that names them; `None` without columns.
 type Part = Option<(Vec<usize>, String)>;
 
 impl Finder<'_> {

@@ -8,29 +8,29 @@ use super::table::{Kind, Known, Origin, Role, known};
 pub(super) struct Meaning {
     pub kind: Kind,
     pub origin: Origin,
-    /// 0 for the usual words; larger for words that mean it less surely.
+    /// 0 for the usual words of a quantity; larger for less certain words.
     pub doubt: u8,
 }
 
-/// A header's words, with the unit taken out.
+/// A header's words, without its unit.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Header {
-    /// Position in the row, from 0.
+    /// Index of the column, from 0.
     pub index: usize,
     /// Text in the file.
     pub text: String,
-    /// English words in lower case and numbers.
+    /// English words in lower case, and numbers.
     pub words: Vec<String>,
-    /// Unit in brackets or in a row of units.
+    /// Unit in brackets or in a row of units; `None` if there is none.
     pub unit: Option<Unit>,
-    /// Text in brackets at the end that is neither a unit nor a number.
+    /// Text in brackets at the end that is neither a unit nor a number; `None` if there is none.
     pub odd: Option<String>,
-    /// It has words of another language.
+    /// Whether the header has words of another language.
     pub is_translated: bool,
 }
 
 impl Header {
-    /// - `below`: the field in the row of units
+    /// - `below`: field of the column in the row of units
     pub(super) fn new(index: usize, text: &str, below: Option<&str>) -> Self {
         let (rest, bracketed, odd) = take_unit(text);
         let is_translated = is_translated(text);
@@ -38,18 +38,18 @@ impl Header {
         Self { index, text: text.to_owned(), words: words(&rest), unit, odd, is_translated }
     }
 
-    /// The meaning of all words.
+    /// The meaning of all words; `None` if they have none.
     pub(super) fn own_meaning(&self) -> Option<Meaning> {
         meaning(&self.words)
     }
 
-    /// The meaning of the header without the words that name its joint: that of these words, or of the unit in brackets if they have none
-    /// (`A1 [deg]`).
+    /// The meaning of the header without the words that name its joint. If the other words have no meaning, it is that of
+    /// the unit in brackets (`A1 [deg]`). `None` if there is none.
     ///
-    /// - `rest`: the other words; `#` stands for a number
+    /// - `rest`: the other words, with `#` for a number
     pub(super) fn meaning(&self, rest: &[String]) -> Option<Meaning> {
         let Some(kind) = self.kind_of_unit() else { return meaning(rest) };
-        // `a` is an axis as often as an acceleration.
+        // The word `a` may be an axis or an acceleration.
         let is_silent =
             rest.iter().all(|w| is_number(w) || w == "#" || w == "a" || is_plain(w) && w.len() > 1);
         if is_silent {
@@ -61,13 +61,13 @@ impl Header {
         Some(if is_current { Meaning { kind, ..meaning } } else { meaning })
     }
 
-    /// The quantity of the unit in brackets.
+    /// The quantity of the unit in brackets; `None` if there is none.
     pub(super) fn kind_of_unit(&self) -> Option<Kind> {
         Kind::of_unit(self.unit?.si)
     }
 }
 
-/// Text without the brackets that hold a unit, the unit, and a bracket's text at the end that is none.
+/// The text without the brackets of a unit, the unit, and the text of brackets at the end that are not a unit.
 fn take_unit(text: &str) -> (String, Option<Unit>, Option<String>) {
     let mut odd = None;
     let mut from = 0;
@@ -87,8 +87,8 @@ fn take_unit(text: &str) -> (String, Option<Unit>, Option<String>) {
     (text.to_owned(), None, odd)
 }
 
-/// Words and numbers of a text: split at other characters, between letters and digits, and where a small letter
-/// is followed by a word with a capital. Words of other languages are in English.
+/// Words and numbers of a text. It is split at other characters, between letters and digits, and between a small letter and
+/// a word with a capital. Words of other languages are translated to English.
 pub(super) fn words(text: &str) -> Vec<String> {
     split(text).into_iter().flat_map(in_english).collect()
 }
@@ -122,11 +122,11 @@ pub(super) fn is_number(word: &str) -> bool {
     word.bytes().all(|b| b.is_ascii_digit())
 }
 
-/// The shortest part of a German compound, and the letters between two parts.
+/// Shortest part of a German compound, and the letters between two parts.
 const SHORTEST: usize = 3;
 const LINKS: [&str; 4] = ["", "s", "n", "en"];
 
-/// The English words that a word in lower case stands for: itself if it is of no other language.
+/// The English words for a word in lower case; the word itself if it is of no other language.
 fn in_english(word: String) -> Vec<String> {
     if word.len() < SHORTEST {
         return vec![word];
@@ -140,7 +140,7 @@ fn in_english(word: String) -> Vec<String> {
     }
 }
 
-/// The two parts of a German compound in English, `motorstrom` or `positionsistwert`.
+/// The two parts of a German compound in English, as of `motorstrom` or `positionsistwert`; `None` for other words.
 fn compound(word: &str) -> Option<[&str; 2]> {
     let part = |text: &str| {
         known(text).filter(|k| k.english.is_some() || matches!(k.role, Role::Quantity(_) | Role::Motor))
@@ -157,7 +157,7 @@ fn compound(word: &str) -> Option<[&str; 2]> {
     })
 }
 
-/// A letter as the table writes it.
+/// A letter in the spelling of the table.
 fn without_accent(letter: char) -> impl Iterator<Item = char> {
     const ACCENTS: [(&str, &str); 8] = [
         ("àáâä", "a"),
@@ -183,7 +183,7 @@ fn meaning(words: &[String]) -> Option<Meaning> {
     }
     let (kind, mut doubt, at) = strong(&joined, &all)?;
     let kind = if has(Role::Motor) && kind == Kind::Torque { Kind::Input } else { kind };
-    // The position behind a gear is the joint's, the one before it may not be.
+    // The position on the output side of a gear is that of the joint. The position of the motor may not be.
     doubt += u8::from(has(Role::Motor) && matches!(kind, Kind::Position | Kind::Velocity));
     doubt += 2 * u8::from(joined.iter().any(|w| is_unknown(w)));
     if kind == Kind::Time {
@@ -203,7 +203,7 @@ fn meaning(words: &[String]) -> Option<Meaning> {
     Some(Meaning { kind, origin, doubt })
 }
 
-/// `q dot`, `q dot dot` and `q ddot` as one word.
+/// Words in which `q dot`, `q dot dot` and `q ddot` are one word.
 fn join_derivatives<'w>(words: impl Iterator<Item = &'w String>) -> Vec<String> {
     let mut joined: Vec<String> = Vec::new();
     for word in words {
@@ -216,7 +216,7 @@ fn join_derivatives<'w>(words: impl Iterator<Item = &'w String>) -> Vec<String> 
     joined
 }
 
-/// The kind that the words name, its doubt, and the place of the word.
+/// The quantity that the words name, its doubt, and the index of the word; `None` if they name none.
 fn strong(words: &[String], all: &[Option<Known>]) -> Option<(Kind, u8, usize)> {
     let quantity = |(at, known): (usize, &Option<Known>)| match known.as_ref()?.role {
         Role::Quantity(kind) => Some((kind, known.as_ref()?.doubt, at)),
@@ -226,7 +226,7 @@ fn strong(words: &[String], all: &[Option<Known>]) -> Option<(Kind, u8, usize)> 
     let (letters, named): (Vec<_>, Vec<_>) = named.partition(|(_, _, at)| words[*at].len() == 1);
     let (currents, mut found): (Vec<_>, Vec<_>) =
         named.into_iter().partition(|(kind, ..)| *kind == Kind::Current);
-    // The torque current of a drive; but the present torque.
+    // The torque current of a drive is a current; the present torque (`current torque`) is a torque.
     if let Some(current) = currents.last()
         && found.first().is_none_or(|first| current.2 > first.2)
     {
@@ -246,19 +246,20 @@ fn is_unknown(word: &str) -> bool {
     !(is_known || is_number(word) || units::find(word).is_some())
 }
 
-/// A word that names no quantity, or a letter.
+/// Whether a word names no quantity, or is a single letter.
 pub(super) fn is_plain(word: &str) -> bool {
     word.chars().count() == 1 || known(word).is_some_and(|known| known.role == Role::Plain)
 }
 
-/// Whether all words are ones that headers have next to units, or numbers.
+/// Whether all words are known words of headers, or numbers.
 pub(super) fn is_known(words: &[String]) -> bool {
-    // `[V]` is a unit that no column here is in, not the letter of velocities.
+    // `[V]` is a unit that no column here has, and not the letter of velocities.
     let is_word = |w: &String| w.chars().count() > 1 && (known(w).is_some() || !is_unknown(w));
     !words.is_empty() && words.iter().all(|w| is_number(w) || is_word(w))
 }
 
-/// The time in a message's header is when it was measured; a bag's is when it came.
+/// Doubt about a column of times. The time in the header of a message is that of the measurement. The time of a bag is that
+/// of arrival.
 fn time_doubt(words: &[String]) -> u8 {
     let has = |list: &[&str]| words.iter().any(|w| list.contains(&w.as_str()));
     let stamped = has(&["header"]) && has(&["stamp"]);

@@ -1,4 +1,4 @@
-//! Which column of a log is which quantity of a robot.
+//! The assignment of the columns of a log to the quantities of a robot.
 
 use super::super::super::error::Result;
 use super::super::super::run::Effort;
@@ -22,19 +22,19 @@ pub(in crate::log) struct Mapping {
     pub velocities: Option<Found>,
     pub efforts: Found,
     pub effort: Effort,
-    /// A place and a quaternion of each joint that has one.
+    /// Position and quaternion of each joint that has a quaternion.
     pub poses: Vec<Found>,
     /// Names of the columns in the log.
     pub labels: Labels,
-    /// One line for each quantity.
+    /// One line of text for each quantity.
     pub brief: Vec<String>,
-    /// Reasons to doubt the choice.
+    /// Doubts about the assignment.
     pub warnings: Vec<Finding>,
-    /// Headers of the columns that nothing uses.
+    /// Headers of the columns that are not used.
     pub unused: Vec<String>,
 }
 
-/// The quantities of a log as far as they are found.
+/// The quantities of a log, or the errors for those that were not found.
 pub(super) struct Parts {
     pub time: Result<TimeColumn>,
     pub places: Result<Vec<Found>>,
@@ -45,18 +45,18 @@ pub(super) struct Parts {
     pub run: Result<Option<usize>>,
 }
 
-/// The efforts of a robot whose logs have those at frames alone.
+/// Line for a robot whose logs have only the efforts of inputs at frames.
 const BASE_ALONE: &str =
     "no efforts of the joints: the rows of the base alone, and of joints without a drive, are fitted";
 
-/// End of messages about columns that the table does not decide.
+/// End of messages about columns that the headers do not decide.
 const HINT: &str = ". --columns '?' prints all columns as a line to edit";
 
 /// Finds the columns of a robot in a sheet.
 ///
 /// # Errors
-/// Quantities without columns or with two sets of them, and units that do not fit, each with the line of
-/// `--columns` that settles it.
+/// [`IdentificationError::File`](super::super::super::error::IdentificationError::File) if a quantity has no columns or two
+/// sets of columns, or if a unit does not fit. The message has the argument of `--columns` that decides.
 pub(in crate::log) fn resolve(
     sheet: &Sheet,
     robot: &RobotColumns,
@@ -70,7 +70,7 @@ pub(in crate::log) fn resolve(
 }
 
 impl Finder<'_> {
-    /// A row of numbers is not a header.
+    /// Fails if there is no header, because a row of numbers is not a header, unless the user names all columns.
     pub(super) fn require_header(&self) -> Result<()> {
         let is_named = |kind: fn(Kind) -> bool| self.pattern(kind).is_some();
         let all =
@@ -89,7 +89,7 @@ impl Finder<'_> {
         )))
     }
 
-    /// Joints of which the log has columns are not held.
+    /// Fails if a joint is held although the log has its columns.
     fn require_absent(&self) -> Result<()> {
         let (all, held) = (&self.robot.all_joints, &self.robot.held);
         let own = |family: Family| {
@@ -136,7 +136,7 @@ impl Finder<'_> {
         let doubts = [positions.if_commanded(), efforts.if_commanded()];
         let warnings = time.doubt.clone().into_iter().chain(doubts.into_iter().flatten());
         let mut mapping = Mapping {
-            // Without quaternions a force at the joint and an input are the same where B = 1.
+            // Without quaternions, the force at a joint and the input are equal if B is the identity.
             effort: match effort {
                 Effort::Input if self.robot.direct && poses.is_empty() => Effort::Joint,
                 other => other,
@@ -160,7 +160,7 @@ impl Finder<'_> {
         Ok(mapping)
     }
 
-    /// A line for each quantity.
+    /// A line of text for each quantity.
     fn brief(&self, mapping: &Mapping, effort: Effort) -> Vec<String> {
         let time: Vec<String> = mapping.time.columns().iter().map(|column| self.label(*column)).collect();
         let time = if time.is_empty() { "the numbers of the rows".to_owned() } else { time.join(" and ") };
@@ -234,7 +234,7 @@ impl Finder<'_> {
         self.found(choice, Kind::Position, joints)
     }
 
-    /// Velocities are optional: columns in a unit that is none of theirs (`v1 [V]`) are something else.
+    /// Columns of velocities, which are optional. Columns with a unit of another quantity (`v1 [V]`) are not velocities.
     fn velocities(&self) -> Result<Option<Found>> {
         let joints = &self.robot.joints;
         if joints.names.is_empty() {

@@ -1,6 +1,7 @@
 //! The columns of a log: a table of quantities and words, and the search for the columns of a robot.
 //!
-//! Modules are listed from the lowest floor to the highest, one paragraph for each: a file imports from floors below its own.
+//! Modules are listed from the lowest level to the highest one, one paragraph for each. A file imports only from levels
+//! below its own.
 
 mod table;
 

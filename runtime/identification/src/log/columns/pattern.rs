@@ -1,4 +1,4 @@
-//! Statements of the user about the columns of a log: `--columns 'position=joint{}_pos[deg],torque=…,time=…'`.
+//! The user's statements about the columns of a log: `--columns 'position=joint{}_pos[deg],torque=…,time=…'`.
 
 use gelenk_formula::Hold;
 
@@ -10,32 +10,32 @@ use super::families::Targets;
 use super::header::{Header, words};
 use super::table::Kind;
 
-/// Statements about the columns of a log; none by default.
+/// The user's statements about the columns of a log. By default there are none.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct ColumnOptions {
-    /// `QUANTITY=COLUMNS,…`; quantities that are not named are looked for.
+    /// `QUANTITY=COLUMNS,…`. Quantities that are not named are searched by their headers.
     ///
-    /// - quantities: `time`, `position`, `velocity`, one of `torque` (at the joints), `input` (of the motors) and
-    ///   `current`, and `run`; of joints with a quaternion `place` (x, y, z) and `xyzw` or `wxyz` (the quaternion's entries
-    ///   in this order);
-    /// - columns: a header with `{}` where the joint's number stands or `{name}` where its name does; headers with
-    ///   `|` between them, in the robot's order; or numbers, counted from 1: `2..7`;
-    /// - a unit in brackets may follow: `position=2..7[deg]`, `position=count{}[0.0879 deg]`;
-    /// - rows at equal times have no need of a column: `time=row[4 ms]`;
-    /// - joints that the log does not have, with their positions: `hold=gripper|wrist_*=0.5`.
+    /// - Quantities: `time`, `position`, `velocity`, one of `torque` (at the joints), `input` (of the motors) and `current`,
+    ///   and `run`. A joint with a quaternion has `place` (x, y, z) if it is floating, and `xyzw` or `wxyz` (the entries of
+    ///   the quaternion in this order).
+    /// - Columns: a header with `{}` in place of the joint's number or `{name}` in place of its name; headers with `|`
+    ///   between them, in the order of the joints; or numbers, counted from 1: `2..7`.
+    /// - A unit in brackets may follow: `position=2..7[deg]`, `position=count{}[0.0879 deg]`.
+    /// - Rows at equal times need no column of times: `time=row[4 ms]`.
+    /// - Joints without columns, with their positions: `hold=gripper|wrist_*=0.5`.
     pub columns: Option<String>,
-    /// Field separator, if it is not found.
+    /// Field separator; `None` detects it.
     pub separator: Option<char>,
-    /// The kind of the efforts if their names do not say it.
+    /// Kind of the efforts; `None` takes the kind that the names of the columns have.
     pub effort: Option<Effort>,
 }
 
-/// The name of held joints in the line.
+/// Key of held joints in the argument.
 const HOLD: &str = "hold";
-/// The part of the line that asks for the columns.
+/// The part of the argument that requests the list of columns.
 const ASKED: &str = "?";
 
-/// One `QUANTITY=COLUMNS`.
+/// One part `QUANTITY=COLUMNS` of the argument.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Pattern {
     pub kind: Kind,
@@ -48,17 +48,17 @@ pub(super) struct Pattern {
 pub(super) struct Chosen {
     pub columns: Vec<usize>,
     pub units: Vec<Option<Unit>>,
-    /// No measured columns are found, and nobody named these.
+    /// Whether only commanded columns were found and the user did not name them.
     pub is_commanded: bool,
 }
 
 impl Chosen {
-    /// Columns in one unit.
+    /// Columns with the same unit.
     pub(super) fn alike(columns: Vec<usize>, unit: Option<Unit>) -> Self {
         Self { units: vec![unit; columns.len()], columns, ..Self::default() }
     }
 
-    /// The columns of several joints, `width` for each.
+    /// The columns of several joints, `width` for each joint.
     pub(super) fn split(&self, width: usize) -> Vec<Self> {
         let parts = self.columns.chunks(width).zip(self.units.chunks(width));
         let part = |(columns, units): (&[usize], &[Option<Unit>])| (columns.to_vec(), units.to_vec());
@@ -67,7 +67,7 @@ impl Chosen {
 }
 
 impl ColumnOptions {
-    /// The patterns in the order of the line.
+    /// The patterns in the order of the argument.
     pub(super) fn patterns(&self) -> Result<Vec<Pattern>> {
         let mut patterns: Vec<Pattern> = Vec::new();
         for (part, name, text) in self.named()?.into_iter().filter(|(_, name, _)| name != HOLD) {
@@ -84,15 +84,15 @@ impl ColumnOptions {
         Ok(patterns)
     }
 
-    /// Whether the line has a `?`, which asks for the columns that are found.
+    /// Whether the argument has a `?`, which requests the list of columns.
     pub fn asks(&self) -> bool {
         parts(self.columns.as_deref().unwrap_or("")).contains(&ASKED)
     }
 
-    /// Positions of the joints that are held [rad or m], `None` for the others.
+    /// Position of each joint that is held [rad or m]; `None` for other joints.
     ///
     /// # Errors
-    /// A pattern that no joint's name matches, and values that are not numbers.
+    /// [`IdentificationError::File`] if a pattern matches no joint, or if a value is not a number.
     pub fn held(&self, joints: &[String]) -> Result<Vec<Option<f64>>> {
         let mut held = vec![None; joints.len()];
         let all = self.named()?;
@@ -110,7 +110,7 @@ impl ColumnOptions {
         Ok(held)
     }
 
-    /// Part, quantity and columns of each part of the line.
+    /// Text, key and columns of each part of the argument.
     fn named(&self) -> Result<Vec<(&str, String, &str)>> {
         let split = |part| match str::split_once(part, '=') {
             Some((name, text)) => Ok((part, name.trim().to_lowercase(), text.trim())),
@@ -131,7 +131,7 @@ fn twice(kind: Kind) -> String {
     }
 }
 
-/// Parts between commas that a `QUANTITY=` follows; other commas belong to headers.
+/// Parts that are separated by commas. A comma separates parts only if `QUANTITY=` follows. Other commas belong to headers.
 fn parts(line: &str) -> Vec<&str> {
     let mut parts = Vec::new();
     let mut start = 0;
@@ -149,7 +149,7 @@ fn begins_part(rest: &str) -> bool {
     !key.is_empty() && key.chars().all(|c| c.is_ascii_alphabetic())
 }
 
-/// Whether a header's text names its column in a pattern.
+/// Whether the text of a header can be written in a pattern.
 pub(super) fn is_spellable(text: &str) -> bool {
     let is_cut = text.match_indices(',').any(|(at, _)| begins_part(&text[at + 1..]));
     !(is_cut
@@ -168,16 +168,17 @@ impl Pattern {
         Self { kind, key: kind.key(), text: text.to_owned() }
     }
 
-    /// The period \[s\] of rows that are counted as the time, `row[4 ms]`, if no column has this name.
+    /// Period \[s\] of rows that are counted as the time, as in `row[4 ms]`; `None` if the text is another one or if a
+    /// column has this name.
     pub(super) fn counts_rows(&self, headers: &[Header]) -> Option<f64> {
         let unit = self.text.strip_prefix("row[")?.strip_suffix(']')?;
         let is_free = headers.iter().all(|header| bare(&header.text) != "row");
         units::find(unit).filter(|unit| is_free && unit.si == "s").map(|unit| unit.factor)
     }
 
-    /// The columns for each of `targets`, those of components in the order of the table.
+    /// The columns for each of the `targets`. Components are in the order of the table.
     ///
-    /// - `width`: fields of a row, for numbers of columns
+    /// - `width`: number of fields of a row, for columns that are named by number
     pub(super) fn resolve(&self, headers: &[Header], width: usize, targets: &Targets) -> Result<Chosen> {
         let mut chosen = self.chosen(headers, width, targets)?;
         let (given, count) = (chosen.columns.len(), targets.names.len());
@@ -211,14 +212,14 @@ impl Pattern {
         each(&self.text, headers, width).ok_or_else(|| self.nothing(headers))
     }
 
-    /// Nothing has the name: which columns there are, and which is the nearest.
+    /// The error that no column has the name, with the columns that exist and the nearest name.
     fn nothing(&self, headers: &[Header]) -> IdentificationError {
         let names: Vec<String> = headers.iter().map(|h| h.text.clone()).collect();
         if names.is_empty() {
             let message = "the log has no header; give the columns' numbers, as in `position=2..7`";
             return fault(&self.text, message.into());
         }
-        // The comparison takes time with the product of the lengths.
+        // The time of the comparison grows with the product of the lengths.
         let cut = |text: &str| text.to_lowercase().chars().take(100).collect::<String>();
         let wanted = cut(&self.text);
         let likeness = |name: &&String| strsim::jaro_winkler(&cut(name), &wanted);
@@ -228,7 +229,7 @@ impl Pattern {
     }
 }
 
-/// `None` if nothing has this name.
+/// The columns that a text names; `None` if there are none.
 fn columns(text: &str, headers: &[Header], width: usize, targets: &Targets) -> Result<Option<Vec<usize>>> {
     if text.contains("{name}") {
         return by_names(text, headers, targets);
@@ -245,7 +246,8 @@ fn columns(text: &str, headers: &[Header], width: usize, targets: &Targets) -> R
     Ok(text.split('|').map(|item| one(item.trim(), headers, width)).collect())
 }
 
-/// Columns of a list, each with a unit of its own or none, as in `tau1|tau2[-1 Nm]|tau3`; `None` if one of them does not exist.
+/// Columns of a list, each with or without a unit of its own, as in `tau1|tau2[-1 Nm]|tau3`; `None` if one of them does not
+/// exist.
 fn each(text: &str, headers: &[Header], width: usize) -> Option<Chosen> {
     let item = |item: &str| {
         let item = item.trim();
@@ -260,7 +262,7 @@ fn each(text: &str, headers: &[Header], width: usize) -> Option<Chosen> {
     Some(Chosen { columns, units, ..Chosen::default() })
 }
 
-/// A header, or the number of a column.
+/// The column with a header or a number; `None` if there is none.
 fn one(item: &str, headers: &[Header], width: usize) -> Option<usize> {
     let same = |h: &&Header| h.text.trim() == item;
     let lower = item.to_lowercase();
@@ -271,7 +273,7 @@ fn one(item: &str, headers: &[Header], width: usize) -> Option<usize> {
     header.map(|h| h.index).or_else(number)
 }
 
-/// In lower case and without a unit in brackets at the end.
+/// Text in lower case, without a unit in brackets at the end.
 fn bare(text: &str) -> String {
     let text = text.trim();
     let cut = text.strip_suffix([']', ')']).and_then(|rest| rest.rsplit_once(['[', '(']));

@@ -1,4 +1,4 @@
-//! Columns of poses: a place x, y, z and a quaternion for each joint that has one.
+//! Columns of poses: position x, y, z (`place`) and quaternion of each joint with a quaternion.
 
 use super::super::super::error::{IdentificationError, Result};
 use super::super::super::pose::QuaternionJoint;
@@ -11,25 +11,25 @@ use super::pattern::Chosen;
 use super::table::Kind;
 
 impl Finder<'_> {
-    /// A place for each floating joint.
+    /// The position of each floating joint.
     ///
     /// # Errors
-    /// As [`Self::attitudes`].
+    /// The errors are those of [`Self::attitudes`].
     pub(super) fn places(&self) -> Result<Vec<Found>> {
         let joints = self.robot.quaternions.iter().filter(|joint| joint.is_floating);
         self.components(Kind::Place, &joints.collect::<Vec<_>>())
     }
 
-    /// A quaternion for each joint that has one.
+    /// The quaternion of each joint with a quaternion.
     ///
     /// # Errors
-    /// Poses without columns or with two sets of them, some letters alone, units that do not fit, and angles instead of
-    /// quaternions.
+    /// [`IdentificationError::File`] if a pose has no columns or two sets of columns, if a component is missing, if a unit
+    /// does not fit, or if there are angles instead of quaternions.
     pub(super) fn attitudes(&self) -> Result<Vec<Found>> {
         self.components(Kind::Attitude, &self.robot.quaternions.iter().collect::<Vec<_>>())
     }
 
-    /// Places and quaternions in the order of the positions.
+    /// Positions and quaternions in the order of the robot's positions.
     pub(super) fn poses(&self, places: Vec<Found>, attitudes: Vec<Found>) -> Vec<Found> {
         let mut places = places.into_iter();
         let joints = self.robot.quaternions.iter().zip(attitudes);
@@ -59,9 +59,9 @@ impl Finder<'_> {
         choices.into_iter().zip(&targets).map(|(choice, of)| self.found(choice, kind, of)).collect()
     }
 
-    /// The only family of columns that is nearest to the joint's name.
+    /// The family of columns that is nearest to the joint's name, if there is only one.
     fn nearest(&self, joint: &QuaternionJoint, kind: Kind) -> Result<Chosen> {
-        // Of several joints each has to be named.
+        // If there are several joints, the columns have to name them.
         let farthest = if self.robot.quaternions.len() > 1 { 0 } else { 2 };
         let mut near = by_component(&self.headers, kind, &words(&joint.name));
         near.retain(|family| family.meaning.doubt <= farthest);

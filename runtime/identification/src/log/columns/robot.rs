@@ -1,4 +1,4 @@
-//! The joints and inputs of a robot as columns are matched with them.
+//! The joints and inputs of a robot, as columns are matched with them.
 
 use super::super::super::error::Result;
 use super::super::super::pose::{QuaternionJoint, rows_of};
@@ -7,33 +7,35 @@ use super::super::super::run::{Effort, Run};
 use super::families::Targets;
 use super::pattern::ColumnOptions;
 
-/// A robot's joints and inputs for which a log has columns. Velocities of joints with a quaternion do not count as joints here.
+/// A robot's joints and inputs for which a log has columns. Velocities of joints with a quaternion do not count as joints
+/// here.
 pub(in crate::log) struct RobotColumns {
-    /// Joints that are not held.
+    /// Joints that the user does not hold at fixed positions (`hold=…` of [`ColumnOptions`]).
     pub joints: Targets,
-    /// Joints whose torques a log may have: neither held nor moved by something else.
+    /// Joints whose torques a log may have: neither held nor moved from outside.
     pub torques: Targets,
-    /// Inputs that move more than held joints.
+    /// Inputs that do not act on held joints only.
     pub inputs: Targets,
     /// Inputs at frames.
     pub frame_inputs: Targets,
     /// Joints with a quaternion.
     pub quaternions: Vec<QuaternionJoint>,
-    /// Positions of the joints that are held, `None` for the others.
+    /// Position of each joint that is held; `None` for other joints.
     pub held: Vec<Option<f64>>,
-    /// All joints, held or not.
+    /// All joints, including held ones.
     pub all_joints: Targets,
-    /// `rad` or `m`, of each joint.
+    /// Unit of each joint, `rad` or `m`.
     pub units: Vec<&'static str>,
-    /// Unit of the position of the joint that an input drives if it is one.
+    /// Unit of the position of the joint that an input drives, if it drives a single one; otherwise `rad`.
     pub input_units: Vec<&'static str>,
-    /// B is the identity: forces at the joints and inputs are the same.
+    /// Whether B is the identity, so that forces at the joints and inputs are equal.
     pub direct: bool,
 }
 
 impl RobotColumns {
     /// # Errors
-    /// Patterns of held joints that match none.
+    /// [`IdentificationError::File`](super::super::super::error::IdentificationError::File) if a pattern of held joints
+    /// matches no joint.
     pub(in crate::log) fn new(robot: &dyn Robot, options: &ColumnOptions) -> Result<Self> {
         let (names, inputs) = (robot.joint_names(), robot.input_names());
         let quaternions = robot.quaternion_joints();
@@ -75,7 +77,7 @@ impl RobotColumns {
         })
     }
 
-    /// The part of `--columns` that holds joints.
+    /// The part of `--columns` that holds joints; `None` if no joint is held.
     pub(super) fn hold_option(&self) -> Option<String> {
         let held: Vec<String> = self.held_values().map(|(name, value)| format!("{name}={value}")).collect();
         (!held.is_empty()).then(|| format!("hold={}", held.join("|")))
@@ -92,7 +94,7 @@ impl RobotColumns {
 
     /// Adds the columns that the log does not have: positions of held joints, and NaN for efforts that were not measured.
     ///
-    /// - `recorded`: places of the joints or inputs whose efforts the log has
+    /// - `recorded`: indices of the joints or inputs whose efforts the log has
     pub(in crate::log) fn add_unrecorded(&self, run: &mut Run, recorded: &[usize]) {
         let samples = run.times.len();
         let count = if run.effort == Effort::Joint { self.held.len() } else { self.input_units.len() };

@@ -1,7 +1,8 @@
-//! The table of columns: quantities with their names, units, components and words, and the other words of headers.
+//! The table of quantities with their names, units, components and words, and the table of other words of headers.
 //!
-//! A new kind of column is a row of [`QUANTITIES`], which gives [`Kind`] its name, too. Words of other languages are in the rows of the
-//! English ones and stand for the first of them. Their letters have no accents: `é` is `e`, `ß` is `ss`.
+//! A new kind of column is a new row of [`QUANTITIES`], which also gives [`Kind`] its name. Words of other languages are in
+//! the rows of the English words and are translated to the first of these. They are spelled without accents: `é` is `e`, `ß`
+//! is `ss`.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
@@ -11,22 +12,23 @@ use Role::{Angle, Body, Motor, Other, Plain};
 /// A quantity that columns may have.
 pub(super) struct Quantity {
     kind: Kind,
-    /// Names in `--columns`.
+    /// Keys in `--columns`.
     pub keys: &'static [&'static str],
-    /// One value and several in messages.
+    /// Singular and plural in messages.
     pub names: [&'static str; 2],
-    /// SI units of rotary and of linear joints. The first one is assumed if none is named.
+    /// SI units for rotary and for linear joints. The first unit is assumed if none is named.
     pub units: [&'static [&'static str]; 2],
-    /// Letters of the components, which have a column each.
+    /// Letters of the quantity's components, as x, y and z. Each component has a column.
     pub components: &'static [&'static str],
-    /// Words: doubt (0 for the usual ones), English, other languages. Single letters count if no longer word names a quantity.
+    /// Words of the quantity: doubt (0 for the usual words), English words, words of other languages. Single letters count
+    /// only if no longer word names a quantity.
     words: &'static [(u8, &'static str, &'static str)],
 }
 
 const SECONDS: [&[&str]; 2] = [&["s"]; 2];
 const NO_UNIT: [&[&str]; 2] = [&["1"]; 2];
 
-/// Rows of quantities, and the name of each.
+/// Defines the rows of quantities, and the name of each quantity.
 macro_rules! quantities {
     ($($(#[$documentation:meta])* $kind:ident { $($row:tt)* },)*) => {
         /// The quantity of a column.
@@ -35,7 +37,7 @@ macro_rules! quantities {
             $($(#[$documentation])* $kind,)*
         }
 
-        /// In the order of the kinds.
+        /// The quantities in the order of [`Kind`].
         static QUANTITIES: &[Quantity] = &[$(Quantity { kind: Kind::$kind, $($row)* },)*];
     };
 }
@@ -56,7 +58,7 @@ quantities! {
     ] },
     Velocity { keys: &["velocity"], names: ["velocity", "velocities"], units: [&["rad/s"], &["m/s"]], components: &[], words: &[
         (0, "velocity velocities vel jvel speed speeds dq qd qdot qvel v", "geschwindigkeit geschwindigkeiten winkelgeschwindigkeit vitesse vitesses velocita velocidad velocidades"),
-        // Of the motor as often as of the joint: `drehzahl`.
+        // The word `drehzahl` is used for motors as often as for joints.
         (1, "omega qp dtheta thetadot dphi w", "drehzahl"),
     ] },
     Acceleration { keys: &[], names: ["acceleration", "acceleration"], units: [&["rad/s^2"], &["m/s^2"]], components: &[], words: &[
@@ -70,7 +72,7 @@ quantities! {
         (1, "force forces", "kraft forza fuerza"),
     ] },
     // A motor before a spindle has a torque, the joint behind it a force.
-    /// A motor's torque, at its side of the gear.
+    /// A motor's torque, on the motor side of the gear.
     Input { keys: &["input"], names: ["motor effort", "efforts"], units: [&["N*m", "N"], &["N", "N*m"]], components: &[], words: &[(0, "input inputs u", "")] },
     Current { keys: &["current"], names: ["current", "currents"], units: [&["A"]; 2], components: &[], words: &[
         (0, "current currents cur curr amp amps amperage iq imot i", "strom strome stroeme courant courants intensite corrente correnti corriente corrientes intensidad"),
@@ -83,13 +85,13 @@ quantities! {
     Place { keys: &["place"], names: ["place", "places"], units: [&["m"]; 2], components: &["x", "y", "z"], words: &[
         (0, "place pose translation transform trans", ""),
     ] },
-    // The order of the columns is that of the key's letters.
+    // The order of the columns is that of the letters in the key.
     Attitude { keys: &["xyzw", "wxyz"], names: ["quaternion", "quaternions"], units: NO_UNIT, components: &["x", "y", "z", "w"], words: &[
         (0, "quat quaternion orientation rotation attitude rot ori", ""),
     ] },
 }
 
-/// How the values of a column came about. Columns are preferred in this order.
+/// Origin of the values of a column. Columns are preferred in this order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Origin {
     Measured,
@@ -98,20 +100,20 @@ pub(super) enum Origin {
     Commanded,
 }
 
-/// The part of a word in a header.
+/// The role of a word in a header.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Role {
     Quantity(Kind),
     Origin(Origin),
-    /// Torques are those of motors.
+    /// The word of motors: torques are those of motors.
     Motor,
-    /// Names no quantity.
+    /// A word that names no quantity.
     Plain,
-    /// Names a body that has a pose.
+    /// The name of a body that has a pose.
     Body,
-    /// An attitude that is not written as a quaternion.
+    /// A word of an orientation that is not a quaternion.
     Angle,
-    /// Quantities that no joint has, or not as its own.
+    /// The word of a quantity that joints do not have.
     Other,
 }
 
@@ -154,13 +156,13 @@ static WORDS: [(Role, &str, &str); 27] = [
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Known {
     pub role: Role,
-    /// 0 for the usual words; larger for words that mean it less surely.
+    /// 0 for the usual words of a quantity; larger for less certain words.
     pub doubt: u8,
-    /// The English word that a word of another language stands for.
+    /// English translation of a word of another language; `None` for English words.
     pub english: Option<&'static str>,
 }
 
-/// Role, doubt, English words and those of other languages.
+/// Role, doubt, English words, and words of other languages.
 type Row = (Role, u8, &'static str, &'static str);
 
 fn rows() -> impl Iterator<Item = Row> {
@@ -184,20 +186,20 @@ static INDEX: LazyLock<BTreeMap<&str, Known>> = LazyLock::new(|| {
     rows().flat_map(of).filter(|(word, _)| !word.is_empty()).collect()
 });
 
-/// The row of a word in lower case.
+/// The row of a word in lower case; `None` for unknown words.
 pub(super) fn known(word: &str) -> Option<Known> {
     INDEX.get(word).copied()
 }
 
 impl Kind {
-    /// The kind and the key of a name in `--columns`.
+    /// The quantity and the key of a name in `--columns`; `None` for unknown names.
     pub(super) fn of_key(name: &str) -> Option<(Self, &'static str)> {
         let key =
             |quantity: &Quantity| Some((quantity.kind, *quantity.keys.iter().find(|key| **key == name)?));
         QUANTITIES.iter().find_map(key)
     }
 
-    /// All names in `--columns`.
+    /// All keys in `--columns`.
     pub(super) fn keys() -> impl Iterator<Item = &'static str> {
         QUANTITIES.iter().flat_map(|quantity| quantity.keys).copied()
     }
@@ -207,7 +209,7 @@ impl Kind {
         &QUANTITIES[self as usize]
     }
 
-    /// Name in `--columns`.
+    /// Key in `--columns`.
     pub(super) fn key(self) -> &'static str {
         self.row().keys.first().copied().unwrap_or(self.singular())
     }
@@ -224,7 +226,7 @@ impl Kind {
         matches!(self, Self::Torque | Self::Input | Self::Current)
     }
 
-    /// The quantity of an SI unit.
+    /// The quantity of an SI unit; `None` if it has none.
     pub(super) fn of_unit(si: &str) -> Option<Self> {
         let measured = QUANTITIES.iter().filter(|quantity| quantity.units != NO_UNIT);
         measured

@@ -15,17 +15,17 @@ use gelenk_findings::Finding;
 /// The column of times.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(in crate::log) struct TimeColumn {
-    /// Times, or whole seconds; `None` if rows are counted.
+    /// Column of the times, or of their whole seconds; `None` if rows are counted.
     pub column: Option<usize>,
-    /// Nanoseconds next to whole seconds.
+    /// Column of the nanoseconds in addition to whole seconds; `None` if there is none.
     pub nanoseconds: Option<usize>,
-    /// Seconds of its unit if it is named.
+    /// Unit of the times [s]; `None` if no unit is named.
     pub unit: Option<f64>,
     /// The column in `--columns`.
     pub text: String,
-    /// The unit is that of the user.
+    /// Whether the user named the unit.
     pub is_stated: bool,
-    /// Its brackets hold no known unit.
+    /// Finding about brackets in the header that contain no known unit; `None` if there are none.
     pub doubt: Option<Finding>,
 }
 
@@ -34,15 +34,15 @@ impl TimeColumn {
         [self.column, self.nanoseconds].into_iter().flatten().collect()
     }
 
-    /// The part of `--columns` that names it.
+    /// The part of `--columns` that names the column.
     pub(super) fn option(&self) -> String {
         let unit = self.unit.filter(|_| self.is_stated).map(|factor| Unit { factor, si: "s" }.text());
         format!("time={}{}", self.text, unit.map_or(String::new(), |unit| format!("[{unit}]")))
     }
 
-    /// Time of a row in 10⁻¹² of its unit.
+    /// Time of a row in 10⁻¹² of the unit; `None` if the field is not a number.
     ///
-    /// - `line`: of the row in the file
+    /// - `line`: line of the row in the file
     pub(in crate::log) fn read(
         &self,
         record: &csv::ByteRecord,
@@ -59,11 +59,11 @@ impl TimeColumn {
 }
 
 impl Finder<'_> {
-    /// Finds the time: by the user's pattern, otherwise a message's stamp before `t`, `time` and `timestamp`, and these
-    /// before the time when a message came.
+    /// Finds the time: by the user's pattern, otherwise by the headers. A message's stamp is preferred to `t`, `time` and
+    /// `timestamp`, and these are preferred to the time of a message's arrival.
     ///
     /// # Errors
-    /// No column or several equally good ones.
+    /// [`IdentificationError::File`] if there is no column, or if several columns are equally good.
     pub(super) fn time(&self) -> Result<TimeColumn> {
         if let Some(pattern) = self.pattern(|kind| kind == Kind::Time) {
             if let Some(period) = pattern.counts_rows(&self.headers) {
@@ -129,7 +129,7 @@ impl Finder<'_> {
         }
     }
 
-    /// All sampled rows have the same time: a stamp that nobody set.
+    /// Whether all sampled rows have the same time, as a stamp that was never set.
     fn stands_still(&self, header: &Header) -> bool {
         let sample = &self.sheet.sample;
         let mut values = sample.iter().filter_map(|row| row.get(header.index)).filter(|f| !f.is_empty());
@@ -139,12 +139,12 @@ impl Finder<'_> {
         sample.len() > 3 && values.all(|v| Some(v) == first) && nanos.windows(2).all(|w| w[0] == w[1])
     }
 
-    /// Two columns have the same values in the sampled rows, as programs write that repeat the time before each signal.
+    /// Whether two columns have the same values in the sampled rows. Some programs repeat the time before each signal.
     fn are_equal(&self, one: &Header, other: &Header) -> bool {
         self.sheet.sample.iter().all(|row| row.get(one.index) == row.get(other.index))
     }
 
-    /// The column of nanoseconds next to one of seconds.
+    /// The column of nanoseconds that belongs to one of seconds; `None` if there is none.
     fn nanoseconds(&self, header: &Header) -> Option<usize> {
         self.headers.iter().find(|other| are_pair(header, other)).map(|other| other.index)
     }

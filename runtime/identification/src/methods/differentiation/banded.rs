@@ -5,10 +5,10 @@ pub(super) type Band<const W: usize> = Vec<[f64; W]>;
 
 /// Factors the band in place and solves for `x` in place. `W` is the number of diagonals of the lower half.
 ///
-/// The diagonal is at least 1 for the systems solved here, so no pivot can vanish.
+/// The diagonal is at least 1 for the systems that are solved here, so no pivot is zero.
 pub(super) fn solve<const W: usize>(band: &mut Band<W>, x: &mut [f64]) {
     let m = band.len();
-    // Row i becomes [1/dᵢ, lᵢ,ᵢ₋₁, lᵢ,ᵢ₋₂ …]; the last W − 1 rows and their pivots stay in registers.
+    // Row i becomes [1/dᵢ, lᵢ,ᵢ₋₁, lᵢ,ᵢ₋₂ …]. The last W − 1 rows and their pivots stay in registers.
     let mut rows = [[0.0; W]; W];
     let mut pivots = [1.0; W];
     let mut solved = [0.0; W];
@@ -39,7 +39,7 @@ pub(super) fn solve<const W: usize>(band: &mut Band<W>, x: &mut [f64]) {
     }
 }
 
-/// Pivot and multipliers of one row; `rows[k]`, `pivots[k]` belong to the row k + 1 above.
+/// Pivot and multipliers of one row. `rows[k]` and `pivots[k]` belong to the row k + 1 above.
 #[inline(always)]
 fn factor_row<const W: usize>(a: [f64; W], rows: &[[f64; W]; W], pivots: &[f64; W]) -> (f64, [f64; W]) {
     // u[k] = lᵢ,ᵢ₋ₖ dᵢ₋ₖ, from the farthest column to the nearest.
@@ -47,7 +47,7 @@ fn factor_row<const W: usize>(a: [f64; W], rows: &[[f64; W]; W], pivots: &[f64; 
     let mut l = [0.0; W];
     for k in (1..W).rev() {
         for far in k + 1..W {
-            // Column i − far of row i − k, where that lies within the band.
+            // Column i − far of row i − k, if it lies within the band.
             u[k] -= u[far] * rows[k - 1][far - k];
         }
         l[k] = u[k] / pivots[k - 1];

@@ -1,7 +1,7 @@
-//! First and second derivative of a sampled, noisy and quantized signal.
+//! First and second derivative of a sampled signal with noise and quantization.
 //!
-//! Total-variation regularization suits signals whose acceleration jumps ([`TotalVariation`]). Its one free number is set by hand
-//! or from the noise of the encoder.
+//! Total-variation regularization suits signals whose acceleration jumps ([`TotalVariation`]). It has one free parameter,
+//! which is set by hand or follows from the noise of the encoder.
 
 mod banded;
 mod total_variation;
@@ -17,28 +17,27 @@ use super::super::error::{
 pub struct Derivatives {
     /// Smoothed signal, in its unit.
     pub value: Vec<f64>,
-    /// First derivative, unit per second.
+    /// First derivative [unit of the signal per second].
     pub first: Vec<f64>,
-    /// Second derivative, unit per second squared.
+    /// Second derivative [unit of the signal per second squared].
     pub second: Vec<f64>,
     /// Root mean square of signal minus smoothed signal.
     pub residual: f64,
-    /// The regularization used: γ, or the spectral density of a smoother.
+    /// Weight γ of the regularization.
     pub parameter: f64,
 }
 
 /// Standard deviation of the rounding error of an encoder, `Δ/√12` for resolution Δ.
 ///
-/// Holds where the signal moves by more than Δ between samples; a slower signal has correlated rounding
-/// errors.
+/// This holds if the signal moves by more than Δ between samples. A slower signal has correlated rounding errors.
 pub fn quantization_noise(resolution: f64) -> f64 {
     resolution / 12.0_f64.sqrt()
 }
 
-/// Fails unless lengths agree, samples are enough, values are finite, and times increase.
+/// Fails unless lengths agree, there are enough samples, values are finite, and times increase.
 ///
 /// # Errors
-/// The first of these that does not hold.
+/// The error of the first condition that does not hold.
 fn require_signal(times: &[f64], signal: &[f64], needed: usize) -> Result<()> {
     require_samples("differentiation", needed, signal.len())?;
     require_length("times of the signal", signal.len(), times.len())?;
@@ -62,11 +61,11 @@ fn rms_difference(a: &[f64], b: &[f64]) -> f64 {
     (a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / a.len() as f64).sqrt()
 }
 
-/// The discrepancy principle (Morozov 1966) by bisection: the number nearest to `beyond`, to within `width`, at which noise
-/// `explains` the residual, as it does at `explained`.
+/// The discrepancy principle (Morozov 1966) by bisection: the number nearest to `beyond`, up to `width`, for which noise
+/// `explains` the residual. Noise must explain it for the number `explained`.
 ///
 /// # Errors
-/// As `explains`.
+/// The errors are those of `explains`.
 fn by_discrepancy(
     mut explained: f64,
     mut beyond: f64,
@@ -80,10 +79,9 @@ fn by_discrepancy(
     Ok(explained)
 }
 
-/// Residual rms that noise σ explains in n samples: σ plus two standard errors of a sample's rms,
-/// `σ √(1 + 2 √(2/n))`.
+/// Largest rms residual that noise σ explains in n samples: σ plus two standard errors of the rms, `σ √(1 + 2 √(2/n))`.
 ///
-/// Without the margin a log whose noise happens to be a little above σ would hardly be smoothed at all.
+/// Without this margin a log whose noise happens to be slightly above σ would hardly be smoothed.
 fn residual_bound(sigma: f64, samples: usize) -> f64 {
     sigma * (1.0 + 2.0 * (2.0 / samples as f64).sqrt()).sqrt()
 }

@@ -1,56 +1,56 @@
 //! Total-variation regularized differentiation (Chartrand 2011), by lagged diffusivity.
 //!
-//! With the smoothed signal s as unknown and D the divided difference of order k + 1,
-//! `F(s) = ½ ‖s − f‖² + γ Δt Σ √((D s)² + ε)`; k = 1 penalizes the variation of the first derivative
-//! (Chartrand's functional, the offset left free), k = 2 that of the second. Each iteration fixes the root in
-//! `(I + γ Δt Dᵀ W D) s = f`, `W = 1/√((D s)² + ε)`, a banded system: its cost is linear in the samples.
+//! The unknown is the smoothed signal s of the measured signal f. With the divided difference D of order k + 1 it minimizes
+//! `F(s) = ½ ‖s − f‖² + γ Δt Σ √((D s)² + ε)`. For k = 1 the variation of the first derivative is penalized (Chartrand's
+//! functional with a free offset), for k = 2 that of the second derivative. Each iteration fixes the root and solves the
+//! banded system `(I + γ Δt Dᵀ W D) s = f` with `W = 1/√((D s)² + ε)`. Its cost is linear in the number of samples.
 
 use super::banded::{Band, solve};
 use super::{Derivatives, by_discrepancy, require_noise, require_signal, residual_bound, rms_difference};
 use crate::error::{IdentificationError, Result, require_setting};
 
-/// Settings of the method.
+/// Settings of the total-variation regularization.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TotalVariation {
-    /// Which derivative's variation is penalized: 1 (piecewise constant velocity) or 2 (piecewise linear
+    /// Order of the derivative whose variation is penalized: 1 (piecewise constant velocity) or 2 (piecewise linear
     /// velocity).
     pub order: usize,
-    /// Weight γ of the variation, or the noise from which it is found.
+    /// Weight γ of the variation, or the noise from which γ is found.
     pub regularization: Regularization,
-    /// Smoothing ε of the root, in (unit / s^(order+1))². Small values make that derivative jump; `None`
-    /// takes the mean square of that derivative in a quadratically smoothed signal, which suits smooth
-    /// motions.
+    /// Smoothing ε of the root, in (unit of the signal / s^(order+1))². With a small ε the derivative jumps. `None` takes
+    /// the mean square of the divided difference of a quadratically smoothed signal, which suits smooth motions.
     pub epsilon: Option<f64>,
-    /// Limit of the iterations.
+    /// Largest number of iterations.
     pub iterations: usize,
-    /// The iterations end when no sample of s moves by more than this share of the signal's range.
+    /// Largest change of a sample of s, as a share of the signal's range, at which the iterations end.
     pub tolerance: f64,
 }
 
-/// How γ is chosen.
+/// Rule for the weight γ.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Regularization {
-    /// Given γ.
+    /// A given γ.
     Weight(f64),
-    /// Discrepancy principle (Morozov 1966): the largest γ at which `rms(s − f)` reaches this noise σ.
+    /// Discrepancy principle (Morozov 1966): the largest γ at which `rms(s − f)` does not exceed this noise σ, within a
+    /// margin for chance.
     Noise(f64),
 }
 
-/// Result in the form of the functional: the smoothed signal and its derivative between the samples.
+/// Minimizer of the functional: the smoothed signal and its derivative between the samples.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct TotalVariationResult {
     /// Smoothed signal s at the samples.
     pub signal: Vec<f64>,
-    /// `(sᵢ₊₁ − sᵢ)/Δtᵢ` between the samples, one fewer.
+    /// `(sᵢ₊₁ − sᵢ)/Δtᵢ` between the samples, one entry less than the signal.
     pub derivative: Vec<f64>,
-    /// γ.
+    /// Weight γ.
     pub gamma: f64,
-    /// Iterations done.
+    /// Number of iterations.
     pub iterations: usize,
 }
 
 impl TotalVariation {
-    /// γ by hand, first derivative's variation, 20 iterations.
+    /// Settings with a given γ, a penalty on the first derivative's variation, and 20 iterations.
     pub(super) fn with_gamma(gamma: f64) -> Self {
         Self {
             order: 1,
@@ -61,7 +61,8 @@ impl TotalVariation {
         }
     }
 
-    /// γ from the noise σ of the signal ([`super::quantization_noise`]), variation of the acceleration.
+    /// Settings with γ from the noise σ of the signal ([`super::quantization_noise`]), and a penalty on the second
+    /// derivative's variation.
     pub fn from_noise(sigma: f64) -> Self {
         Self {
             order: 2,
@@ -74,7 +75,9 @@ impl TotalVariation {
     /// Smoothed signal and derivatives at the sampling times.
     ///
     /// # Errors
-    /// Fewer than order + 3 samples, values that are not finite, times that do not increase, settings out of
+    /// [`IdentificationError::TooFewSamples`] for fewer than order + 3 samples, [`IdentificationError::NotFinite`] for
+    /// values that are not finite, [`IdentificationError::File`] for times that do not increase,
+    /// [`IdentificationError::Shape`] for different lengths, and [`IdentificationError::Setting`] for a setting out of its
     /// range.
     pub fn differentiate(&self, times: &[f64], signal: &[f64]) -> Result<Derivatives> {
         let result = self.solve(times, signal)?;
@@ -107,7 +110,7 @@ impl TotalVariation {
     /// The minimizer of the functional.
     ///
     /// # Errors
-    /// As [`Self::differentiate`].
+    /// The errors are those of [`Self::differentiate`].
     pub(super) fn solve(&self, times: &[f64], signal: &[f64]) -> Result<TotalVariationResult> {
         require_setting("order", self.order as f64, matches!(self.order, 1 | 2), "it must be 1 or 2")?;
         if let Some(epsilon) = self.epsilon {
@@ -132,16 +135,16 @@ struct Problem<'a, const W: usize> {
     settings: &'a TotalVariation,
     times: &'a [f64],
     signal: &'a [f64],
-    /// Signal without its mean, which the functional does not see; keeps digits.
+    /// Signal without its mean, on which the functional does not depend. This avoids a loss of digits.
     centred: Vec<f64>,
     mean: f64,
     step: f64,
-    /// Coefficients of each divided difference; one entry if the sampling is uniform.
+    /// Coefficients of each divided difference; a single entry if the sampling is uniform.
     differences: Vec<[f64; W]>,
     root: Root,
 }
 
-/// The penalty of the divided difference d.
+/// Penalty of the divided difference d.
 #[derive(Clone, Copy)]
 enum Root {
     /// `√(d² + ε)`
@@ -192,7 +195,7 @@ impl<'a, const W: usize> Problem<'a, W> {
             self.root = Root::Quadratic;
             let smooth = self.by_discrepancy(sigma)?.signal;
             let squares: f64 = (0..smooth.len() + 1 - W).map(|i| self.difference(i, &smooth).powi(2)).sum();
-            // The floor keeps a straight signal, whose difference is rounding error, regular.
+            // The floor avoids singular equations for a straight signal, whose difference is rounding error.
             let floor = (sigma / self.duration().powi(W as i32 - 1)).powi(2);
             self.root = Root::Smoothed((squares / smooth.len() as f64).max(floor));
         }
@@ -251,12 +254,13 @@ impl<'a, const W: usize> Problem<'a, W> {
         }
     }
 
-    /// The residual grows with γ. A signal that no γ can move that far keeps the largest.
+    /// The result for the largest γ whose residual the noise explains. The residual grows with γ. If it stays below the
+    /// bound for all γ, the largest γ is taken.
     fn by_discrepancy(&self, sigma: f64) -> Result<TotalVariationResult> {
         let residual = |result: &TotalVariationResult| rms_difference(&result.signal, self.signal);
         let sigma = residual_bound(sigma, self.signal.len());
-        // γ times the weight of one difference, relative to 1, from no smoothing to a window of the whole
-        // signal.
+        // Range of γ: the product of γ and the weight of one difference, relative to 1, goes from no smoothing to a window
+        // of the whole signal.
         let typical = match self.root {
             Root::Smoothed(epsilon) => epsilon.sqrt().max(sigma / self.duration().powi(W as i32 - 1)),
             Root::Quadratic => 1.0,
@@ -280,8 +284,7 @@ impl<'a, const W: usize> Problem<'a, W> {
     }
 }
 
-/// Coefficients of `W − 1 factorial` times the divided difference on the given times, a derivative of order W
-/// − 1.
+/// Coefficients of (W − 1)! times the divided difference at the given times, which approximates a derivative of order W − 1.
 fn divided_difference<const W: usize>(times: &[f64]) -> [f64; W] {
     let factorial: f64 = (1..W).map(|k| k as f64).product();
     std::array::from_fn(|i| {

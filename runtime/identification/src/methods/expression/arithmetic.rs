@@ -20,12 +20,12 @@ pub(super) fn power(a: &[f64], exponent: u32, out: &mut [f64]) {
     }
 }
 
-/// −1, 0 or 1; NaN stays NaN.
+/// −1, 0 or 1; NaN for NaN.
 pub(crate) fn sign(x: f64) -> f64 {
     if x == 0.0 || x.is_nan() { x } else { x.signum() }
 }
 
-/// Angles whose sine and cosine are computed at once.
+/// Number of angles whose sine and cosine are computed together.
 const LANES: usize = 8;
 
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl", "x86_64+avx2+fma"))]
@@ -92,7 +92,7 @@ pub(super) fn binary(f: Operator, a: &[f64], b: &[f64], out: &mut [f64]) {
     }
 }
 
-/// The larger of two numbers; NaN if one is NaN, so that it is never hidden.
+/// The larger of two numbers; NaN if one of them is NaN, so that NaN is never hidden.
 fn larger(a: f64, b: f64) -> f64 {
     if a.is_nan() || a > b { a } else { b }
 }

@@ -1,10 +1,10 @@
-//! From expressions to operations, each of which stands once.
+//! Compiles expressions to operations. Equal operations exist only once.
 
 use super::arithmetic::{Operation, binary, unary};
 use crate::error::{IdentificationError, Result};
 use gelenk_formula::{Expression, Node};
 
-/// Appends the operations of one expression to those of earlier ones.
+/// Appends the operations of one expression to those of earlier expressions.
 pub(super) struct Compiler<'a> {
     pub names: &'a [String],
     pub operations: &'a mut Vec<Operation>,
@@ -37,7 +37,7 @@ impl Compiler<'_> {
         }
     }
 
-    /// Adds an operation, or finds the same one; operations on constants are done here.
+    /// Adds an operation, or finds an equal one. Operations on constants are computed here.
     fn push(&mut self, operation: Operation) -> usize {
         let operation = self.folded(operation);
         if let Some(i) = self.operations.iter().position(|o| *o == operation) {

@@ -1,8 +1,8 @@
-//! Expressions over named channels: library terms such as `v*abs(v)` and `tanh(5*v)`.
+//! Expressions over named channels: library terms as `v*abs(v)` and `tanh(5*v)`.
 //!
-//! The language is that of robot descriptions, [`gelenk_formula`], so that the same text means the same there.
-//! Several expressions compile into one `Program` that shares common parts and works on
-//! blocks of samples, one loop per operation.
+//! The language is that of robot descriptions, [`gelenk_formula`], so that the same text has the same meaning there. Several
+//! expressions are compiled into one `Program`, which computes common parts once. It works on blocks of samples, with one
+//! loop per operation.
 
 mod arithmetic;
 mod compiler;
@@ -17,7 +17,7 @@ use compiler::Compiler;
 use gelenk_formula::Expression;
 pub(crate) use gelenk_formula::Kind;
 
-/// Several expressions over the same channels, ready to be evaluated.
+/// Several compiled expressions over the same channels.
 #[derive(Debug, Clone)]
 pub(crate) struct Program {
     channels: usize,
@@ -25,7 +25,7 @@ pub(crate) struct Program {
     results: Vec<(usize, Kind)>,
 }
 
-/// Intermediate values of compiled expressions: allocated once, reused for every block.
+/// Intermediate values of compiled expressions. They are allocated once and reused for every block.
 #[derive(Debug, Clone)]
 pub(crate) struct Workspace {
     registers: Vec<f64>,
@@ -35,7 +35,8 @@ impl Program {
     /// Parses and compiles `texts` over the channels `names`.
     ///
     /// # Errors
-    /// [`IdentificationError::Expression`] or [`IdentificationError::UnknownChannel`]
+    /// [`IdentificationError::Expression`] if a text is not a valid expression, and [`IdentificationError::UnknownChannel`]
+    /// if it has an unknown name.
     pub(crate) fn new<S: AsRef<str>>(texts: &[S], names: &[String]) -> Result<Self> {
         let mut program = Self { channels: names.len(), operations: Vec::new(), results: Vec::new() };
         for text in texts {
@@ -53,12 +54,12 @@ impl Program {
         self.results.len()
     }
 
-    /// Number or truth value, of expression `index`.
+    /// Kind of the expression `index`: number or truth value; `None` if the index is too large.
     pub(crate) fn kind(&self, index: usize) -> Option<Kind> {
         self.results.get(index).map(|r| r.1)
     }
 
-    /// Buffers for [`Self::evaluate`], with the constants in place.
+    /// Buffers for [`Self::block`], filled with the constants.
     pub(crate) fn workspace(&self) -> Workspace {
         let mut registers = vec![0.0; self.operations.len() * BLOCK];
         for (register, operation) in registers.chunks_exact_mut(BLOCK).zip(&self.operations) {
@@ -69,7 +70,7 @@ impl Program {
         Workspace { registers }
     }
 
-    /// Evaluates one block; `channels` hold at most 256 samples each. Values: [`Workspace::result`].
+    /// Evaluates one block. `channels` have at most 256 samples each. [`Self::result`] returns the values.
     pub(crate) fn block(&self, channels: &[&[f64]], workspace: &mut Workspace) {
         let n = channels.first().map_or(1, |c| c.len()).min(BLOCK);
         for (i, operation) in self.operations.iter().enumerate() {
@@ -86,7 +87,7 @@ impl Program {
         }
     }
 
-    /// Values of expression `index` after [`Self::block`], the first `n` samples.
+    /// Values of the expression `index` after [`Self::block`], for the first `n` samples.
     pub(crate) fn result<'w>(&self, index: usize, n: usize, workspace: &'w Workspace) -> &'w [f64] {
         let register = self.results[index].0;
         &workspace.registers[register * BLOCK..register * BLOCK + n]
@@ -95,7 +96,7 @@ impl Program {
     /// Values of all expressions at all samples, one vector per expression.
     ///
     /// # Errors
-    /// [`IdentificationError::Shape`] if the channels disagree in number or length.
+    /// [`IdentificationError::Shape`] if the number of channels is wrong or their lengths differ.
     pub(crate) fn evaluate_columns(&self, channels: &[&[f64]]) -> Result<Vec<Vec<f64>>> {
         require_length("channels of the expressions", self.channels, channels.len())?;
         let m = channels.first().map_or(0, |c| c.len());

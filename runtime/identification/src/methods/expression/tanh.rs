@@ -1,7 +1,7 @@
-//! Hyperbolic tangent of libraries, by fused products: 2.3 ns where `gelenk_kernels::math::tanh`, which needs none and
-//! rounds better, takes 4.4 ns with AVX2.
+//! Hyperbolic tangent of libraries, with fused multiply-adds. It takes 2.3 ns with AVX2. `gelenk_kernels::math::tanh`, which
+//! needs no fused multiply-adds and has smaller rounding errors, takes 4.4 ns.
 
-/// 1.5·2⁵²: adding and subtracting it rounds to an integer, and leaves that integer in the low bits.
+/// 1.5·2⁵². Adding and subtracting it rounds to an integer. The sum has this integer in its low bits.
 const ROUND: f64 = 6_755_399_441_055_744.0;
 const LN2_HIGH: f64 = 0.693_147_180_136_293_2;
 const LN2_LOW: f64 = 4.236_521_365_809_284e-10;
@@ -23,7 +23,7 @@ const EXP_SERIES: [f64; 13] = [
     1.0 / 87_178_291_200.0,
 ];
 
-/// tanh x from expm1(−2|x|), accurate to a few units in the last place also near zero.
+/// tanh x from expm1(−2|x|), accurate to a few units in the last place, also near zero.
 #[inline(always)]
 pub(super) fn tanh(x: f64) -> f64 {
     let argument = -2.0 * x.abs();

@@ -1,4 +1,4 @@
-//! One λ: coordinate descent, and a direct solve on the support.
+//! Solution for one λ: coordinate descent, and a direct solution on the support.
 
 use super::super::least_squares::solve_scaled;
 use super::super::moments::Moments;
@@ -17,7 +17,7 @@ pub(super) struct Problem {
     pub(super) nonnegative: Vec<bool>,
 }
 
-/// Coefficients w and the residual correlations c = b − G w.
+/// Coefficients w, and the residual correlations c = b − G w.
 pub(super) struct State {
     pub(super) w: DVector<f64>,
     c: DVector<f64>,
@@ -81,7 +81,8 @@ impl Problem {
         let mut gap = f64::INFINITY;
         for sweep in 1..=settings.max_sweeps {
             self.sweep(lambda, state);
-            // The direct solve below ends most λ after the first sweeps; later ones only help hard cases.
+            // The direct solution ends the iteration for most λ after the first sweeps. Later ones are needed only in hard
+            // cases.
             if sweep <= 3 || sweep % 10 == 0 {
                 self.solve_on_support(lambda, state);
                 gap = self.gap(lambda, state);
@@ -127,8 +128,7 @@ impl Problem {
 
     /// Solves the optimality conditions for the present signs (feature-sign search; Lee et al. 2006).
     ///
-    /// Where a coefficient would change its sign, the step ends there and that coefficient leaves the
-    /// support.
+    /// If a coefficient would change its sign, the step ends at its zero and the coefficient leaves the support.
     fn solve_on_support(&self, lambda: f64, state: &mut State) {
         for _ in 0..state.w.len() {
             let active = active_terms(&state.w);
@@ -150,12 +150,12 @@ impl Problem {
         state.c = &self.b - &self.gram * &state.w;
     }
 
-    /// A direction that changes no fitted value, where the active terms are collinear.
+    /// A direction that changes no fitted value if the active terms are collinear; `None` if they are not.
     fn null_direction(&self, active: &[usize]) -> Option<DVector<f64>> {
         let n = active.len();
         let norm = |i: usize| self.gram[(active[i], active[i])].sqrt();
         let scaled = DMatrix::from_fn(n, n, |i, j| self.gram[(active[i], active[j])] / (norm(i) * norm(j)));
-        // Cholesky's least pivot bounds the least eigenvalue from above and is much cheaper.
+        // The least pivot of the Cholesky factorization is an upper bound of the least eigenvalue and much cheaper.
         let regular = scaled.clone().cholesky().is_some_and(|f| f.l_dirty().diagonal().amin() > 1e-5);
         if regular || n == 0 {
             return None;
@@ -166,7 +166,8 @@ impl Problem {
         is_null.then(|| DVector::from_fn(n, |i, _| eigen.eigenvectors[(i, least)] / norm(i)))
     }
 
-    /// A far point along a null direction, downhill in the penalty, so that some coefficient reaches zero.
+    /// A distant point along a null direction, such that the penalty decreases and a coefficient reaches zero; `None` if no
+    /// coefficient reaches zero.
     fn along_null_direction(
         &self,
         active: &[usize],
@@ -188,7 +189,7 @@ impl Problem {
         length.is_finite().then(|| DVector::from_fn(active.len(), |i, _| far(i)))
     }
 
-    /// Share of the step to `solution` that keeps all signs, and the coefficient that ends it.
+    /// Share of the step to `solution` that keeps all signs, and the coefficient that limits the step.
     fn largest_step(
         &self,
         active: &[usize],
@@ -208,7 +209,7 @@ impl Problem {
         step
     }
 
-    /// Primal minus dual objective, with the dual point `s (y − Θ w)/N`, s as large as feasibility allows.
+    /// Primal minus dual objective, with the dual point `s (y − Θ w)/N` and the largest feasible s.
     fn gap(&self, lambda: f64, state: &State) -> f64 {
         let fitted = self.b.dot(&state.w);
         let residual_target = self.energy - fitted;

@@ -1,8 +1,7 @@
 //! LASSO on a path of λ, by coordinate descent on the Gram matrix (Friedman, Hastie, Tibshirani 2010).
 //!
-//! Convention of every λ in this crate (glmnet's and scikit-learn's):
-//! `min 1/(2N) ‖y − Θ ξ‖² + λ Σ ωᵢ |ξᵢ|`. The form `‖y − Θ ξ‖² + λ' ‖ξ‖₁` has `λ' = 2 N λ`:
-//! `paper_lambda`.
+//! Every λ in this crate has the convention of glmnet and scikit-learn: `min 1/(2N) ‖y − Θ ξ‖² + λ Σ ωᵢ |ξᵢ|` for N samples
+//! with weights ωᵢ. The form `‖y − Θ ξ‖² + λ' ‖ξ‖₁` has `λ' = 2 N λ` (`paper_lambda`).
 
 mod descent;
 #[cfg(test)]
@@ -21,15 +20,15 @@ pub(crate) fn paper_lambda(lambda: f64, samples: usize) -> f64 {
 /// Settings of the LASSO.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lasso {
-    /// Penalize each term in units of its root mean square (`ωᵢ = rms θᵢ`) instead of `ωᵢ = 1`.
+    /// Whether each term is penalized in units of its root mean square (`ωᵢ = rms θᵢ`) instead of `ωᵢ = 1`.
     pub standardize: bool,
-    /// Terms without penalty (`ωᵢ = 0`).
+    /// Indices of the terms without a penalty (`ωᵢ = 0`).
     pub unpenalized: Vec<usize>,
-    /// Terms whose coefficient must not be negative.
+    /// Indices of the terms whose coefficient must not be negative.
     pub nonnegative: Vec<usize>,
-    /// Duality gap at which a solve ends, relative to `‖y‖²/(2N)`.
+    /// Duality gap at which the iteration ends, relative to `‖y‖²/(2N)`.
     pub tolerance: f64,
-    /// Limit of the sweeps over all terms, for each λ.
+    /// Largest number of sweeps over all terms, for each λ.
     pub max_sweeps: usize,
 }
 
@@ -48,11 +47,11 @@ impl Default for Lasso {
 /// Solutions along a path of λ.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LassoPath {
-    /// λ, descending.
+    /// Values of λ, descending.
     pub lambdas: Vec<f64>,
-    /// Coefficients `[p × number of λ]`.
+    /// Coefficients `[p × number of λ]` for p terms.
     pub coefficients: DMatrix<f64>,
-    /// Duality gap of each solution: an upper bound of its distance to the optimal objective.
+    /// Duality gap of each solution: an upper bound of the distance to the optimal objective.
     pub gaps: Vec<f64>,
 }
 
@@ -60,7 +59,7 @@ impl Lasso {
     /// Smallest λ at which every penalized coefficient is zero.
     ///
     /// # Errors
-    /// A zero target or term, or settings out of range.
+    /// `ZeroColumn` if the target or a term is zero, and `Setting` or `Shape` for settings out of their range.
     pub(crate) fn largest_lambda(&self, moments: &Moments, target: usize) -> Result<f64> {
         let problem = Problem::new(self, moments, target)?;
         let start = problem.unpenalized_fit();
@@ -69,14 +68,17 @@ impl Lasso {
             let c = if problem.nonnegative[j] { c[j].max(0.0) } else { c[j].abs() };
             if problem.weights[j] > 0.0 { c / (problem.samples * problem.weights[j]) } else { 0.0 }
         };
-        // A few units in the last place more, so that rounding leaves no coefficient at this λ.
+        // A few units in the last place are added, so that rounding leaves no coefficient at this λ.
         Ok((0..c.len()).map(bound).fold(0.0, f64::max) * (1.0 + 4.0 * f64::EPSILON))
     }
 
-    /// `count` values from the least that removes every term down to `ratio` times it, evenly spaced in the logarithm.
+    /// `count` values of λ, from the least one that removes every term down to `ratio` times this value, with equal ratios.
+    ///
+    /// - `target`: index of the target column
     ///
     /// # Errors
-    /// `ratio` outside (0, 1), no values, or a target or term that is zero.
+    /// [`IdentificationError::Setting`] if `ratio` is outside (0, 1) or `count` is below 2, and
+    /// [`IdentificationError::ZeroColumn`] if the target or a term is zero.
     pub fn lambda_grid(
         &self,
         moments: &Moments,
@@ -91,10 +93,11 @@ impl Lasso {
         Ok((0..count).map(step).collect())
     }
 
-    /// Solves for each λ, each solve starting from the one before.
+    /// Solutions for each λ. Each solution is the start of the next one.
     ///
     /// # Errors
-    /// λ negative or NaN, a zero target or term, or a gap that stays above the tolerance.
+    /// `Setting` if a λ is negative or NaN, `ZeroColumn` if the target or a term is zero, and `NotConverged` if a gap stays
+    /// above the tolerance.
     pub(crate) fn path(&self, moments: &Moments, target: usize, lambdas: &[f64]) -> Result<LassoPath> {
         let problem = Problem::new(self, moments, target)?;
         let mut path = LassoPath {
@@ -111,11 +114,11 @@ impl Lasso {
         Ok(path)
     }
 
-    /// Chosen terms at one λ; an error if there are none.
+    /// Coefficients and chosen terms at one λ.
     ///
     /// # Errors
-    /// [`IdentificationError::EverythingRemoved`] with the largest λ that keeps a term; else
-    /// a negative λ, a zero target or term, or a gap that stays above the tolerance.
+    /// [`IdentificationError::EverythingRemoved`] with the largest λ that keeps a term, if no term is chosen. The other
+    /// errors are those of [`Self::path`].
     pub(crate) fn fit(
         &self,
         moments: &Moments,

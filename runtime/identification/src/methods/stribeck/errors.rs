@@ -35,10 +35,11 @@ pub(super) fn summarize(data: &Data, state: &Normal) -> StribeckFit {
     fit
 }
 
-/// Square of the share of the torques below which the influence of a parameter is rounding.
+/// Squared share of the torques below which the influence of a parameter is rounding.
 const ROUNDING: f64 = 1e-24;
 
-/// JᵀWJ, with zeros for a3 and a5 if the law does not depend on them, as where a2 and a4 vanish.
+/// JᵀWJ with the derivatives J of the law and the weights W; zeros for a3 and a5 if the law does not depend on them, as if
+/// a2 and a4 are zero.
 fn shown(data: &Data, state: &Normal) -> SMatrix<f64, 5, 5> {
     let energy = data.samples.energy();
     let mut information = state.h;
@@ -51,8 +52,8 @@ fn shown(data: &Data, state: &Normal) -> SMatrix<f64, 5, 5> {
     information
 }
 
-/// `H⁻¹` with zeros for what is not identifiable, which parameters these are, and the condition number of the
-/// scaled sensitivities.
+/// `H⁻¹` with zeros for parameters that are not identifiable, a flag for each of these parameters, and the condition number
+/// of the scaled sensitivities.
 fn inverse(h: &SMatrix<f64, 5, 5>) -> (SMatrix<f64, 5, 5>, [bool; 5], f64) {
     let d = h.diagonal().map(|h| if h > 0.0 { h.sqrt() } else { 1.0 });
     let scaled = SMatrix::<f64, 5, 5>::from_fn(|i, j| h[(i, j)] / (d[i] * d[j]));
@@ -77,8 +78,10 @@ fn inverse(h: &SMatrix<f64, 5, 5>) -> (SMatrix<f64, 5, 5>, [bool; 5], f64) {
 }
 
 impl StribeckFit {
-    /// The same fit with covariance and standard errors that hold where the errors of neighbouring samples are
-    /// correlated, see [`super::super::confidence`]; the arguments are those of the regression.
+    /// The same fit with covariance and standard errors for correlated errors of neighbouring samples, see
+    /// [`super::super::confidence`].
+    ///
+    /// - `samples`: samples of the regression
     #[must_use]
     pub(crate) fn with_correlated_errors(mut self, samples: &Observed) -> Self {
         let (scores, runs) = (self.scores(samples), samples.runs);
@@ -118,9 +121,9 @@ impl StribeckFit {
         Sensitivities { derivatives, residual }
     }
 
-    /// Changes of the parameters without some of the samples, to first order.
+    /// Changes of the parameters if some samples are left out, to first order.
     ///
-    /// - `left_out`: whether a sample is left out
+    /// - `left_out`: for each sample, whether it is left out
     pub(crate) fn changes(&self, at: &Sensitivities, left_out: &[bool]) -> DVector<f64> {
         let kept = |i: usize| !left_out[i];
         let left = at.products(&at.derivatives, kept);
@@ -136,7 +139,7 @@ impl StribeckFit {
     }
 }
 
-/// A law and its residual to first order in the parameters, offsets eliminated.
+/// Derivatives and residual of a law, with offsets eliminated.
 pub(crate) struct Sensitivities {
     derivatives: Vec<Vec<f64>>,
     residual: Vec<f64>,

@@ -1,4 +1,4 @@
-//! The law, the settings of its regression, and its result.
+//! The Stribeck law, the settings of its regression, and its result.
 
 use crate::numeric::kernel::BLOCK;
 use gelenk_formula::FrictionPart;
@@ -8,17 +8,19 @@ use nalgebra::SMatrix;
 
 pub(crate) const NAMES: [&str; 5] = FrictionPart::STRIBECK_KEYS;
 
-/// The law's value at velocity `v` [N·m or N].
+/// Value of the Stribeck law at velocity `v` [N·m or N].
+///
+/// - `a`: parameters a1 … a5 of [the law](crate::methods::stribeck)
 pub fn stribeck_torque(v: f64, a: &[f64; 5]) -> f64 {
     a[0] * v + a[1] * (a[2] * v).tanh() + a[3] * (-a[4] * v.abs()).exp() * (3.0 * a[2] * v).tanh()
 }
 
-/// Speeds from one down to a ten-thousandth of it.
+/// Speeds from `speed` down to a ten-thousandth of it.
 pub(crate) fn slower(speed: f64) -> impl Iterator<Item = f64> {
     (0..=180).map(move |i| speed * 0.95_f64.powi(i))
 }
 
-/// The law's derivatives by a1 … a5 at velocity `v`.
+/// Derivatives of the Stribeck law with respect to a1 … a5 at velocity `v`.
 pub(crate) fn stribeck_gradient(v: f64, a: &[f64; 5]) -> [f64; 5] {
     let mut columns = [[0.0; BLOCK]; 6];
     stribeck_block(&[v], &[0.0], a, &mut columns);
@@ -34,7 +36,7 @@ pub(super) fn stribeck_block(v: &[f64], torque: &[f64], a: &[f64; 5], columns: &
         let (x, s) = (v[i], v[i].abs());
         let e = exp(-2.0 * a[2] * s);
         let e3 = e * e * e;
-        // Written with e instead of tanh: absolute errors of 1e-16 are enough for sums of squares.
+        // tanh is written with e. Absolute errors of 1e-16 are small enough for sums of squares.
         let t = ((1.0 - e) / (1.0 + e)).copysign(x);
         let u = ((1.0 - e3) / (1.0 + e3)).copysign(x);
         let decay = exp(-a[4] * s);
@@ -47,16 +49,16 @@ pub(super) fn stribeck_block(v: &[f64], torque: &[f64], a: &[f64; 5], columns: &
     }
 }
 
-/// Settings of the regression.
+/// Settings of the regression of a Stribeck law.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StribeckRegression {
-    /// How many of the best starts are refined on a part of the samples.
+    /// Number of the best starts that are refined on a part of the samples.
     pub starts: usize,
     /// Whether each run has a constant torque in addition to the law.
     pub offset: bool,
-    /// Limit of the passes over all samples, for each set of weights.
+    /// Largest number of passes over all samples, for each set of weights.
     pub max_iterations: usize,
-    /// The refinement ends when a step lowers the cost by less than this share.
+    /// Relative decrease of the cost by a step below which the refinement ends.
     pub tolerance: f64,
 }
 
@@ -66,39 +68,38 @@ impl Default for StribeckRegression {
     }
 }
 
-/// Result of the regression.
+/// Result of the regression of a Stribeck law.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StribeckFit {
-    /// a1 … a5 [N·m·s/rad, N·m, s/rad, N·m, s/rad].
+    /// Parameters a1 … a5 [N·m·s/rad, N·m, s/rad, N·m, s/rad].
     pub parameters: [f64; 5],
-    /// The constant torque of each run; none if the regression has none.
+    /// The constant torque of each run [N·m or N]; empty if the regression has no offsets.
     pub offsets: Vec<f64>,
-    /// Covariance of the parameters for independent errors, or for correlated ones after
-    /// `with_correlated_errors`; rows and columns of parameters that are not identifiable are zero, see
-    /// [`Self::standard_errors`].
+    /// Covariance of the parameters for independent errors, or for correlated ones after `with_correlated_errors`. Rows and
+    /// columns of parameters that are not identifiable are zero, see [`Self::standard_errors`].
     pub covariance: SMatrix<f64, 5, 5>,
-    /// Standard errors; `None` if a parameter is not identifiable from these data.
+    /// Standard errors of the parameters; `None` if a parameter is not identifiable from these data.
     pub standard_errors: [Option<f64>; 5],
-    /// Standard errors if all other parameters were known.
+    /// Standard errors of the parameters if all other parameters were known; `None` if a parameter is not identifiable.
     pub resolutions: [Option<f64>; 5],
     /// Residual variance σ² [(N·m)²].
     pub variance: f64,
-    /// Degrees of freedom.
+    /// Degrees of freedom of the residual variance, or of the standard errors after `with_correlated_errors`.
     pub freedom: usize,
-    /// Condition number of the sensitivities, columns scaled.
+    /// Condition number of the sensitivities with scaled columns.
     pub condition: f64,
-    /// Passes over all samples.
+    /// Number of passes over all samples.
     pub iterations: usize,
-    /// Whether the iteration reached its tolerance; if not, a warning says so.
+    /// Whether the iteration reached its tolerance. If it did not, there is a warning.
     pub converged: bool,
     /// Doubts about the parameters, with numbers.
     pub warnings: Vec<String>,
-    /// JᵀWJ at the result, offsets eliminated.
+    /// JᵀWJ at the result, with offsets eliminated.
     pub(super) information: SMatrix<f64, 5, 5>,
 }
 
 impl StribeckFit {
-    /// The law at velocity `v`, without an offset.
+    /// Value of the law at velocity `v`, without an offset.
     pub(crate) fn torque(&self, v: f64) -> f64 {
         stribeck_torque(v, &self.parameters)
     }

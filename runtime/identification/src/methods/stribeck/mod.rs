@@ -1,10 +1,10 @@
-//! Regression of the five-parameter Stribeck law `τ = a1 v + a2 tanh(a3 v) + a4 exp(−a5 |v|) tanh(3 a3 v)`, plus a
-//! constant offset of each run.
+//! Regression of the five-parameter Stribeck law `τ = a1 v + a2 tanh(a3 v) + a4 exp(−a5 |v|) tanh(3 a3 v)`, with a constant
+//! offset of each run.
 //!
-//! Starts are found on at most 4000 samples, where (a1, a2, a4) and the offsets follow from (a3, a5) by linear least
-//! squares. The best of them are refined on all samples by Levenberg–Marquardt with one pass per iteration. Offsets are
-//! eliminated from the normal equations (Golub, Pereyra 1973): they are free, cost no iteration, and the law stays odd.
-//! If the torques passed a filter, the law and its derivatives pass it too.
+//! Starts are found on at most 4000 samples. There (a1, a2, a4) and the offsets follow from (a3, a5) by linear least
+//! squares. The best starts are refined on all samples by Levenberg–Marquardt with one pass per iteration. Offsets are
+//! eliminated from the normal equations (Golub, Pereyra 1973), so they cost no iteration, and the law stays odd. If the
+//! torques passed a filter, the law and its derivatives pass it, too.
 
 mod errors;
 mod law;
@@ -30,7 +30,12 @@ impl StribeckRegression {
     /// - `velocities`, `torques`: m samples [rad/s, N·m]
     ///
     /// # Errors
-    /// Fewer than six samples, values that are not finite, or constant velocity.
+    /// - [`TooFewSamples`](IdentificationError::TooFewSamples), [`Empty`](IdentificationError::Empty): fewer than six
+    ///   samples
+    /// - [`Shape`](IdentificationError::Shape), [`NotFinite`](IdentificationError::NotFinite): lengths that differ, or
+    ///   values that are not finite
+    /// - [`Constant`](IdentificationError::Constant): a velocity that never changes
+    /// - [`NotConverged`](IdentificationError::NotConverged): no start with a finite cost
     pub fn fit(&self, velocities: &[f64], torques: &[f64]) -> Result<StribeckFit> {
         let whole = 0..velocities.len();
         self.fit_runs(&Observed {
@@ -42,11 +47,10 @@ impl StribeckRegression {
         })
     }
 
-    /// Fits one law to several runs, each with an offset of its own.
+    /// Fits one law to several runs. Each run has an offset of its own. Parameters that diverge give a warning.
     ///
     /// # Errors
-    /// Fewer than six samples, values that are not finite, or constant velocity. Parameters that run away end
-    /// with a warning.
+    /// The errors are those of [`Self::fit`], and `Shape` if the runs do not cover the samples.
     pub(crate) fn fit_runs(&self, samples: &Observed) -> Result<StribeckFit> {
         Self::check(samples.v, samples.torque)?;
         let covered = samples.runs.iter().try_fold(0, |end, run| (run.start == end).then_some(run.end));
@@ -55,7 +59,7 @@ impl StribeckRegression {
         Ok(summarize(&data, &search(&data, self)?))
     }
 
-    /// Parameters of a fit to samples with other weights that begins at a known law; outliers are not sought again.
+    /// Parameters of a fit to samples with other weights that starts at a known law.
     pub(crate) fn refit(&self, known: &StribeckFit, samples: &Observed) -> [f64; 5] {
         let data = Data { samples: *samples, offset: self.offset };
         let offsets = if self.offset { known.offsets.clone() } else { vec![0.0; samples.runs.len()] };

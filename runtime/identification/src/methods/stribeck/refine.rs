@@ -1,4 +1,4 @@
-//! Refinement on all samples.
+//! Refinement of the parameters on all samples.
 
 use super::super::filtered::Filtered;
 use super::law::{StribeckRegression, stribeck_block};
@@ -6,7 +6,7 @@ use crate::numeric::kernel::{BLOCK, add_products, dot};
 use nalgebra::{SMatrix, SVector};
 use std::ops::Range;
 
-/// Columns of a pass: five derivatives and the residual.
+/// Number of columns: five derivatives and the residual.
 const WIDTH: usize = 6;
 
 /// First damping for starts near the result.
@@ -17,20 +17,21 @@ pub(super) const NEAR: f64 = 1e-8;
 pub(crate) struct Observed<'a> {
     /// ẏ of m samples [rad/s or m/s].
     pub(crate) v: &'a [f64],
-    /// Their torques [N·m or N].
+    /// Torques of the samples [N·m or N].
     pub(crate) torque: &'a [f64],
-    /// Their weights, 1 if absent.
+    /// Weights of the samples; `None` if all weights are 1.
     pub(crate) weights: Option<&'a [f64]>,
-    /// Ranges of samples that follow each other and hold all.
+    /// Contiguous ranges of samples that cover all samples.
     pub(crate) runs: &'a [Range<usize>],
-    /// The filter that the torques passed: the law passes it too.
+    /// The filter that the torques passed. The law passes it, too. `None` if the torques passed no filter.
     pub(crate) filtered: Option<&'a Filtered<'a>>,
 }
 
 impl Observed<'_> {
-    /// Columns ∂τ/∂a and residual of the law at the samples, six numbers each.
+    /// Columns ∂τ/∂a and residual of the law at some samples.
     ///
-    /// - `rows`: at most [`BLOCK`] samples; `passed`: the columns of all samples, where they passed a filter
+    /// - `rows`: at most [`BLOCK`] samples
+    /// - `passed`: filtered columns of all samples; `None` if there is no filter
     fn block(
         &self,
         rows: Range<usize>,
@@ -48,7 +49,7 @@ impl Observed<'_> {
         }
     }
 
-    /// The columns of all samples, if they pass a filter.
+    /// The filtered columns of all samples; `None` if there is no filter.
     fn passed(&self, a: &[f64; 5]) -> Option<Columns> {
         let filtered = self.filtered?;
         let mut columns = Columns::default();
@@ -69,7 +70,7 @@ impl Observed<'_> {
         self.torque.iter().map(|t| t * t).sum()
     }
 
-    /// The columns of all samples.
+    /// The columns of all samples, filtered if there is a filter.
     pub(super) fn columns(&self, a: &[f64; 5]) -> Columns {
         self.passed(a).unwrap_or_else(|| evaluated(self.v, self.torque, a))
     }
@@ -88,14 +89,14 @@ fn evaluated(v: &[f64], torque: &[f64], a: &[f64; 5]) -> Columns {
     all
 }
 
-/// A regression of these samples.
+/// The samples and the kind of a regression.
 pub(super) struct Data<'a> {
     pub(super) samples: Observed<'a>,
     /// Whether each run has a constant in addition to the law.
     pub(super) offset: bool,
 }
 
-/// Cost Σ w r², JᵀW J and JᵀW r at one point, the offsets eliminated.
+/// Cost Σ w r², JᵀW J and JᵀW r at one point, with the offsets eliminated.
 #[derive(Clone)]
 pub(super) struct Normal {
     pub(super) a: [f64; 5],
@@ -104,16 +105,16 @@ pub(super) struct Normal {
     pub(super) g: SVector<f64, 5>,
     /// The best offset of each run at this point.
     pub(super) offsets: Vec<f64>,
-    /// Mean of the derivatives in each run; a step changes the offset by minus its product with them.
+    /// Mean of the derivatives in each run. A step changes the offset by minus its product with this mean.
     pub(super) levels: Vec<SVector<f64, 5>>,
     pub(super) iterations: usize,
     pub(super) converged: bool,
 }
 
 impl Data<'_> {
-    /// One pass over the samples.
+    /// Computes the normal equations in one pass over the samples.
     ///
-    /// - `offsets`: near the best ones, so that their elimination cancels no digits
+    /// - `offsets`: offsets near the best ones, so that their elimination cancels no digits
     pub(super) fn normal(&self, a: [f64; 5], offsets: &[f64]) -> Normal {
         let mut state = Normal {
             a,
@@ -176,10 +177,9 @@ impl Data<'_> {
         (sums, constants, total)
     }
 
-    /// Levenberg–Marquardt on the 5 × 5 normal equations, damping in units of the diagonal.
+    /// Levenberg–Marquardt on the 5 × 5 normal equations, with damping in units of the diagonal.
     ///
-    /// - `first_damping`: [`NEAR`] if the start comes from the same data, so that nearly undamped steps succeed
-    ///   at once
+    /// - `first_damping`: [`NEAR`] if the start comes from the same data, so that nearly undamped steps succeed at once
     pub(super) fn refine(
         &self,
         start: [f64; 5],
@@ -188,7 +188,7 @@ impl Data<'_> {
         first_damping: f64,
     ) -> Normal {
         let mut best = self.normal(start, &offsets);
-        // What rounding in the residuals leaves of the cost where the law fits exactly.
+        // Cost that rounding in the residuals leaves if the law fits exactly.
         let floor = 1e-28 * self.samples.energy();
         let mut damping = first_damping;
         let mut passes = 1;
@@ -199,7 +199,7 @@ impl Data<'_> {
                 continue;
             };
             let a: [f64; 5] = std::array::from_fn(|i| best.a[i] + step[i]);
-            // Predicted decrease below the rounding of the cost: nothing is left to gain.
+            // A predicted decrease below the rounding of the cost ends the refinement.
             let expected = step.dot(&best.g);
             if expected <= settings.tolerance * best.cost + floor {
                 return Normal { iterations: passes, converged: true, ..best };
@@ -227,7 +227,7 @@ fn ahead(state: &Normal, step: &SVector<f64, 5>) -> Vec<f64> {
 }
 
 fn damped_step(normal: &Normal, damping: f64) -> Option<SVector<f64, 5>> {
-    // A parameter without influence has a zero diagonal; a one keeps its step at zero.
+    // A parameter without influence has a zero diagonal. A one in its place keeps its step at zero.
     let d = normal.h.diagonal().map(|h| if h > 0.0 { h.sqrt() } else { 1.0 });
     let mut scaled = SMatrix::<f64, 5, 5>::from_fn(|i, j| normal.h[(i, j)] / (d[i] * d[j]));
     for i in 0..5 {

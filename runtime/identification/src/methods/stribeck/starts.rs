@@ -1,4 +1,4 @@
-//! The search for the best minimum: starts on a grid over (a3, a5), refined on a part of the samples.
+//! Search for the best minimum: starts on a grid over (a3, a5), refined on a part of the samples.
 
 use super::super::filtered::{Filtered, FilteredRun};
 use super::law::{StribeckRegression, slower, stribeck_torque};
@@ -7,17 +7,17 @@ use crate::error::{IdentificationError, Result};
 use nalgebra::{SMatrix, SVector};
 use std::ops::Range;
 
-/// Grid over (a3, a5).
+/// Size of the grid over (a3, a5).
 const STEEPNESSES: usize = 8;
 const DECAYS: usize = 6;
 
-/// Samples in the search, at most.
+/// Largest number of samples in the search.
 const SAMPLES: usize = 4000;
 
-/// Share of the cost by which laws must differ to be told apart.
+/// Share of the cost by which laws must differ to be distinguishable.
 const LEAST_DIFFERENCE: f64 = 0.01;
 
-/// Share of the cost within which two refinements ended in one minimum.
+/// Share of the cost within which two refinements count as the same minimum.
 const SAME: f64 = 1e-6;
 
 /// First damping for starts on a coarse grid.
@@ -68,11 +68,11 @@ fn every<'a>(filtered: &Filtered<'a>, stride: usize) -> Filtered<'a> {
 
 /// The best law on all samples.
 ///
-/// The points of the grid with the least costs are refined on a part of the samples. Those that this part cannot tell apart
-/// are refined on all of them.
+/// The grid points with the least costs are refined on a part of the samples. Results that this part does not distinguish
+/// are refined on all samples.
 ///
 /// # Errors
-/// No point of the grid has a finite cost.
+/// [`IdentificationError::NotConverged`] if no grid point has a finite cost.
 pub(super) fn search(data: &Data, settings: &StribeckRegression) -> Result<Normal> {
     let thinned = Thinned::new(&data.samples);
     let part = Data { samples: thinned.observed(), offset: data.offset };
@@ -96,10 +96,7 @@ pub(super) fn search(data: &Data, settings: &StribeckRegression) -> Result<Norma
     })
 }
 
-/// The laws whose costs the samples cannot tell from the least one, each minimum once.
-///
-/// Of laws that fit alike, as without slow samples, one that dissipates at all speeds is taken before one that drives the
-/// joint at some.
+/// The laws whose costs the samples do not distinguish from the least cost. Each minimum occurs once.
 fn alike(mut laws: Vec<Normal>) -> Vec<Normal> {
     laws.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     laws.dedup_by(|b, a| b.cost <= a.cost * (1.0 + SAME));
@@ -108,14 +105,14 @@ fn alike(mut laws: Vec<Normal>) -> Vec<Normal> {
     laws
 }
 
-/// Whether the law is positive at speeds from a ten-thousandth of the fastest to all of it.
+/// Whether the law is positive at speeds from a ten-thousandth of the fastest speed to the fastest speed.
 fn dissipates(a: &[f64; 5], fastest: f64) -> bool {
     slower(fastest).all(|v| stribeck_torque(v, a) >= 0.0)
 }
 
 fn grid(data: &Data, fastest: f64) -> Vec<Vec<Option<Normal>>> {
     let share = |i: usize, count: usize| i as f64 / (count - 1) as f64;
-    // In units of the fastest velocity: steps 2 to 400 times, decays 1 to 100 times steeper than it.
+    // In units of 1 / (fastest velocity): a3 from 2 to 400, a5 from 1 to 100.
     let row = |i: usize| {
         let a3 = 2.0 * 200f64.powf(share(i, STEEPNESSES)) / fastest;
         let point = |j: usize| linear_part(data, a3, 100f64.powf(share(j, DECAYS)) / fastest);
@@ -124,7 +121,8 @@ fn grid(data: &Data, fastest: f64) -> Vec<Vec<Option<Normal>>> {
     (0..STEEPNESSES).map(row).collect()
 }
 
-/// Least squares of (a1, a2, a4) and the offsets for given (a3, a5), slightly damped so that few samples are enough.
+/// Least squares of (a1, a2, a4) and the offsets for given (a3, a5), slightly damped so that few samples are enough; `None`
+/// if the cost is not finite.
 fn linear_part(data: &Data, a3: f64, a5: f64) -> Option<Normal> {
     const LINEAR: [usize; 3] = [0, 1, 3];
     // The residual of this law is the torque.
@@ -141,7 +139,7 @@ fn linear_part(data: &Data, a3: f64, a5: f64) -> Option<Normal> {
     cost.is_finite().then_some(Normal { a: [x[0], x[1], a3, x[2], a5], offsets, cost, ..zero })
 }
 
-/// The points of the grid that no neighbour undercuts, then the others, `count` in all, best first of each.
+/// `count` grid points: first the local minima of the cost, then the other points, each in the order of their costs.
 fn hollows(grid: &[Vec<Option<Normal>>], count: usize) -> Vec<Normal> {
     let at = |i: usize, j: usize| grid.get(i).and_then(|row| row.get(j)).and_then(Option::as_ref);
     let cost = |i: usize, j: usize| at(i, j).map_or(f64::INFINITY, |start| start.cost);
