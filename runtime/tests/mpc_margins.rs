@@ -109,7 +109,7 @@ fn exceeded(limit_probability: Option<f64>) -> f64 {
     mpc.step(&Cycle { time: 0.6, periods: 0, positions: Some([start[0]]), ..Cycle::default() }).unwrap();
     let plan: Vec<f64> = (0..STAGES).map(|k| mpc.planned(k as u32).unwrap()[0]).collect();
     let state_weight = [[options.position_weight[0], 0.0], [0.0, options.velocity_weight[0]]];
-    let [[by_y, by_v]] = Lqr::stabilizing(&A, &B, &state_weight, &[options.input_weight]).unwrap().gain;
+    let [[by_y, by_v]] = Lqr::new(&A, &B, &state_weight, &[options.input_weight]).unwrap().gain;
     let mut random = SplitMix64::new(7);
     let mut beyond = [0; STAGES];
     for _ in 0..SLIDERS {

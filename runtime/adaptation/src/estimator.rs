@@ -1,6 +1,5 @@
 //! Recursive estimation of the friction of all joints.
 
-use super::bank::Gaussian;
 use super::filter::Window;
 use super::joint::{Derived, Instant, Joint, Prediction};
 use super::law::{JointScale, TERMS, dot, root, terms};
@@ -232,7 +231,7 @@ impl<const N: usize> Adaptation<N> {
         core::array::from_fn(|i| {
             let (joint, derived) = (self.joints[i].as_ref()?, self.derived[i].as_ref()?);
             Some(JointState {
-                learned: joint.law.mean,
+                learned: joint.learned,
                 half_widths: joint.term_half_widths(),
                 is_excited: core::array::from_fn(|k| joint.law.covariance[k][k] < 0.5 * derived.unknown[k]),
                 acting: joint.acting,
@@ -264,8 +263,8 @@ impl<const N: usize> Adaptation<N> {
     #[must_use]
     pub fn acting_errors(&self) -> [[[f64; TERMS]; TERMS]; N] {
         let errors = |joint: &Joint| {
-            let Gaussian { mean, covariance } = &joint.law;
-            let lacking: [f64; TERMS] = core::array::from_fn(|k| joint.acting[k] - mean[k]);
+            let covariance = &joint.law.covariance;
+            let lacking: [f64; TERMS] = core::array::from_fn(|k| joint.acting[k] - joint.learned[k]);
             core::array::from_fn(|k| core::array::from_fn(|l| covariance[k][l] + lacking[k] * lacking[l]))
         };
         core::array::from_fn(|i| self.joints[i].as_ref().map_or([[0.0; TERMS]; TERMS], errors))
@@ -280,7 +279,7 @@ impl<const N: usize> Adaptation<N> {
         let (state, scale) = (self.joints[joint].as_ref()?, self.scales[joint].as_ref()?);
         let derived = self.derived[joint].as_ref()?;
         let phi = terms(scale.shape(described, v, derived.rest), v);
-        Some([described + dot(&phi, &state.law.mean), state.half_width(&phi)])
+        Some([described + dot(&phi, &state.learned), state.half_width(&phi)])
     }
 
     /// Speed [rad/s or m/s] below which a joint counts as at rest; 0 for joints that are not learned.

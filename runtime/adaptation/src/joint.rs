@@ -102,8 +102,10 @@ pub(super) struct Joint {
     pub filter: LowPass,
     pub bank: Bank,
     pub comparison: Comparison,
-    /// Average of the nested laws, with the mean within its bounds.
+    /// Average of the nested laws.
     pub law: Gaussian,
+    /// δ of the learned law: the mean of the average within its bounds.
+    pub learned: [f64; TERMS],
     /// δ of the acting law.
     pub acting: [f64; TERMS],
     pub trust: Trust,
@@ -131,6 +133,7 @@ impl Joint {
             bank,
             comparison: Comparison::NEW,
             law: averaged(&bank.average(), &derived.prior),
+            learned: [0.0; TERMS],
             acting: [0.0; TERMS],
             trust: Trust::Unknown,
             since: 0.0,
@@ -163,12 +166,12 @@ impl Joint {
             Some(now) => self.take(settings, derived, scale, now),
             None => self.pause(derived),
         }
-        let trust = self.comparison.trust();
+        let trust = self.comparison.trust(self.dissipates(scale));
         if trust != self.trust {
             (self.trust, self.since) = (trust, time);
         }
         let target = match trust {
-            Trust::Learned => self.law.mean,
+            Trust::Learned => self.learned,
             _ => [0.0; TERMS],
         };
         for (acting, target) in self.acting.iter_mut().zip(target) {
@@ -211,17 +214,32 @@ impl Joint {
         let phi = core::array::from_fn(|i| filtered[i]);
         let share = now.position / scale.range;
         let [torque, applied] = [filtered[TERMS], filtered[TERMS + 1]];
-        let error = torque - dot(&phi, &self.law.mean);
+        let error = torque - dot(&phi, &self.learned);
         self.comparison.whole([error, applied], derived.keep);
         let is_explained = self.learn((settings, derived, scale), &phi, [torque, error], share);
         self.prediction = Some(Prediction { terms: phi, torque, error, is_explained });
         self.average(derived, scale);
     }
 
-    /// Averages rates of drift and laws anew, and keeps the mean within its bounds.
+    /// Averages rates of drift and laws anew.
     fn average(&mut self, derived: &Derived, scale: &JointScale) {
         self.law = averaged(&self.bank.average(), &derived.prior);
-        self.law.mean = constrained(&self.law, scale, &derived.bounds, &derived.prior);
+        self.bound(derived, scale);
+    }
+
+    /// Sets the learned law to the average within its bounds.
+    pub(super) fn bound(&mut self, derived: &Derived, scale: &JointScale) {
+        self.learned = constrained(&self.law, scale, &derived.bounds, &derived.prior);
+    }
+
+    /// Whether the friction of the average, without bounds and without its offset, dissipates at the largest speed in both directions.
+    /// It does not if a sign is swapped.
+    fn dissipates(&self, scale: &JointScale) -> bool {
+        let described = if scale.least_slope > 0.0 { scale.torque } else { 0.0 };
+        let [along, viscous, _, asymmetry] = terms(scale.torque, scale.speed);
+        [1.0, -1.0]
+            .iter()
+            .all(|side| described + dot(&[along, viscous, 0.0, side * asymmetry], &self.law.mean) > 0.0)
     }
 
     /// Takes a sample, with the error of the learned law; false if it is beyond the interval.

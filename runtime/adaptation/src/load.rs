@@ -118,7 +118,7 @@ impl<const N: usize, const P: usize> LoadEstimator<N, P> {
 
     /// The acting parameters follow the learned ones.
     fn blend(&mut self, period: f64, time_constant: f64) {
-        let target = match self.comparison.trust() {
+        let target = match self.comparison.trust(true) {
             Trust::Learned => self.admissible(),
             _ => [0.0; P],
         };
@@ -145,7 +145,7 @@ impl<const N: usize, const P: usize> LoadEstimator<N, P> {
             learned: self.admissible(),
             half_widths: core::array::from_fn(|k| QUANTILE * root(self.law.covariance[k][k].max(0.0))),
             acting: self.acting,
-            trust: self.comparison.trust(),
+            trust: self.comparison.trust(true),
         }
     }
 }

@@ -1,7 +1,6 @@
 //! Average over nested laws.
 
 use super::bank::{Gaussian, average};
-use super::joint::QUANTILE;
 use super::law::{JointScale, TERMS};
 use libm::log;
 
@@ -35,9 +34,8 @@ pub(super) fn averaged(full: &Gaussian, prior: &[f64; TERMS]) -> Gaussian {
 
 /// Mean under the bounds of the terms and the dissipation of the law ([`JointScale::admissible`]).
 ///
-/// A term whose 90 % interval reaches its bound is conditioned on it, so that the correlated terms change with it (Simon, Chia,
-/// *IEEE Trans. Aerospace and Electronic Systems* 38, 2002). If the data contradict the bound, the term alone is moved to it: the
-/// prediction errors then grow, and the described law acts.
+/// A term beyond its bound is conditioned on it, so that the correlated terms change with it (Simon, Chia, *IEEE Trans. Aerospace
+/// and Electronic Systems* 38, 2002).
 pub(super) fn constrained(
     law: &Gaussian,
     scale: &JointScale,
@@ -48,8 +46,8 @@ pub(super) fn constrained(
     // The order of the bounds in `admissible`: each depends on those before it.
     for k in [0, 3, 1, 2] {
         let nearest = scale.admissible(law.mean, bounds)[k];
-        let (beyond, variance) = (law.mean[k] - nearest, law.covariance[k][k].max(f64::EPSILON * prior[k]));
-        if beyond != 0.0 && beyond * beyond <= QUANTILE * QUANTILE * variance {
+        if nearest != law.mean[k] {
+            let variance = law.covariance[k][k].max(f64::EPSILON * prior[k]);
             law = conditioned(&law, k, nearest, variance);
         }
     }

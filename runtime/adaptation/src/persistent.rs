@@ -53,6 +53,9 @@ impl<const N: usize> Adaptation<N> {
         {
             let Some(joint) = joint else { continue };
             each(joint).zip(numbers).for_each(|(of_joint, number)| *of_joint = *number);
+            if let (Some(derived), Some(scale)) = (&self.derived[place], &self.scales[place]) {
+                joint.bound(derived, scale);
+            }
             if !is_possible(joint, numbers) {
                 return Err(AdaptationError::Number(ORIGIN + place * JOINT));
             }

@@ -13,7 +13,7 @@ const UNEXPLAINED: f64 = 0.5;
 /// Acting law of a joint, and the reason.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Trust {
-    /// Too few samples: the described law acts.
+    /// There are too few samples, or the friction that was learned without bounds accelerates the joint: the described law acts.
     Unknown,
     /// The learned law predicts better and acts.
     Learned,
@@ -77,7 +77,8 @@ impl Comparison {
         self.excluded += 1.0;
     }
 
-    pub(super) fn trust(&self) -> Trust {
+    /// - `dissipates`: whether the friction that was learned without bounds dissipates
+    pub(super) fn trust(&self, dissipates: bool) -> Trust {
         let ([described, learned], [unexplained, squares, sum, count]) = (self.squares, self.all);
         let variance = squares - sum * sum / count.max(1.0);
         if self.taken + self.excluded < FEWEST {
@@ -86,6 +87,8 @@ impl Comparison {
             || self.excluded > CONTRADICTED * (self.taken + self.excluded)
         {
             Trust::Contradicted
+        } else if !dissipates {
+            Trust::Unknown
         } else if learned < described {
             Trust::Learned
         } else {
