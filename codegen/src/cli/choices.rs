@@ -11,7 +11,7 @@ use crate::wording::toml_text;
 use gelenk_formula::Hold;
 
 /// Options for reading a description; they change the equations.
-#[derive(Debug, Args)]
+#[derive(Debug, Default, Args)]
 pub(super) struct Reading {
     /// Round angles to a multiple of 90° within this tolerance [rad]
     #[arg(long, value_name = "RAD", value_parser = small_angle)]
@@ -105,7 +105,7 @@ impl Reading {
 }
 
 /// TOML line that holds these joints.
-pub(super) fn held_key(hold: &[Hold]) -> Option<String> {
+fn held_key(hold: &[Hold]) -> Option<String> {
     let is_last = |index: usize| hold[index + 1..].iter().all(|later| later.pattern != hold[index].pattern);
     let last = hold.iter().enumerate().filter(|(index, _)| is_last(*index));
     let entries = last.map(|(_, hold)| format!("{} = {:?}", toml_text(&hold.pattern), hold.position));
@@ -114,7 +114,7 @@ pub(super) fn held_key(hold: &[Hold]) -> Option<String> {
 }
 
 /// TOML line that chooses the tree of a body.
-pub(super) fn body_key(body: Option<&str>) -> Option<String> {
+fn body_key(body: Option<&str>) -> Option<String> {
     body.map(|body| format!("body = {}", toml_text(body)))
 }
 

@@ -1,13 +1,12 @@
 //! Feet of a legged robot, found by a rule or named by the user.
 
-use super::failure::Failure;
-use crate::diagnostic::nearest;
-use crate::model::{Model, Motion, Pose};
-use crate::wording::toml_text;
+use super::toml_text;
+use gelenk_codegen::formula::nearest;
+use gelenk_codegen::model::{Model, Motion, Pose};
 
 /// A foot, given by link names.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Foot {
+pub struct Foot {
     /// The first link of its leg that a joint moves.
     hip: String,
     /// The link whose origin stands on the ground.
@@ -25,7 +24,7 @@ const JOINTS: usize = 3;
 /// Legs are branches of the base without further branching, with the same number of joints (at least three).
 /// The largest group of such legs is used if it has at least three. The foot is the last link of a leg,
 /// farthest from its last joint.
-pub(super) fn feet(model: &Model, named: &[String]) -> Result<Vec<Foot>, Failure> {
+pub fn feet(model: &Model, named: &[String]) -> Result<Vec<Foot>, String> {
     let legs = Legs { model, base: base(model) };
     if !named.is_empty() {
         return legs.named(named);
@@ -38,7 +37,7 @@ pub(super) fn feet(model: &Model, named: &[String]) -> Result<Vec<Foot>, Failure
 }
 
 /// The floating link.
-pub(super) fn base(model: &Model) -> Option<usize> {
+pub fn base(model: &Model) -> Option<usize> {
     let joint = model.quaternion_joints.first()?;
     model.coordinates.get(joint.coordinates().end - 1).copied()
 }
@@ -111,52 +110,52 @@ impl Legs<'_> {
         Foot { hip: name(hip), foot: name(foot) }
     }
 
-    fn named(&self, names: &[String]) -> Result<Vec<Foot>, Failure> {
-        let feet: Result<Vec<(usize, Foot)>, Failure> = names.iter().map(|name| self.of(name)).collect();
+    fn named(&self, names: &[String]) -> Result<Vec<Foot>, String> {
+        let feet: Result<Vec<(usize, Foot)>, String> = names.iter().map(|name| self.of(name)).collect();
         let feet = feet?;
         for (k, (hip, foot)) in feet.iter().enumerate() {
             if let Some((_, other)) = feet[..k].iter().find(|(other, _)| other == hip) {
-                return Err(Failure::Usage(format!(
-                    "`{}` and `{}` are on the same leg\n  = help: name one foot per leg with --feet",
+                return Err(format!(
+                    "`{}` and `{}` are on the same leg\n  = help: name one foot per leg",
                     other.foot, foot.foot
-                )));
+                ));
             }
         }
         if feet.len() < FEWEST {
-            return Err(Failure::Usage(format!(
-                "--feet names {} feet\n  = help: forces at the feet alone can carry a robot with {FEWEST} \
-                 feet or more; without --feet the new program lets it fall",
+            return Err(format!(
+                "only {} feet are named\n  = help: forces at the feet alone can carry a robot with {FEWEST} \
+                 feet or more",
                 feet.len()
-            )));
+            ));
         }
         Ok(feet.into_iter().map(|(_, foot)| foot).collect())
     }
 
     /// The leg of a foot, and the foot.
-    fn of(&self, name: &str) -> Result<(usize, Foot), Failure> {
+    fn of(&self, name: &str) -> Result<(usize, Foot), String> {
         let links = || self.model.links.iter().map(|link| link.name.as_str());
         let Some(link) = links().position(|link| link == name) else {
             let near = nearest(name, links()).unwrap_or_default();
-            return Err(Failure::Usage(format!(
-                "--feet names `{name}`, which is not a link of the robot\n  = help: {near}"
-            )));
+            return Err(format!(
+                "`{name}` is not a link of the robot\n  = help: {near}"
+            ));
         };
         match self.way(link).as_deref() {
             Some(way @ [.., hip]) if way.len() >= JOINTS => Ok((*hip, self.foot(*hip, link))),
-            Some(way) => Err(Failure::Usage(format!(
+            Some(way) => Err(format!(
                 "the leg of `{name}` has {} of the {JOINTS} joints that it needs\n  = help: name the last link \
                  of a leg that begins at the base",
                 way.len()
-            ))),
-            None => Err(Failure::Usage(format!(
+            )),
+            None => Err(format!(
                 "the base does not carry `{name}`\n  = help: name the last links of the legs"
-            ))),
+            )),
         }
     }
 }
 
 /// Entries of `robot.toml` for the feet: frames, and wrenches of the ground.
-pub(super) fn description(feet: &[Foot]) -> String {
+pub fn description(feet: &[Foot]) -> String {
     let mut text = String::from(
         "\n# The feet, and what the ground exerts on them. Contact is not simulated: src/main.rs chooses these forces, in the axes of the\n\
          # world.\n",
@@ -173,7 +172,7 @@ pub(super) fn description(feet: &[Foot]) -> String {
 }
 
 /// Text of the program with its list of feet.
-pub(super) fn program(count: usize) -> String {
+pub fn program(count: usize) -> String {
     let foot = |k: usize| {
         format!(
             "    foot!(\n        frame_hip_{k}_pose,\n        frame_foot_{k}_pose,\n        frame_foot_{k}_jacobian,\n        \
@@ -181,5 +180,5 @@ pub(super) fn program(count: usize) -> String {
         )
     };
     let feet = Vec::from_iter((0..count).map(foot)).join("\n");
-    include_str!("template/main_legs.rs").replace("    // FEET", &feet)
+    include_str!("on_legs.rs").replace("    // FEET", &feet)
 }
