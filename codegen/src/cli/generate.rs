@@ -16,6 +16,7 @@ use crate::emit::{EmitOptions, documentation};
 use crate::functions::form::Form;
 use crate::output::{self, Outcome, Planned, Replaces};
 use crate::pipeline::{self, CONTROL, GenerateOptions, Generated};
+use crate::report::counts;
 use crate::wording::quoted;
 
 /// Writes the module of one description, or of all in models/.
@@ -56,7 +57,7 @@ pub(super) fn generate(arguments: &Generate, format: Format) -> Result<ExitCode,
         }
         Format::Text => {
             let text = written.map(|((robot, path), outcome)| {
-                let counts = print::counts_table(&robot.module.costs(), &[]);
+                let counts = print::table(&counts(&robot.module.costs(), &[]).plain());
                 format!("{}\n{counts}", line(robot, path, outcome))
             });
             print::out(&text.collect::<String>()).map(|()| ExitCode::SUCCESS)
@@ -419,7 +420,7 @@ fn result(robot: &Generated, path: &Path, outcome: Outcome) -> Value {
         "written": outcome == Outcome::Written,
         "coordinates": robot.model.coordinates.len(),
         "inputs": inputs(robot),
-        "functions": print::counts(&robot.module.costs(), &[]),
+        "functions": counts(&robot.module.costs(), &[]).records(),
         "notes": print::diagnostics(&robot.notes),
         "read": robot.files.iter().map(|file| relative(file)).collect::<Vec<_>>(),
     });

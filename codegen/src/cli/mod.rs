@@ -10,7 +10,6 @@ mod failure;
 mod generate;
 mod identify;
 mod inspect;
-mod inspect_forces;
 mod interface;
 mod mechanism;
 mod new;

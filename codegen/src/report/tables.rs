@@ -1,17 +1,15 @@
 //! The numbers of a robot, with their units.
 
-use gelenk_report::{Cell, Inline, SceneSymbol, Table};
+use gelenk_report::{Cell, SceneSymbol, Table};
 
-use super::formula;
 use super::robot::Robot;
 use crate::diagnostic::Diagnostics;
-use crate::functions::function::Function;
 use crate::model::{
     Actuator, Attachment, Drive, FollowedCoordinate, ForceEffect, Input, Joint, JointKind, Motion, Pose,
     RotorCoupling, TorqueSpeedLine, WrenchAxes,
 };
 use crate::numeric::{atan2, length};
-use crate::program::cost;
+use crate::program::cost::Cost;
 use gelenk_formula::Formula;
 
 /// Table of joints that are coordinates, with limits.
@@ -37,9 +35,10 @@ pub(super) fn coordinates(robot: &Robot<'_>) -> Table {
     table.rows(joints.map(|(coordinate, joint)| {
         let mut row = vec![match robot.named(coordinate) {
             SceneSymbol::Velocity(_) => Cell::Empty,
-            SceneSymbol::Position(_) | SceneSymbol::Driven(_) => math(robot.symbol(coordinate)),
+            SceneSymbol::Position(_) | SceneSymbol::Driven(_) => Cell::formula(robot.symbol(coordinate)),
         }];
-        row.extend(has_quaternions.then(|| math(format!("\\dot{{y}}_{{{}}}", coordinate + 1))));
+        let velocity = [format!("\\dot{{y}}_{{{}}}", coordinate + 1), format!("v{}", coordinate + 1)];
+        row.extend(has_quaternions.then(|| Cell::formula(velocity)));
         row.extend(limit_cells(joint, role(robot, coordinate, joint)));
         row
     }))
@@ -58,10 +57,6 @@ fn limit_cells(joint: &Joint, role: String) -> [Cell; 7] {
         Cell::exact_or_empty(limits.effort),
         Cell::exact_or_empty(limits.peak_effort),
     ]
-}
-
-fn math(latex: String) -> Cell {
-    Cell::Line(vec![Inline::Math(latex)])
 }
 
 /// The type of a coordinate's joint, or the joint with a quaternion of which it is a velocity.
@@ -85,10 +80,7 @@ fn kind(kind: JointKind) -> String {
 fn cell(robot: &Robot<'_>, value: &Formula) -> Cell {
     match value.as_number() {
         Some(number) => Cell::Exact(number),
-        None => {
-            let latex = formula::latex(value, &robot.parameter_names, formula::Motion::numbered('y', 0));
-            Cell::Line(vec![Inline::Math(latex)])
-        }
+        None => Cell::formula(robot.formula(value)),
     }
 }
 
@@ -132,7 +124,7 @@ pub(super) fn drives(robot: &Robot<'_>) -> Option<Table> {
     let rows = drives.iter().map(|drive| {
         let mut inputs = robot.inputs().into_iter();
         let index = match inputs.position(|input| input.name() == drive.name) {
-            Some(index) => Cell::Line(vec![Inline::Math(format!("u_{{{}}}", index + 1))]),
+            Some(index) => Cell::formula([format!("u_{{{}}}", index + 1), format!("u{}", index + 1)]),
             None => Cell::Empty,
         };
         let speed = have_speeds.then(|| Cell::exact_or_empty(drive.speed));
@@ -149,7 +141,7 @@ pub(super) fn drives(robot: &Robot<'_>) -> Option<Table> {
 /// Table of forces between frames, and of inputs and wrenches at frames.
 pub(super) fn forces_at_frames(robot: &Robot<'_>) -> Option<Table> {
     let model = robot.model;
-    let parameters: Vec<&str> = robot.parameter_names.iter().map(String::as_str).collect();
+    let parameters = robot.names();
     let between = |[a, b]: &[Attachment; 2]| format!("{} – {}", a.name, b.name);
     let laws = model.point_forces.iter().map(|force| {
         let law = format!("pulls with {} N", force.law.distance_text(&parameters));
@@ -164,7 +156,8 @@ pub(super) fn forces_at_frames(robot: &Robot<'_>) -> Option<Table> {
                 (at.name.clone(), format!("u · ({})", entries.join(", ")))
             }
         };
-        let limits = input.limits.map_or(String::new(), |[low, high]| format!("{low} … {high}"));
+        let unit = model.input_unit(Actuator::Force(input));
+        let limits = input.limits.map_or(String::new(), |[low, high]| format!("{low} … {high} {unit}"));
         [format!("u{}", drives + index + 1), input.name.clone(), place, effect, limits]
     });
     let wrenches = model.wrenches.iter().map(|wrench| {
@@ -206,7 +199,7 @@ pub(super) fn dependent(robot: &Robot<'_>) -> Option<Table> {
             let [low, high] = one.position.map(finite);
             vec![
                 Cell::Text(one.name.to_owned()),
-                Cell::Line(vec![Inline::Math(motion)]),
+                Cell::formula(motion),
                 low,
                 high,
                 finite(one.velocity),
@@ -233,7 +226,7 @@ fn drive_row(robot: &Robot<'_>, drive: &Drive) -> Vec<Cell> {
     let joint = match drive.coordinate() {
         Some(index) => Cell::text(robot.joints()[index].name.as_str()),
         None if drive.acts_on.is_empty() => Cell::text(""),
-        None => Cell::Line(vec![Inline::Math(robot.followed(&drive.acts_on, 0.0))]),
+        None => Cell::formula(robot.followed(&drive.acts_on, 0.0)),
     };
     let coupling = match drive.coupling {
         RotorCoupling::Body => "a body",
@@ -284,7 +277,7 @@ pub(super) fn bodies(robot: &Robot<'_>) -> Option<Table> {
 
 /// Inertias.
 pub(super) fn inertias(robot: &Robot<'_>) -> Option<Table> {
-    let caption = "Inertia of the bodies about their centres of mass, in axes of the links ($I_{xy} = -\\int x\\,y\\,\\mathrm{d}m$).";
+    let caption = "Inertia of the bodies about their centres of mass, in axes of the links (I_xy = −∫ x y dm).";
     let mut table = Table::new("inertias", caption).column("body", "body", "");
     for entry in ["xx", "xy", "xz", "yy", "yz", "zz"] {
         table = table.column(&format!("$I_{{{entry}}}$"), format!("I_{entry}"), "kg m²");
@@ -306,7 +299,7 @@ pub(super) fn geometry(robot: &Robot<'_>) -> Option<Table> {
     }
     let table = Table::new(
         "geometry",
-        "Joints: origin of the joint frame in the parent link's frame, its roll, pitch and yaw there ($R = R_z R_y R_x$), and the axis in the \
+        "Joints: origin of the joint frame in the parent link's frame, its roll, pitch and yaw there (R = R_z R_y R_x), and the axis in the \
          joint frame.",
     )
     .column("joint", "joint", "")
@@ -320,11 +313,10 @@ pub(super) fn geometry(robot: &Robot<'_>) -> Option<Table> {
                 let position = short(position).to_string().replace('-', "−");
                 Cell::text(format!("held at {position} {}", joint.kind.unit()))
             }
-            Motion::Coordinate(index) => Cell::Line(vec![Inline::Math(robot.symbol(index))]),
+            Motion::Coordinate(index) => Cell::formula(robot.symbol(index)),
             Motion::Follower(index) => {
                 let moving = robot.model.moving_joints();
-                let text = robot.followed(&moving[index].follows, moving[index].offset);
-                Cell::Line(vec![Inline::Math(text)])
+                Cell::formula(robot.followed(&moving[index].follows, moving[index].offset))
             }
         };
         let mut row = vec![Cell::Text(joint.name.clone()), link_name(robot, joint.parent), motion];
@@ -410,33 +402,26 @@ pub(super) fn gravity(robot: &Robot<'_>) -> String {
     format!("({}) m/s²", numbers.join(", ").replace('-', "−"))
 }
 
-/// Operation counts of all functions.
-pub(super) fn counts(functions: &[Function]) -> Table {
-    let table = Table::new(
+/// Operation counts of functions, with the bytes of machine code if given; `None` for inlined functions.
+pub(crate) fn counts(functions: &[(String, Cost)], bytes: &[Option<u64>]) -> Table {
+    let mut table = Table::new(
         "operations",
         "Operations of each generated function, counted as in robotics papers: a subtraction counts as an \
          addition, and one call computes sine and cosine of an angle.",
-    )
-    .column("function", "function", "")
-    .column("multiplications", "multiplications", "")
-    .column("additions", "additions", "")
-    .column("divisions", "divisions", "")
-    .column("sin and cos", "sin_cos", "")
-    .column("other calls", "other calls", "")
-    .column("selections", "selections", "");
-    table.rows(functions.iter().map(|function| {
-        let cost = cost::count(&function.program);
-        let counts = [
-            cost.multiplications,
-            cost.additions,
-            cost.divisions,
-            cost.sin_cos,
-            cost.other_calls,
-            cost.selections,
-        ];
-        let mut row = vec![Cell::Code(function.name.clone())];
-        row.extend(counts.map(Cell::Count));
-        row
+    );
+    let counts = ["multiplications", "additions", "divisions", "sin_cos", "other calls", "selections"];
+    let bytes_column = (!bytes.is_empty()).then_some("bytes");
+    for name in ["function"].into_iter().chain(counts).chain(bytes_column) {
+        table = table.column(if name == "sin_cos" { "sin and cos" } else { name }, name, "");
+    }
+    table.rows(functions.iter().enumerate().map(|(index, (name, cost))| {
+        let Cost { multiplications, additions, divisions, sin_cos, other_calls, selections } = *cost;
+        let counts = [multiplications, additions, divisions, sin_cos, other_calls, selections];
+        let size = bytes.get(index).map(|size| match size {
+            Some(size) => Cell::Count(usize::try_from(*size).unwrap_or(usize::MAX)),
+            None => Cell::text("inlined"),
+        });
+        [Cell::Code(name.clone())].into_iter().chain(counts.map(Cell::Count)).chain(size).collect()
     }))
 }
 

@@ -119,11 +119,12 @@ fn pattern_json(pattern: &Pattern) -> Value {
     })
 }
 
-fn cell_json(cell: &Cell) -> Value {
+pub(super) fn cell_json(cell: &Cell) -> Value {
     match cell {
         Cell::Empty => Value::Null,
         Cell::Text(text) | Cell::Code(text) => json!(text),
         Cell::Line(parts) => json!(words(parts)),
+        Cell::Formula { latex, .. } => json!(format!("${latex}$")),
         Cell::Rounded(value, _) | Cell::Exact(value) => number_json(*value),
         Cell::Count(count) => json!(count),
     }
@@ -205,7 +206,7 @@ pub(super) fn csv(report: &Report) -> Result<Vec<(String, String)>, ReportError>
                 }
             }
             let (id, rows) = match block {
-                Block::Table(table) => (table.id.clone(), table_rows(table)),
+                Block::Table(table) => (table.id.clone(), table_rows(table, cell_text)),
                 Block::Claims(claims) => (format!("{}-claims", section.id), claim_rows(claims)),
                 Block::Figure(figure) => (figure.id.clone(), figure_rows(figure)),
                 _ => continue,
@@ -233,18 +234,20 @@ fn with_unit(name: &str, unit: &str) -> String {
     }
 }
 
-fn table_rows(table: &Table) -> Vec<Vec<String>> {
+/// A row of names with units, and the rows of cells.
+pub(super) fn table_rows(table: &Table, cell: impl Fn(&Cell) -> String) -> Vec<Vec<String>> {
     let columns = table.columns.iter();
     let head = columns.map(|column| with_unit(&column.name, &column.unit));
-    let row = |row: &Vec<Cell>| row.iter().map(cell_text).collect();
+    let row = |row: &Vec<Cell>| row.iter().map(&cell).collect();
     std::iter::once(head.collect()).chain(table.rows.iter().map(row)).collect()
 }
 
-fn cell_text(cell: &Cell) -> String {
+pub(super) fn cell_text(cell: &Cell) -> String {
     match cell {
         Cell::Empty => String::new(),
         Cell::Text(text) | Cell::Code(text) => text.clone(),
         Cell::Line(parts) => words(parts),
+        Cell::Formula { latex, .. } => format!("${latex}$"),
         Cell::Rounded(value, _) | Cell::Exact(value) => format!("{value:?}"),
         Cell::Count(count) => count.to_string(),
     }
