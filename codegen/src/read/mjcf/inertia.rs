@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use super::compiler::FromGeoms;
 use super::files::Element;
 use super::place::z_to;
-use super::{Placed, Reader, Remark, or};
+use super::{Placed, Reader, notes, or};
 use crate::description::{BodyDescription, Name};
 use crate::diagnostic::At;
 use crate::model::Pose;
@@ -102,7 +102,7 @@ impl<'a> Reader<'_, 'a> {
                 Share::Lump(lump) => lumps.push(lump),
                 Share::Unknown(why) => {
                     let of_body = format!("{} of {}", why, name.quoted());
-                    self.notes.remark(Remark::MeshInertia, geom.element.span(), of_body);
+                    self.notes.remark(notes::MESH_INERTIA, geom.element.span(), of_body);
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! Joints; several joints in one body become a chain.
 
 use super::place::by_axis;
-use super::{KnownJoint, Placed, Reader, Remark, or};
+use super::{KnownJoint, Placed, Reader, notes, or};
 use crate::description::{FrictionDescription, JointDescription, LimitsDescription, Name};
 use crate::diagnostic::At;
 use crate::model::pose::rotate_numbers;
@@ -136,7 +136,7 @@ impl<'a> Reader<'_, 'a> {
             );
         }
         if !frame.is_identity() {
-            self.notes.remark(Remark::StartPose, name.span, name.quoted());
+            self.notes.remark(notes::START_POSE, name.span, name.quoted());
         }
     }
 
@@ -161,7 +161,7 @@ impl<'a> Reader<'_, 'a> {
             .filter_map(|key| self.find(joint, key))
             .find(|given| given.text.split_whitespace().any(|word| word.parse() != Ok(0.0)));
         if let Some(given) = given.filter(|_| !is_plain) {
-            self.notes.remark(Remark::QuaternionForce, given.span, name.quoted());
+            self.notes.remark(notes::QUATERNION_FORCE, given.span, name.quoted());
         }
         let friction = if is_plain { None } else { self.friction(joint, &name, false) };
         let is_free = kind == QuaternionKind::Floating;
@@ -186,11 +186,11 @@ impl<'a> Reader<'_, 'a> {
         let position = range.map(|range| At::new(range.value.map(|x| unit * x), range.span));
         let is_usable = |range: &At<[f64; 2]>| range.value[0] < range.value[1];
         if let Some(range) = position.as_ref().filter(|range| !is_usable(range)) {
-            self.notes.remark(Remark::Range, range.span, name.quoted());
+            self.notes.remark(notes::RANGE, range.span, name.quoted());
         }
         let force = self.range(joint, "actuatorfrcrange", "actuatorfrclimited");
         if let Some(range) = force.as_ref().filter(|range| range.value[0] != -range.value[1]) {
-            self.notes.remark(Remark::EffortRange, range.span, name.quoted());
+            self.notes.remark(notes::EFFORT_RANGE, range.span, name.quoted());
         }
         let effort = force.map(|range| At::new(range.value[1].min(-range.value[0]), range.span));
         LimitsDescription {
@@ -219,7 +219,7 @@ impl<'a> Reader<'_, 'a> {
     fn spring(&mut self, joint: &Placed<'a>, unit: f64) -> Option<At<Vec<Formula>>> {
         if let Some(given) = self.find(joint, "springdamper").filter(|given| !is_zero(given.text)) {
             let body = joint.element.node.attribute("name").unwrap_or("a joint");
-            self.notes.remark(Remark::SpringDamper, given.span, format!("`{body}`"));
+            self.notes.remark(notes::SPRING_DAMPER, given.span, format!("`{body}`"));
         }
         let stiffness = self.linear(joint, "stiffness")?;
         if stiffness.value < 0.0 {
@@ -238,7 +238,7 @@ impl<'a> Reader<'_, 'a> {
         let numbers = self.numbers(self.find(joint, key)?, key)?;
         if numbers.value.iter().skip(1).any(|number| *number != 0.0) {
             let name = joint.element.node.attribute("name").unwrap_or("a joint");
-            self.notes.remark(Remark::SpringDamper, numbers.span, format!("`{name}`"));
+            self.notes.remark(notes::SPRING_DAMPER, numbers.span, format!("`{name}`"));
         }
         let first = *numbers.value.first()?;
         (first != 0.0).then(|| At::new(first, numbers.span))

@@ -34,7 +34,6 @@ use classes::Classes;
 use compiler::Compiler;
 use files::{Element, Files, Given, Meshes, plain_path};
 use gelenk_formula::{Formula, LARGEST_NUMBER, too_large};
-use notes::Remark;
 
 /// The link of all that does not move.
 const WORLD: &str = "world";
@@ -63,7 +62,7 @@ pub(super) struct Reader<'r, 'a> {
     compiler: Compiler,
     meshes: Meshes<'a, 'r>,
     gravity: [f64; 3],
-    notes: Notes<Remark>,
+    notes: Notes,
     robot: RobotDescription,
     /// Joints by their names in the file.
     joints: BTreeMap<String, KnownJoint>,
@@ -153,7 +152,7 @@ fn read(
         },
         meshes: Meshes { load, assets: BTreeMap::new(), known: BTreeMap::new() },
         gravity: [0.0, 0.0, -9.81],
-        notes: Notes::new(),
+        notes: Notes::default(),
         robot: RobotDescription {
             name: At::new(stem.to_owned(), root.span()),
             default_drive: DriveChoice::Passive,
@@ -202,7 +201,7 @@ impl<'a> Reader<'_, 'a> {
         with("actuator").for_each(|section| self.actuators(section, &sums));
         for elastic in with("deformable").flat_map(|section| self.files.children(section)) {
             let name = elastic.node.attribute("name").unwrap_or(elastic.tag());
-            self.notes.remark(Remark::Elastic, elastic.span(), format!("`{name}`"));
+            self.notes.remark(notes::ELASTIC, elastic.span(), format!("`{name}`"));
         }
         for section in sections.iter().filter(|section| HARMLESS.contains(&section.tag())) {
             self.notes.skip(format!("<{}>", section.tag()), section.span());
