@@ -10,8 +10,6 @@ use crate::functions::module_constants;
 use crate::functions::selection::{self, Request, Selection};
 use crate::functions::size::MOST_OPERATIONS;
 use crate::lanes::{self, Lanes};
-use gelenk_formula::Hold;
-
 use crate::model::Model;
 use crate::module::Module;
 use crate::program::arrays::ArrayForm;
@@ -27,24 +25,8 @@ use crate::verify;
 pub struct GenerateOptions {
     /// Functions to generate. If empty, the description chooses them; its default is all functions.
     pub functions: Vec<String>,
-    /// Angles within this distance (rad) of a multiple of 90° are rounded to it.
-    pub snap_angles: Option<f64>,
-    /// Leaves out friction.
-    pub no_friction: bool,
-    /// Makes mimic joints independent coordinates.
-    pub ignore_mimic: bool,
-    /// Slope s of `tanh(s v)`, which replaces `sign(v)` in friction and springs; by default as described.
-    pub smooth_sign: Option<f64>,
-    /// Accepts robots whose mass matrix is not positive definite.
-    pub accept_unphysical: bool,
-    /// Keeps `sign` even if the description replaces it.
-    pub exact_sign: bool,
-    /// Makes the base floating: a floating joint connects it to the world.
-    pub floating_base: bool,
-    /// Held joints.
-    pub hold: Vec<Hold>,
-    /// Body of an MJCF; its subtree is the robot.
-    pub body: Option<String>,
+    /// Options for reading the description.
+    pub reading: ReadOptions,
     /// Contracts products and sums to fused multiply-adds with one rounding. The code is faster, but compiles
     /// only for processors with these instructions.
     pub fused_multiply_add: bool,
@@ -91,21 +73,9 @@ fn generate_from(
     description: &mut DescriptionFiles,
     options: &GenerateOptions,
 ) -> Result<Generated, Diagnostics> {
-    check_slope(options.smooth_sign)?;
+    check_slope(options.reading.smooth_sign)?;
     check_language(options)?;
-    let read_options = ReadOptions {
-        ignore_mimic: options.ignore_mimic,
-        snap_angles: options.snap_angles,
-        no_friction: options.no_friction,
-        smooth_sign: options.smooth_sign,
-        accept_unphysical: options.accept_unphysical,
-        exact_sign: options.exact_sign,
-        floating_base: options.floating_base,
-        free_driven: false,
-        hold: options.hold.clone(),
-        body: options.body.clone(),
-    };
-    let Loaded { model, notes, files } = description.load(&read_options)?;
+    let Loaded { model, notes, files } = description.load(&options.reading)?;
     check_size(&model)?;
     tools::check(&model, &options.emit.companions)?;
     let lanes = Lanes::new(&model, &options.lanes)?;
@@ -121,7 +91,7 @@ fn generate_from(
     #[cfg(test)]
     wrong_functions::spoil(&mut functions);
     verify::verify(&model, &functions)?;
-    let notes = snapping::priced(notes, description, &read_options, &functions);
+    let notes = snapping::priced(notes, description, &options.reading, &functions);
     let (mut lanes, obstacles) = lanes.possible(&functions, options.emit.math);
     if options.emit.companions.contains(&Companion::Python) {
         lanes.extend(lanes::of_straight_line_code(&functions, &lanes));
@@ -166,8 +136,9 @@ pub fn generate_pair(
 ) -> Result<[Generated; 2], Diagnostics> {
     let mut description = DescriptionFiles::of(description);
     let mut with = |smooth_sign: Option<f64>, name: Option<String>, remark: String| {
-        let mut options =
-            GenerateOptions { smooth_sign, exact_sign: smooth_sign.is_none(), ..options.clone() };
+        let mut options = options.clone();
+        options.reading.smooth_sign = smooth_sign;
+        options.reading.exact_sign = smooth_sign.is_none();
         options.remarks.push(remark);
         options.emit.name = name;
         generate_from(&mut description, &options)

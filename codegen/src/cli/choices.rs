@@ -177,63 +177,28 @@ pub(super) struct Choices {
     pub(super) max_operations: Option<usize>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum ScalarName {
-    F64,
-    F32,
-}
-
-impl From<ScalarName> for Scalar {
-    fn from(name: ScalarName) -> Self {
-        match name {
-            ScalarName::F64 => Self::F64,
-            ScalarName::F32 => Self::F32,
+/// Makes words of the command line for values of the printer. They have no documentation, so that the help stays short.
+macro_rules! words {
+    ($($name:ident for $value:ident { $($variant:ident),* })*) => {$(
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
+        pub(super) enum $name {
+            $($variant),*
         }
-    }
-}
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum LanguageName {
-    Rust,
-    C,
-}
-
-impl From<LanguageName> for Language {
-    fn from(name: LanguageName) -> Self {
-        match name {
-            LanguageName::Rust => Self::Rust,
-            LanguageName::C => Self::C,
+        impl From<$name> for $value {
+            fn from(name: $name) -> Self {
+                match name {
+                    $($name::$variant => Self::$variant),*
+                }
+            }
         }
-    }
+    )*};
 }
 
-/// A tool that calls C modules.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
-pub(super) enum ToolName {
-    Acados,
-    Casadi,
-    Python,
-}
-
-impl ToolName {
-    /// Name on the command line.
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::Acados => "acados",
-            Self::Casadi => "casadi",
-            Self::Python => "python",
-        }
-    }
-}
-
-impl From<ToolName> for Companion {
-    fn from(name: ToolName) -> Self {
-        match name {
-            ToolName::Acados => Self::Acados,
-            ToolName::Casadi => Self::Casadi,
-            ToolName::Python => Self::Python,
-        }
-    }
+words! {
+    ScalarName for Scalar { F64, F32 }
+    LanguageName for Language { Rust, C }
+    ToolName for Companion { Acados, Casadi, Python }
 }
 
 /// The name of a function; whether the robot has such a frame is seen later.

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use serde_json::{Value, json};
 
 use super::arguments::{Check, Format, Generate};
-use super::choices::{Choices, LanguageName, Modules, ScalarName, ToolName};
+use super::choices::{Choices, LanguageName, Modules, ScalarName};
 use super::failure::{FAULT, Failure};
 use super::place::{Output, Target, Workspace, shown};
 use super::progress::Progress;
@@ -270,15 +270,7 @@ pub(super) fn say_notes(robots: &[Generated], format: Format) {
 fn options(choices: &Choices, command: String) -> GenerateOptions {
     GenerateOptions {
         functions: choices.functions.clone(),
-        snap_angles: choices.reading.snap_angles,
-        no_friction: choices.reading.no_friction,
-        ignore_mimic: choices.reading.ignore_mimic,
-        smooth_sign: choices.reading.smooth_sign,
-        accept_unphysical: choices.reading.accept_unphysical,
-        exact_sign: false,
-        floating_base: choices.reading.floats(),
-        hold: choices.reading.hold.clone(),
-        body: choices.reading.body.clone(),
+        reading: choices.reading.options(),
         fused_multiply_add: choices.fused_multiply_add,
         self_test: choices.self_test,
         form: Form::Cheapest,
@@ -329,7 +321,8 @@ fn modules_command(
     if modules.language == LanguageName::C {
         command.push_str(" --language c");
     }
-    let tools: Vec<&str> = modules.tools().into_iter().map(ToolName::name).collect();
+    let tools = modules.tools().into_iter().map(|tool| format!("{tool:?}").to_lowercase());
+    let tools: Vec<String> = tools.collect();
     if !tools.is_empty() {
         command.push_str(&format!(" --for {}", tools.join(",")));
     }
