@@ -107,9 +107,15 @@ impl<'m> Shown<'m> {
         for name in ["joint", "parent", "kind", "follows"] {
             table = table.column(name, name, "");
         }
-        for (name, unit) in
-            [("gamma", "°"), ("alpha", "°"), ("x", "m"), ("y", "m"), ("z", "m"), ("lift", "m"), ("offset", "°")]
-        {
+        for (name, unit) in [
+            ("gamma", "°"),
+            ("alpha", "°"),
+            ("x", "m"),
+            ("y", "m"),
+            ("z", "m"),
+            ("lift", "m"),
+            ("offset", "°"),
+        ] {
             table = table.column(name, name, unit);
         }
         table.rows(self.bodies().map(|(body, whole)| {
@@ -154,9 +160,10 @@ impl<'m> Shown<'m> {
         let caption = "Moments of mass about the origins; masses that act only through their sum are moved towards the base. `free` \
                        depends on parameters.";
         let mut table = Table::new("moments", caption).column("body", "body", "").column("m", "m", "kg");
-        for (names, unit) in
-            [(&["h_x", "h_y", "h_z"][..], "kg m"), (&["S_xx", "S_xy", "S_xz", "S_yy", "S_yz", "S_zz"], "kg m²")]
-        {
+        for (names, unit) in [
+            (&["h_x", "h_y", "h_z"][..], "kg m"),
+            (&["S_xx", "S_xy", "S_xz", "S_yy", "S_yz", "S_zz"], "kg m²"),
+        ] {
             for name in names {
                 table = table.column(name, *name, unit);
             }

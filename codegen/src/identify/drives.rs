@@ -49,8 +49,8 @@ pub fn drives(
         let coordinate = drive.coordinate().filter(|_| !drive.stands_apart)?;
         let found = identified.get(coordinate).filter(|found| **found != IdentifiedDrive::default())?;
         let joint = model.joints().nth(coordinate)?;
-        let rotor = found_rotor(drive, found.rotor, found.reflected);
-        let keys = entries(model, drive, rotor, found.motor_constant).join(", ");
+        let (inertia, coupling) = found_rotor(drive, found.rotor, found.reflected);
+        let keys = entries(model, drive, inertia, coupling, found.motor_constant).join(", ");
         let friction = (!has_law[coordinate]).then(|| joint_friction(described, &joint.name)).flatten();
         let lines = std::iter::once(format!("drive = {{ {keys} }}"));
         Some((joint.name.clone(), lines.chain(friction).collect::<Vec<_>>().join("\n")))
@@ -82,11 +82,13 @@ pub fn rotors(model: &Model) -> Vec<Option<usize>> {
 
 /// Keys of a drive with their values, without those of its friction and of the joints that it acts on.
 ///
-/// - `rotor`: its identified inertia, and how it counts
+/// - `inertia`: identified inertia of the rotor
+/// - `coupling`: effect of the rotor on the mass matrix
 pub(super) fn entries(
     model: &Model,
     drive: &Drive,
-    (inertia, coupling): (Option<f64>, RotorCoupling),
+    inertia: Option<f64>,
+    coupling: RotorCoupling,
     motor_constant: Option<f64>,
 ) -> Vec<String> {
     let names: Vec<&str> = model.parameters.iter().map(|parameter| parameter.name.as_str()).collect();

@@ -24,7 +24,7 @@ pub(super) fn check_wrenches(robot: &RobotDescription, model: &Model, report: &m
         if !is_moved(at.link, model) {
             refuse_on_driven(&input.name, model, report);
         } else {
-            check_levers(input, (at, wrench), model, report);
+            check_levers(input, at, wrench, model, report);
         }
     }
 }
@@ -58,7 +58,8 @@ pub(super) fn refuse_on_driven(name: &Name, model: &Model, report: &mut Report) 
 /// A wrench to which joints could give way, and none does: a force along an axis of nothing, or one through the axes of all that turns.
 fn check_levers(
     input: &WrenchInputDescription,
-    (at, wrench): (&Attachment, &[Formula; 6]),
+    at: &Attachment,
+    wrench: &[Formula; 6],
     model: &Model,
     report: &mut Report,
 ) {

@@ -57,7 +57,7 @@ fn narrow_by_motor(name: &str, speed: &At<f64>, model: &mut Model, report: &mut 
         return refuse_name_of_follower(name, speed.span, model, report);
     };
     let Some(link) = model.link_of(coordinate) else { return };
-    narrow_speed(model, link, speed.value / ratio.abs(), (&format!("motor `{name}`"), speed.span), report);
+    narrow_speed(model, link, speed.value / ratio.abs(), &format!("motor `{name}`"), speed.span, report);
 }
 
 /// The speed of such a motor is listed with the limits of joints that follow, and found by name.
@@ -73,7 +73,7 @@ fn refuse_name_of_follower(name: &str, span: Span, model: &Model, report: &mut R
 }
 
 /// Lowers the limit of a coordinate's speed, and says so where another one was described.
-fn narrow_speed(model: &mut Model, link: usize, limit: f64, (who, span): (&str, Span), report: &mut Report) {
+fn narrow_speed(model: &mut Model, link: usize, limit: f64, who: &str, span: Span, report: &mut Report) {
     let Some((joint, limits)) = limits_of(model, link) else { return };
     let described = limits.velocity;
     if described.is_some_and(|described| described <= limit) {
@@ -200,7 +200,7 @@ fn narrow_by_force(
     }
     if let Some(speed) = force.speed.as_ref().filter(|_| steepest > 0.0) {
         let who = format!("`{}`", force.name.value);
-        narrow_speed(model, path.link, speed.value / steepest, (&who, speed.span), report);
+        narrow_speed(model, path.link, speed.value / steepest, &who, speed.span, report);
     }
 }
 

@@ -166,7 +166,8 @@ fn equations_section(
 }
 
 fn structure_section(robot: &Robot<'_>) -> Section {
-    let costs = robot.functions.iter().map(|function| (function.name.clone(), cost::count(&function.program)));
+    let costs =
+        robot.functions.iter().map(|function| (function.name.clone(), cost::count(&function.program)));
     let costs: Vec<_> = costs.collect();
     let forces = match robot.has_load_friction() {
         false => "$f = M \\ddot y + k - q$ are the forces of the inverse dynamics.",
@@ -314,7 +315,11 @@ mod tests {
         for (joint, name) in names.iter().enumerate() {
             let first = number(&velocities[joint]);
             let row = &table.rows[first - 1];
-            assert_eq!(row[1], Cell::formula([format!("\\dot{{y}}_{{{first}}}"), format!("v{first}")]), "{name}");
+            assert_eq!(
+                row[1],
+                Cell::formula([format!("\\dot{{y}}_{{{first}}}"), format!("v{first}")]),
+                "{name}"
+            );
             let is_plain = sizes[joint] == "1";
             let position = number(&positions[joint]);
             let symbol = [format!("y_{{{position}}}"), format!("y{position}")];

@@ -93,7 +93,10 @@ impl<'a> Robot<'a> {
 
     /// A formula of free parameters in LaTeX and as text.
     pub(super) fn formula(&self, formula: &Formula) -> [String; 2] {
-        [formula::latex(formula, &self.parameter_names, Motion::numbered('y', 0)), formula.text(&self.names())]
+        [
+            formula::latex(formula, &self.parameter_names, Motion::numbered('y', 0)),
+            formula.text(&self.names()),
+        ]
     }
 
     /// Names of the free parameters.

@@ -197,13 +197,7 @@ pub(super) fn dependent(robot: &Robot<'_>) -> Option<Table> {
             };
             let motion = robot.followed(&ratios.map(term).collect::<Vec<_>>(), one.offset);
             let [low, high] = one.position.map(finite);
-            vec![
-                Cell::Text(one.name.to_owned()),
-                Cell::formula(motion),
-                low,
-                high,
-                finite(one.velocity),
-            ]
+            vec![Cell::Text(one.name.to_owned()), Cell::formula(motion), low, high, finite(one.velocity)]
         })
         .collect();
     if rows.is_empty() {
@@ -277,7 +271,8 @@ pub(super) fn bodies(robot: &Robot<'_>) -> Option<Table> {
 
 /// Inertias.
 pub(super) fn inertias(robot: &Robot<'_>) -> Option<Table> {
-    let caption = "Inertia of the bodies about their centres of mass, in axes of the links (I_xy = −∫ x y dm).";
+    let caption =
+        "Inertia of the bodies about their centres of mass, in axes of the links (I_xy = −∫ x y dm).";
     let mut table = Table::new("inertias", caption).column("body", "body", "");
     for entry in ["xx", "xy", "xz", "yy", "yz", "zz"] {
         table = table.column(&format!("$I_{{{entry}}}$"), format!("I_{entry}"), "kg m²");

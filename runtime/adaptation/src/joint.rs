@@ -153,7 +153,9 @@ impl Joint {
     /// - `time`: time of the period (s)
     pub(super) fn step(
         &mut self,
-        (settings, derived, scale): (&AdaptationSettings, &Derived, &JointScale),
+        settings: &AdaptationSettings,
+        derived: &Derived,
+        scale: &JointScale,
         now: Option<&Instant>,
         time: f64,
     ) {
@@ -212,7 +214,7 @@ impl Joint {
         let [torque, applied] = [filtered[TERMS], filtered[TERMS + 1]];
         let error = torque - dot(&phi, &scale.admissible(self.law.mean, &derived.bounds));
         self.comparison.whole([error, applied], derived.keep);
-        let is_explained = self.learn((settings, derived, scale), &phi, [torque, error], share);
+        let is_explained = self.learn(settings, derived, scale, &phi, [torque, error], share);
         self.prediction = Some(Prediction { terms: phi, torque, error, is_explained });
         self.average(derived);
     }
@@ -225,7 +227,9 @@ impl Joint {
     /// Takes a sample, with the error of the learned law; false if it is beyond the interval.
     fn learn(
         &mut self,
-        (settings, derived, scale): (&AdaptationSettings, &Derived, &JointScale),
+        settings: &AdaptationSettings,
+        derived: &Derived,
+        scale: &JointScale,
         phi: &[f64; TERMS],
         [torque, error]: [f64; 2],
         share: f64,

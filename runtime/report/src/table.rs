@@ -100,7 +100,8 @@ impl Table {
     pub fn records(&self) -> Value {
         let names = self.columns.iter().map(|column| column.name.replace(' ', "_"));
         let names: Vec<String> = names.collect();
-        let record = |row: &Vec<Cell>| -> Value { names.iter().cloned().zip(row.iter().map(Cell::value)).collect() };
+        let record =
+            |row: &Vec<Cell>| -> Value { names.iter().cloned().zip(row.iter().map(Cell::value)).collect() };
         self.rows.iter().map(record).collect()
     }
 

@@ -136,9 +136,7 @@ impl Legs<'_> {
         let links = || self.model.links.iter().map(|link| link.name.as_str());
         let Some(link) = links().position(|link| link == name) else {
             let near = nearest(name, links()).unwrap_or_default();
-            return Err(format!(
-                "`{name}` is not a link of the robot\n  = help: {near}"
-            ));
+            return Err(format!("`{name}` is not a link of the robot\n  = help: {near}"));
         };
         match self.way(link).as_deref() {
             Some(way @ [.., hip]) if way.len() >= JOINTS => Ok((*hip, self.foot(*hip, link))),
@@ -147,9 +145,9 @@ impl Legs<'_> {
                  of a leg that begins at the base",
                 way.len()
             )),
-            None => Err(format!(
-                "the base does not carry `{name}`\n  = help: name the last links of the legs"
-            )),
+            None => {
+                Err(format!("the base does not carry `{name}`\n  = help: name the last links of the legs"))
+            }
         }
     }
 }

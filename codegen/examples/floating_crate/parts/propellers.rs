@@ -73,7 +73,8 @@ const DRAG: f64 = 0.016;
 /// Thrust along the axis and drag about it, for a unit of the input.
 fn wrench(axis: [f64; 3], sign: f64) -> String {
     // A sum with 0 has no negative zero.
-    let entries = axis.into_iter().chain(axis.map(|a| sign * DRAG * a)).map(|entry| (entry + 0.0).to_string());
+    let entries =
+        axis.into_iter().chain(axis.map(|a| sign * DRAG * a)).map(|entry| (entry + 0.0).to_string());
     entries.collect::<Vec<_>>().join(", ")
 }
 

@@ -127,10 +127,7 @@ fn yaml_text(text: &str) -> String {
     serde_json::Value::from(text).to_string()
 }
 
-fn all_filled(
-    texts: &[(&'static str, &str)],
-    values: &[(&str, String)],
-) -> Vec<(&'static str, String)> {
+fn all_filled(texts: &[(&'static str, &str)], values: &[(&str, String)]) -> Vec<(&'static str, String)> {
     texts.iter().map(|(file, text)| (*file, filled(text, values))).collect()
 }
 

@@ -56,7 +56,9 @@ pub(super) fn robot(xml: Option<&Path>, reading: &Reading) -> Result<Robot, Fail
     let floats = reading.floats();
     let (description, joints) = match floats {
         true => (include_str!("../template/robot/quadrotor.toml"), vec![]),
-        false => (include_str!("../template/robot/arm.toml"), vec!["shoulder".to_owned(), "elbow".to_owned()]),
+        false => {
+            (include_str!("../template/robot/arm.toml"), vec!["shoulder".to_owned(), "elbow".to_owned()])
+        }
     };
     Ok(Robot {
         description: description.to_owned(),
@@ -149,8 +151,7 @@ impl Kind {
         if !model.followers.is_empty() {
             text.push_str(include_str!("../template/robot/mimic.toml"));
         }
-        let joint =
-            |(joint, _): (&Joint, usize)| filled(self.joint, &[("JOINT", toml_text(&joint.name))]);
+        let joint = |(joint, _): (&Joint, usize)| filled(self.joint, &[("JOINT", toml_text(&joint.name))]);
         let joints: String = described_joints(model).map(joint).collect();
         let drives = if joints.is_empty() { "" } else { self.drives };
         text + drives + &joints

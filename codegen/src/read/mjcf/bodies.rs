@@ -2,7 +2,7 @@
 
 use super::files::Element;
 use super::schema::{ORIENTATIONS, Place, tags};
-use super::{Placed, Reader, notes, WORLD};
+use super::{Placed, Reader, WORLD, notes};
 use crate::description::{FrameDescription, JointDescription, Name};
 use crate::diagnostic::At;
 use crate::model::{JointKind, Pose};

@@ -23,23 +23,27 @@ pub(super) struct Text {
     text: UrdfText,
 }
 
-/// Reads the model's text and its includes; `None` after reporting an error.
-///
-/// - `path`: path of the model; paths of included files are relative to it, or else to the including file
-pub(super) fn gather(
-    (text, source): (&str, usize),
-    path: &Path,
-    load: &mut dyn Fetch,
-    report: &mut Report,
-) -> Option<Vec<Text>> {
+impl Text {
+    /// The text of a model.
+    ///
+    /// - `source`: its index in the report
+    pub(super) fn new(path: &Path, source: usize, text: &str) -> Self {
+        Self { path: path.to_owned(), included: None, source, text: UrdfText::new(text) }
+    }
+}
+
+/// Reads the includes of a model's text; `None` after reporting an error. Their paths are relative to that of the model, or
+/// else to the including file.
+pub(super) fn gather(model: Text, load: &mut dyn Fetch, report: &mut Report) -> Option<Vec<Text>> {
     let folder = |path: &Path| path.parent().map(Path::to_owned).unwrap_or_default();
-    let mut texts = vec![Text { path: path.to_owned(), included: None, source, text: UrdfText::new(text) }];
+    let path = model.path.clone();
+    let mut texts = vec![model];
     let mut next = 0;
     while next < texts.len() {
         for file in includes(&texts[next], report)? {
             let name = plain_path(&file.value);
             // As in MuJoCo: in the folder of the model, else in that of the file that includes it.
-            let [first, second] = [path, &texts[next].path].map(|from| folder(from).join(&name));
+            let [first, second] = [&path, &texts[next].path].map(|from| folder(from).join(&name));
             let mut read = |path: &Path| load.text(&path.to_string_lossy());
             let (path, found) = match read(&first) {
                 Err(wrong) => match read(&second) {

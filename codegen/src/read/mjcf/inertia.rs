@@ -138,7 +138,7 @@ impl<'a> Reader<'_, 'a> {
         }
         if let Some(mesh) = self.find(&geom, "mesh") {
             return match kind {
-                "mesh" => self.of_mesh(&geom, mesh.text, (mass, density), body),
+                "mesh" => self.of_mesh(&geom, mesh.text, mass, density, body),
                 _ => Share::Unknown(format!("`{}` as a {kind}", mesh.text)),
             };
         }
@@ -158,7 +158,8 @@ impl<'a> Reader<'_, 'a> {
         &mut self,
         geom: &Placed<'a>,
         mesh: &str,
-        (mass, density): (Option<f64>, f64),
+        mass: Option<f64>,
+        density: f64,
         body: &Name,
     ) -> Share {
         let integrals = match self.mesh(mesh) {

@@ -115,7 +115,7 @@ impl<'a> Reader<'_, 'a> {
 
     /// A free body stands in the world, wherever the file shows it.
     fn free(&mut self, joint: &Placed<'a>, name: Name, between: Between, is_only: bool) {
-        self.require_world(&name, (&between.parent, &between.frame), is_only);
+        self.require_world(&name, &between.parent, &between.frame, is_only);
         let place = Place {
             parent: Some(between.parent),
             child: Some(between.child),
@@ -126,7 +126,7 @@ impl<'a> Reader<'_, 'a> {
     }
 
     /// Rejects a free joint outside the world; notes that its initial pose is ignored.
-    pub(super) fn require_world(&mut self, name: &Name, (parent, frame): (&Name, &Pose), is_only: bool) {
+    pub(super) fn require_world(&mut self, name: &Name, parent: &Name, frame: &Pose, is_only: bool) {
         if parent.value != super::WORLD || !is_only {
             let message =
                 format!("free joint `{}` must be the only joint of a body in <worldbody>", name.value);

@@ -32,7 +32,7 @@ use crate::read::options::ReadOptions;
 use crate::read::skipped::Notes;
 use classes::Classes;
 use compiler::Compiler;
-use files::{Element, Files, Given, Meshes, plain_path};
+use files::{Element, Files, Given, Meshes, Text, plain_path};
 use gelenk_formula::{Formula, LARGEST_NUMBER, too_large};
 
 /// The link of all that does not move.
@@ -106,29 +106,33 @@ struct Part {
 
 /// Reads an MJCF; `None` if it is not XML or has no model.
 ///
-/// - `text`: the text and its index
+/// - `source`: index of the text in the report
 /// - `path`: path of the file; paths of included files are relative to it
 pub(super) fn description(
-    report: (&mut Report, &mut Angles),
-    text: (&str, usize),
+    report: &mut Report,
+    angles: &mut Angles,
+    text: &str,
+    source: usize,
     path: &Path,
     options: &ReadOptions,
     load: &mut dyn Fetch,
 ) -> Option<RobotDescription> {
-    read(report, text, path, options, (load, &[])).map(|part| part.robot)
+    read(report, angles, Text::new(path, source, text), options, load, &[]).map(|part| part.robot)
 }
 
 /// Reads a model, also one that is attached to others. Armatures and the sum of masses are those of the whole.
 ///
 /// - `before`: files of the models that this one is attached to
 fn read(
-    (report, angles): (&mut Report, &mut Angles),
-    text: (&str, usize),
-    path: &Path,
+    report: &mut Report,
+    angles: &mut Angles,
+    text: Text,
     options: &ReadOptions,
-    (load, before): (&mut dyn Fetch, &[PathBuf]),
+    load: &mut dyn Fetch,
+    before: &[PathBuf],
 ) -> Option<Part> {
-    let texts = files::gather(text, path, &mut *load, report)?;
+    let path = text.path.clone();
+    let texts = files::gather(text, &mut *load, report)?;
     let files = Files::parse(&texts);
     let root = files.root()?;
     if root.tag() != "mujoco" {
@@ -165,7 +169,7 @@ fn read(
         bodies: BTreeMap::new(),
         models: Vec::new(),
         folder: path.parent().map(Path::to_owned).unwrap_or_default(),
-        chain: before.iter().cloned().chain([path.to_owned()]).collect(),
+        chain: before.iter().cloned().chain([path]).collect(),
         link_names: Distinct::from_iter([WORLD.to_owned()]),
         joint_names: Distinct::default(),
         drive_names: Distinct::default(),
@@ -177,7 +181,7 @@ fn read(
     }
     reader.notes.report(|_| true, reader.report);
     if let Some(body) = &options.body {
-        one_tree::keep(&mut reader.robot, WORLD, (body, root.span()), reader.report);
+        one_tree::keep(&mut reader.robot, WORLD, body, root.span(), reader.report);
     }
     let Reader { robot, joints, sites, bodies, .. } = reader;
     Some(Part { robot, joints, sites, bodies })

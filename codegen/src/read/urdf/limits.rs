@@ -1,12 +1,12 @@
 //! Limits of URDFs. Limits that are 0, infinite or reversed are common; none of them enters the equations.
 
 use super::notes;
-use crate::read::skipped::Remark;
 use super::values::of_any_tool;
 use super::{Reader, XmlNode};
 use crate::description::{LimitsDescription, Name};
 use crate::diagnostic::At;
 use crate::model::JointKind;
+use crate::read::skipped::Remark;
 use gelenk_formula::LARGEST_NUMBER;
 
 /// A limit as the file gives it.

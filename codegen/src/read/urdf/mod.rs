@@ -58,8 +58,14 @@ pub(super) fn description(
         report.error(Span::new(source, robot.range()), "not-a-robot", message);
         return None;
     }
-    let mut reader =
-        Reader { report, angles, source, options: options.clone(), notes: Notes::default(), rotors: Vec::new() };
+    let mut reader = Reader {
+        report,
+        angles,
+        source,
+        options: options.clone(),
+        notes: Notes::default(),
+        rotors: Vec::new(),
+    };
     if let Some(macros) = xacro::first(robot) {
         let span = reader.span(macros);
         xacro::report(macros, span, file, reader.report);

@@ -20,16 +20,37 @@ pub(super) const HARMLESS: [&str; 14] = [
     "<self_collision_checking>",
 ];
 
-pub(super) const AXIS_MISSING: Remark = Remark::warning("axis-missing", "an <axis> without `xyz` was taken as x");
-pub(super) const AXIS_NORMALIZED: Remark = Remark::note("axis-normalized", "axes and quaternions were normalized");
-pub(super) const CONTINUOUS_LIMITS: Remark = Remark::note("continuous-limits", "continuous joints have no position limits; those given were ignored");
-pub(super) const DUPLICATE_ELEMENT: Remark = Remark::warning("duplicate-element", "only the first of several elements of the same kind was used");
-pub(super) const EMPTY_INERTIAL: Remark = Remark::warning("empty-inertial", "links with an empty <inertial> have no mass");
-pub(super) const LIMIT_MISSING: Remark = Remark::note("limit-missing", "joints without <limit> have no limits here; ROS rejects such revolute and prismatic joints");
-pub(super) const LIMIT_UNSET: Remark = Remark::note("limit-unset", "limits that are 0 or infinite were ignored");
-pub(super) const LIMIT_UNUSABLE: Remark = Remark::warning("limit-unusable", "limits that are reversed, equal or negative were ignored");
-pub(super) const PLANAR_LIMITS: Remark = Remark::note("planar-limits", "limits of joints with several degrees of freedom were ignored, because they do not name a motion; describe them in a TOML file for each part");
-pub(super) const REDUCTION_IGNORED: Remark = Remark::note("transmission-ignored", "mechanical reductions were ignored; inputs act at the joints");
-pub(super) const ROTOR_READ: Remark = Remark::note("rotor-read", "rotors of transmissions were read as i² J at their joints, where the inputs act");
-pub(super) const SPHERICAL_WITHOUT_DRIVE: Remark = Remark::note("spherical-without-drive", "spherical joints of a URDF have no drive and no input; add inputs in a TOML file (`drive = \"ideal\"`)");
-pub(super) const UNKNOWN: Remark = Remark::warning("unknown-tag", "unknown elements of the dynamics were skipped");
+pub(super) const AXIS_MISSING: Remark =
+    Remark::warning("axis-missing", "an <axis> without `xyz` was taken as x");
+pub(super) const AXIS_NORMALIZED: Remark =
+    Remark::note("axis-normalized", "axes and quaternions were normalized");
+pub(super) const CONTINUOUS_LIMITS: Remark =
+    Remark::note("continuous-limits", "continuous joints have no position limits; those given were ignored");
+pub(super) const DUPLICATE_ELEMENT: Remark =
+    Remark::warning("duplicate-element", "only the first of several elements of the same kind was used");
+pub(super) const EMPTY_INERTIAL: Remark =
+    Remark::warning("empty-inertial", "links with an empty <inertial> have no mass");
+pub(super) const LIMIT_MISSING: Remark = Remark::note(
+    "limit-missing",
+    "joints without <limit> have no limits here; ROS rejects such revolute and prismatic joints",
+);
+pub(super) const LIMIT_UNSET: Remark =
+    Remark::note("limit-unset", "limits that are 0 or infinite were ignored");
+pub(super) const LIMIT_UNUSABLE: Remark =
+    Remark::warning("limit-unusable", "limits that are reversed, equal or negative were ignored");
+pub(super) const PLANAR_LIMITS: Remark = Remark::note(
+    "planar-limits",
+    "limits of joints with several degrees of freedom were ignored, because they do not name a motion; describe them in a TOML file for each part",
+);
+pub(super) const REDUCTION_IGNORED: Remark =
+    Remark::note("transmission-ignored", "mechanical reductions were ignored; inputs act at the joints");
+pub(super) const ROTOR_READ: Remark = Remark::note(
+    "rotor-read",
+    "rotors of transmissions were read as i² J at their joints, where the inputs act",
+);
+pub(super) const SPHERICAL_WITHOUT_DRIVE: Remark = Remark::note(
+    "spherical-without-drive",
+    "spherical joints of a URDF have no drive and no input; add inputs in a TOML file (`drive = \"ideal\"`)",
+);
+pub(super) const UNKNOWN: Remark =
+    Remark::warning("unknown-tag", "unknown elements of the dynamics were skipped");

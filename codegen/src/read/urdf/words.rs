@@ -69,7 +69,11 @@ impl Reader<'_> {
         }
         let of = owner(node).map_or(String::new(), |owner| format!(" of `{owner}`"));
         let value = value.parse().map_or(String::new(), |number| format!(" {}", as_written(number)));
-        self.notes.remark(Remark::warning("dynamics-skipped", text), span, format!("`{}`{value}{of}", word.replace('.', ":")));
+        self.notes.remark(
+            Remark::warning("dynamics-skipped", text),
+            span,
+            format!("`{}`{value}{of}", word.replace('.', ":")),
+        );
         true
     }
 
