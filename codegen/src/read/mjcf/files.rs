@@ -16,7 +16,7 @@ const MOST_FILES: usize = 100;
 /// A file.
 pub(super) struct Text {
     /// Where it was found, from the folder of the first description.
-    path: PathBuf,
+    pub(super) path: PathBuf,
     /// The file that includes it, and its name there; nothing for the model itself.
     included: Option<(usize, String)>,
     source: usize,
