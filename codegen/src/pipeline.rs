@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::advice;
 use crate::diagnostic::{Diagnostic, Diagnostics, Severity};
-use crate::emit::{self, Companion, EmitOptions, Language, Math, SourceFile};
+use crate::emit::{self, Companion, EmitOptions, Language, SourceFile};
 use crate::functions::form::Form;
 use crate::functions::module_constants;
 use crate::functions::selection::{self, Request, Selection};
@@ -92,7 +92,7 @@ fn generate_from(
     wrong_functions::spoil(&mut functions);
     verify::verify(&model, &functions)?;
     let notes = snapping::priced(notes, description, &options.reading, &functions);
-    let (mut lanes, obstacles) = lanes.possible(&functions, options.emit.math);
+    let (mut lanes, obstacles) = lanes.possible(&functions);
     if options.emit.companions.contains(&Companion::Python) {
         lanes.extend(lanes::of_straight_line_code(&functions, &lanes));
     }
@@ -201,8 +201,6 @@ fn check_language(options: &GenerateOptions) -> Result<(), Diagnostics> {
         }),
         tools::in_single_precision(&options.emit)
             .map(|[what, computes]| refuse(&what, &format!("{computes} in double precision: remove `f32`"))),
-        (options.emit.math == Math::Std)
-            .then(|| refuse("functions of another library", "use the embedded functions, or generate Rust")),
     ];
     match Vec::from_iter(refusals.into_iter().flatten()) {
         refusals if refusals.is_empty() => Ok(()),

@@ -3,7 +3,7 @@
 use crate::functions::function::Function;
 use crate::layout::Dimension;
 use crate::model::Model;
-use crate::program::interpret::{Functions, interpret};
+use crate::program::interpret::interpret;
 use crate::random::Random;
 
 /// Number of states per function.
@@ -33,7 +33,7 @@ pub fn self_tests(model: &Model, functions: &[Function]) -> Vec<SelfTest> {
 fn self_test(model: &Model, function: &Function, seed: u64, parameters: &[f64]) -> Option<SelfTest> {
     let arguments = arguments(model, function, seed);
     let slices: Vec<&[f64]> = arguments.iter().map(Vec::as_slice).collect();
-    let results = interpret(&function.program, &slices, parameters, &Functions::EMBEDDED).ok()?;
+    let results = interpret(&function.program, &slices, parameters).ok()?;
     let is_finite = results.iter().flatten().all(|x| x.is_finite());
     is_finite.then(|| SelfTest { function: function.name.clone(), arguments, results })
 }

@@ -20,8 +20,6 @@ pub struct EmitOptions {
     pub name: Option<String>,
     /// Number type of all functions and constants.
     pub scalar: Scalar,
-    /// Source of sine, cosine, tanh and exp.
-    pub math: Math,
     /// Command that regenerates the file, for its header; without absolute paths.
     pub command: String,
     /// Largest number of statements of a function. Longer programs are split into private functions.
@@ -36,7 +34,6 @@ impl Default for EmitOptions {
             companions: vec![],
             name: None,
             scalar: Scalar::F64,
-            math: Math::Embedded,
             command: "gelenk generate".to_owned(),
             longest_function: LONGEST_FUNCTION,
         }
@@ -112,18 +109,4 @@ impl Scalar {
             Self::F32 => "f32",
         }
     }
-}
-
-/// Source of the elementary functions.
-///
-/// The interpreter must use the same functions ([`crate::program::interpret::Functions`]) to give the same
-/// bits.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Math {
-    /// Our own functions, included in the module: `math::sin_cos(x)`. Only functions that are called are
-    /// included. They need neither std nor libm and give the same bits on every platform.
-    #[default]
-    Embedded,
-    /// Methods of std: `x.sin_cos()`.
-    Std,
 }

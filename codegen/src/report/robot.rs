@@ -5,7 +5,7 @@ use crate::dynamics::load_friction;
 use crate::functions::function::Function;
 use crate::layout::Dimension;
 use crate::model::{Actuator, Body, FollowedCoordinate, Joint, Link, Model};
-use crate::program::interpret::{Functions, interpret};
+use crate::program::interpret::interpret;
 use gelenk_formula::Formula;
 use gelenk_report::SceneSymbol;
 
@@ -169,7 +169,7 @@ impl<'a> Robot<'a> {
     fn results(&self, function: &Function, inputs: &[&[f64]]) -> Option<Vec<Vec<f64>>> {
         let driven: &[&[f64]] = if self.takes_driven(function) { &[&self.driven] } else { &[] };
         let inputs = [inputs, driven].concat();
-        interpret(&function.program, &inputs, &self.parameters, &Functions::EMBEDDED).ok()
+        interpret(&function.program, &inputs, &self.parameters).ok()
     }
 
     /// First result of a function.

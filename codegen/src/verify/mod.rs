@@ -16,7 +16,7 @@ mod space;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::functions::function::Function;
 use crate::model::{JointPosition, Model};
-use crate::program::interpret::{Functions, interpret};
+use crate::program::interpret::interpret;
 use crate::self_test;
 use case::Case;
 use functions::expected;
@@ -89,7 +89,7 @@ fn differences(model: &Model, function: &Function, seed: u64) -> Vec<Disagreemen
     let arguments = self_test::arguments(model, function, seed);
     let parameters = model.described_parameters();
     let slices: Vec<&[f64]> = arguments.iter().map(Vec::as_slice).collect();
-    let Ok(found) = interpret(&function.program, &slices, &parameters, &Functions::EMBEDDED) else {
+    let Ok(found) = interpret(&function.program, &slices, &parameters) else {
         return vec![unknown(function)];
     };
     let names: Vec<&str> = function.program.inputs.iter().map(|input| input.name.as_str()).collect();

@@ -15,7 +15,6 @@ use super::body::Body;
 use super::context::Context;
 use super::signature::Signature;
 use super::{parts, straight};
-use crate::emit::options::Math;
 use crate::functions::function::Function;
 use crate::program::Operand;
 use crate::program::flow::{Flow, operands};
@@ -65,10 +64,9 @@ pub(super) fn types(context: &Context<'_>) -> Vec<TokenStream> {
     lanes.into_iter().chain(group).collect()
 }
 
-/// Division of a function over lanes into loops; `None` with functions of std.
+/// Division of a function over lanes into loops; `None` if it is not requested over lanes.
 pub(super) fn plan(context: &Context<'_>, function: &Function) -> Option<Plan> {
-    let is_asked = context.module.lanes.contains(&function.name);
-    if !is_asked || context.options.math == Math::Std {
+    if !context.module.lanes.contains(&function.name) {
         return None;
     }
     let longest = context.options.longest_function.min(LONGEST_LOOP);
