@@ -47,7 +47,7 @@ pub(crate) fn arguments(model: &Model, function: &Function, seed: u64) -> Vec<Ve
 
 /// Entries of an argument. Positions lie within the limits, and no velocity is close to 0, where friction may
 /// jump.
-fn entries(model: &Model, dimension: Dimension, random: &mut Random) -> Vec<f64> {
+pub(crate) fn entries(model: &Model, dimension: Dimension, random: &mut Random) -> Vec<f64> {
     match dimension {
         Dimension::Coordinates | Dimension::Positions => {
             let ranges = model.joints().map(|joint| joint.seeded_range());

@@ -252,7 +252,7 @@ fn link_inertia(link: &Link, defaults: &[f64]) -> Matrix {
 }
 
 /// Motion axis of a joint in its own frame, rotation first.
-pub(crate) fn motion_axis(joint: &Joint) -> [f64; 6] {
+fn motion_axis(joint: &Joint) -> [f64; 6] {
     let [x, y, z] = joint.axis;
     let [turn, slide] = joint.kind.turn_and_slide();
     [x * turn, y * turn, z * turn, x * slide, y * slide, z * slide]

@@ -123,6 +123,15 @@ pub fn mass_and_bias(model: &Model, y: &[f64], v: &[f64]) -> [Vec<f64>; 2] {
     results.map(|result| result.into_iter().map(|x| x.value).collect())
 }
 
+/// Columns of B at positions of the coordinates and motions of driven joints, with the running error of each entry.
+#[must_use]
+pub(crate) fn input_columns(model: &Model, parameters: &[f64], [y, d]: [&[f64]; 2]) -> Vec<Vec<[f64; 2]>> {
+    let given = Given { model, names: &["y", "d"], arguments: &[y.to_vec(), d.to_vec()] };
+    let case = given.case(parameters.iter().map(|&p| Measured::constant(p)).collect());
+    let columns = case.input_columns().into_iter();
+    columns.map(|column| column.into_iter().map(|x| [x.value, x.error]).collect()).collect()
+}
+
 /// The end of the name of a function's derivative by the free parameters.
 const BY_PARAMETERS: &str = "_by_parameters";
 
