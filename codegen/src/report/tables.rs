@@ -143,9 +143,15 @@ pub(super) fn forces_at_frames(robot: &Robot<'_>) -> Option<Table> {
     let model = robot.model;
     let parameters = robot.names();
     let between = |[a, b]: &[Attachment; 2]| format!("{} – {}", a.name, b.name);
+    let row = |input: Option<usize>, name: &str, place: String, force: String| -> Vec<Cell> {
+        let index =
+            input.map_or(Cell::Empty, |index| Cell::formula([format!("u_{{{index}}}"), format!("u{index}")]));
+        let cells = [index, Cell::text(name), Cell::Text(place), Cell::Text(force)];
+        cells.into_iter().chain([Cell::Empty, Cell::Empty, Cell::Empty]).collect()
+    };
     let laws = model.point_forces.iter().map(|force| {
         let law = format!("pulls with {} N", force.law.distance_text(&parameters));
-        [String::new(), force.name.clone(), between(&force.between), law, String::new()]
+        row(None, &force.name, between(&force.between), law)
     });
     let drives = model.input_drives().count();
     let inputs = model.force_inputs.iter().enumerate().map(|(index, input)| {
@@ -156,18 +162,21 @@ pub(super) fn forces_at_frames(robot: &Robot<'_>) -> Option<Table> {
                 (at.name.clone(), format!("u · ({})", entries.join(", ")))
             }
         };
-        let unit = model.input_unit(Actuator::Force(input));
-        let limits = input.limits.map_or(String::new(), |[low, high]| format!("{low} … {high} {unit}"));
-        [format!("u{}", drives + index + 1), input.name.clone(), place, effect, limits]
+        let mut row = row(Some(drives + index + 1), &input.name, place, effect);
+        if let Some([low, high]) = input.limits {
+            let unit = model.input_unit(Actuator::Force(input));
+            row.splice(4.., [Cell::Exact(low), Cell::Exact(high), Cell::text(unit)]);
+        }
+        row
     });
     let wrenches = model.wrenches.iter().map(|wrench| {
         let axes = match wrench.axes {
             WrenchAxes::Frame => "an argument, in the axes of the frame",
             WrenchAxes::Base => "an argument, in the axes of the base",
         };
-        [String::new(), wrench.name.clone(), wrench.at.name.clone(), axes.to_owned(), String::new()]
+        row(None, &wrench.name, wrench.at.name.clone(), axes.to_owned())
     });
-    let rows: Vec<[String; 5]> = laws.chain(inputs).chain(wrenches).collect();
+    let rows: Vec<Vec<Cell>> = laws.chain(inputs).chain(wrenches).collect();
     if rows.is_empty() {
         return None;
     }
@@ -179,8 +188,10 @@ pub(super) fn forces_at_frames(robot: &Robot<'_>) -> Option<Table> {
     .column("name", "name", "")
     .column("acts at", "place", "")
     .column("force", "force", "")
-    .column("limits", "limits", "");
-    Some(table.rows(rows.into_iter().map(|row| row.into_iter().map(Cell::Text).collect())))
+    .column("lowest", "lowest input", "")
+    .column("highest", "highest input", "")
+    .column("unit", "unit", "");
+    Some(table.rows(rows))
 }
 
 /// Table of limits of followers, and of motors that move several joints.
