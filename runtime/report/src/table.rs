@@ -1,9 +1,7 @@
 //! Tables of values.
 
-use serde_json::Value;
-
 use super::inline::{Inline, inlines};
-use super::{data, number};
+use super::number;
 
 /// A table: columns with names and units, and rows of cells.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -83,28 +81,6 @@ impl Table {
         self
     }
 
-    /// The sentence above the table.
-    #[must_use]
-    pub fn title(&self) -> String {
-        data::words(&self.caption)
-    }
-
-    /// The table as plain text for a terminal: a row of names with units, and the rows of cells.
-    #[must_use]
-    pub fn plain(&self) -> Vec<Vec<String>> {
-        data::table_rows(self, Cell::plain)
-    }
-
-    /// The rows as JSON objects with the columns' names as keys; formulas are plain text.
-    #[must_use]
-    pub fn records(&self) -> Value {
-        let names = self.columns.iter().map(|column| column.name.replace(' ', "_"));
-        let names: Vec<String> = names.collect();
-        let record =
-            |row: &Vec<Cell>| -> Value { names.iter().cloned().zip(row.iter().map(Cell::value)).collect() };
-        self.rows.iter().map(record).collect()
-    }
-
     /// Whether the column has only numbers and is right-aligned.
     pub(super) fn is_numeric(&self, column: usize) -> bool {
         let mut cells = self.rows.iter().filter_map(|row| row.get(column));
@@ -139,24 +115,6 @@ impl Cell {
     #[must_use]
     pub fn formula([latex, text]: [String; 2]) -> Self {
         Self::Formula { latex, text }
-    }
-
-    /// Plain text.
-    fn plain(&self) -> String {
-        match self {
-            Self::Formula { text, .. } => text.clone(),
-            Self::Rounded(value, digits) => number::plain(*value, *digits),
-            Self::Exact(value) => number::plain(*value, number::MOST_DIGITS),
-            other => data::cell_text(other),
-        }
-    }
-
-    /// A value of JSON.
-    fn value(&self) -> Value {
-        match self {
-            Self::Formula { text, .. } => text.clone().into(),
-            other => data::cell_json(other),
-        }
     }
 
     /// Text with markup: `$…$` is an equation, `` `…` `` code.
