@@ -104,11 +104,11 @@ fn inspect_shows_forces_at_frames() {
     assert!(said.contains(cylinder), "{said}");
     let found = json_of(&models, "excavator.toml");
     let boom = json!({
-        "index": "u1", "name": "boom_cylinder", "place": "boom_cylinder_foot – boom_cylinder_rod",
+        "index": "u2", "name": "boom_cylinder", "place": "boom_cylinder_foot – boom_cylinder_rod",
         "force": "pulls with u", "lowest_input": -60e3, "highest_input": 35e3, "unit": "N",
     });
     let forces = found["frame_forces"].as_array().unwrap();
-    assert_eq!(forces.iter().find(|force| force["name"] == "boom_cylinder"), Some(&boom));
+    assert_eq!(forces.iter().find(|force| force["index"] == "u2"), Some(&boom));
     let found = json_of(&models, "quadrotor.toml");
     assert_eq!(found["frame_forces"].as_array().unwrap().len(), 4);
     assert_eq!(found["frame_forces"][0]["force"].as_str().unwrap().split(',').count(), 6);
