@@ -80,7 +80,7 @@ impl Project {
         let values = [
             ("my_package", name.to_owned()),
             ("MY_PACKAGE", name.to_uppercase()),
-            ("JOINTS", list(&yaml_text)),
+            ("ALL_JOINTS", list(&yaml_text)),
             ("REFERENCES", list(&|joint| yaml_text(&format!("computed_torque/{joint}")))),
             ("POSITION_GAINS", list(&|_| "100.0".to_owned())),
             ("VELOCITY_GAINS", list(&|_| "20.0".to_owned())),
