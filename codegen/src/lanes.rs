@@ -2,7 +2,6 @@
 //! module checks and resolves the requested names.
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
-use crate::emit::Math;
 use crate::function_names;
 use crate::functions::catalogue;
 use crate::functions::composition::Composition;
@@ -47,11 +46,11 @@ impl Lanes {
         all
     }
 
-    /// The requested functions that can be written over lanes, and a note for each function that cannot.
-    pub(crate) fn possible(&self, functions: &[Function], math: Math) -> (Vec<String>, Vec<Diagnostic>) {
+    /// Functions with a form over lanes, and a note for each function without one.
+    pub(crate) fn possible(&self, functions: &[Function]) -> (Vec<String>, Vec<Diagnostic>) {
         let (mut possible, mut notes) = (Vec::new(), Vec::new());
         for name in self.resolved(functions) {
-            match obstacle(&name, functions, math) {
+            match obstacle(&name, functions) {
                 None => {
                     notes.extend(without_loops(&name, functions));
                     possible.push(name);
@@ -110,14 +109,10 @@ fn without_loops(name: &str, functions: &[Function]) -> Option<Diagnostic> {
     })
 }
 
-/// Reason why a function cannot be generated over lanes, and the remedy.
-fn obstacle(name: &str, functions: &[Function], math: Math) -> Option<(&'static str, Option<String>)> {
+/// Reason why a function has no form over lanes, and remedy.
+fn obstacle(name: &str, functions: &[Function]) -> Option<(&'static str, Option<String>)> {
     if let Some(function) = functions.iter().find(|function| function.name == name) {
-        let reason = match math {
-            Math::Embedded => lanes::obstacle(&function.program),
-            Math::Std => Some("functions of std have no form over lanes"),
-        };
-        return reason.map(|reason| (reason, None));
+        return lanes::obstacle(&function.program).map(|reason| (reason, None));
     }
     let composition = Composition::ALL.into_iter().find(|function| function.name() == name);
     Some(match composition {

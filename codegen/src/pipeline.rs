@@ -4,14 +4,12 @@ use std::path::{Path, PathBuf};
 
 use crate::advice;
 use crate::diagnostic::{Diagnostic, Diagnostics, Severity};
-use crate::emit::{self, Companion, EmitOptions, Language, Math, SourceFile};
+use crate::emit::{self, Companion, EmitOptions, Language, SourceFile};
 use crate::functions::form::Form;
 use crate::functions::module_constants;
 use crate::functions::selection::{self, Request, Selection};
 use crate::functions::size::MOST_OPERATIONS;
 use crate::lanes::{self, Lanes};
-use gelenk_formula::Hold;
-
 use crate::model::Model;
 use crate::module::Module;
 use crate::program::arrays::ArrayForm;
@@ -28,26 +26,8 @@ pub struct GenerateOptions {
     /// Names of the functions to generate. If empty, the description chooses the functions, by default all
     /// functions.
     pub functions: Vec<String>,
-    /// Largest distance [rad] of an angle from a multiple of 90° for which the angle is rounded to this
-    /// multiple. `None` rounds no angle.
-    pub snap_angles: Option<f64>,
-    /// Whether friction is left out.
-    pub no_friction: bool,
-    /// Whether mimic joints become independent joints.
-    pub ignore_mimic: bool,
-    /// Slope s of `tanh(s v)`, which replaces `sign(v)` in friction and springs. If `None`, the slope of the
-    /// description is used, if it has one.
-    pub smooth_sign: Option<f64>,
-    /// Whether a robot is accepted although its mass matrix is not positive definite.
-    pub accept_unphysical: bool,
-    /// Whether `sign` is kept even if the description has a slope that replaces `sign`.
-    pub exact_sign: bool,
-    /// Whether the base is floating: a floating joint connects the base to the world.
-    pub floating_base: bool,
-    /// Joints that are held at a fixed position.
-    pub hold: Vec<Hold>,
-    /// Name of the body of an MJCF whose subtree is the robot.
-    pub body: Option<String>,
+    /// Options for reading the description.
+    pub reading: ReadOptions,
     /// Whether a product and a sum are contracted to a fused multiply-add, which rounds once. The code is
     /// faster, but compiles only for processors with these instructions.
     pub fused_multiply_add: bool,
@@ -96,21 +76,9 @@ fn generate_from(
     description: &mut DescriptionFiles,
     options: &GenerateOptions,
 ) -> Result<Generated, Diagnostics> {
-    check_slope(options.smooth_sign)?;
+    check_slope(options.reading.smooth_sign)?;
     check_language(options)?;
-    let read_options = ReadOptions {
-        ignore_mimic: options.ignore_mimic,
-        snap_angles: options.snap_angles,
-        no_friction: options.no_friction,
-        smooth_sign: options.smooth_sign,
-        accept_unphysical: options.accept_unphysical,
-        exact_sign: options.exact_sign,
-        floating_base: options.floating_base,
-        free_driven: false,
-        hold: options.hold.clone(),
-        body: options.body.clone(),
-    };
-    let Loaded { model, notes, files } = description.load(&read_options)?;
+    let Loaded { model, notes, files } = description.load(&options.reading)?;
     check_size(&model)?;
     tools::check(&model, &options.emit.companions)?;
     let lanes = Lanes::new(&model, &options.lanes)?;
@@ -126,8 +94,8 @@ fn generate_from(
     #[cfg(test)]
     wrong_functions::spoil(&mut functions);
     verify::verify(&model, &functions)?;
-    let notes = snapping::priced(notes, description, &read_options, &functions);
-    let (mut lanes, obstacles) = lanes.possible(&functions, options.emit.math);
+    let notes = snapping::priced(notes, description, &options.reading, &functions);
+    let (mut lanes, obstacles) = lanes.possible(&functions);
     if options.emit.companions.contains(&Companion::Python) {
         lanes.extend(lanes::of_straight_line_code(&functions, &lanes));
     }
@@ -171,8 +139,9 @@ pub fn generate_pair(
 ) -> Result<[Generated; 2], Diagnostics> {
     let mut description = DescriptionFiles::of(description);
     let mut with = |smooth_sign: Option<f64>, name: Option<String>, remark: String| {
-        let mut options =
-            GenerateOptions { smooth_sign, exact_sign: smooth_sign.is_none(), ..options.clone() };
+        let mut options = options.clone();
+        options.reading.smooth_sign = smooth_sign;
+        options.reading.exact_sign = smooth_sign.is_none();
         options.remarks.push(remark);
         options.emit.name = name;
         generate_from(&mut description, &options)
@@ -235,8 +204,6 @@ fn check_language(options: &GenerateOptions) -> Result<(), Diagnostics> {
         }),
         tools::in_single_precision(&options.emit)
             .map(|[what, computes]| refuse(&what, &format!("{computes} in double precision: remove `f32`"))),
-        (options.emit.math == Math::Std)
-            .then(|| refuse("functions of another library", "use the embedded functions, or generate Rust")),
     ];
     match Vec::from_iter(refusals.into_iter().flatten()) {
         refusals if refusals.is_empty() => Ok(()),

@@ -4,7 +4,7 @@
 
 use crate::functions::function::Function;
 use crate::model::{Actuator, Input, Model};
-use crate::program::interpret::{Functions, interpret};
+use crate::program::interpret::interpret;
 use crate::random::Random;
 
 const STATES: usize = 4;
@@ -75,7 +75,7 @@ fn acceleration(model: &Model, forward: &Function, values: &[f64], v: &[f64], u:
     });
     let inputs: Vec<&[f64]> = inputs.collect();
     let parameters = model.described_parameters();
-    let results = interpret(&forward.program, &inputs, &parameters, &Functions::EMBEDDED).ok()?;
+    let results = interpret(&forward.program, &inputs, &parameters).ok()?;
     results.into_iter().next()
 }
 

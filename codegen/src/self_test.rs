@@ -3,7 +3,7 @@
 use crate::functions::function::Function;
 use crate::layout::Dimension;
 use crate::model::Model;
-use crate::program::interpret::{Functions, interpret};
+use crate::program::interpret::interpret;
 use crate::random::Random;
 
 /// Number of states at which each function is called.
@@ -33,7 +33,7 @@ pub fn self_tests(model: &Model, functions: &[Function]) -> Vec<SelfTest> {
 fn self_test(model: &Model, function: &Function, seed: u64, parameters: &[f64]) -> Option<SelfTest> {
     let arguments = arguments(model, function, seed);
     let slices: Vec<&[f64]> = arguments.iter().map(Vec::as_slice).collect();
-    let results = interpret(&function.program, &slices, parameters, &Functions::EMBEDDED).ok()?;
+    let results = interpret(&function.program, &slices, parameters).ok()?;
     let is_finite = results.iter().flatten().all(|x| x.is_finite());
     is_finite.then(|| SelfTest { function: function.name.clone(), arguments, results })
 }
@@ -45,9 +45,9 @@ pub(crate) fn arguments(model: &Model, function: &Function, seed: u64) -> Vec<Ve
     inputs.map(|input| entries(model, input.extent.dimension, &mut random)).collect()
 }
 
-/// Entries of an argument. Positions are within the limits. No velocity is close to 0, because friction may
-/// jump there.
-fn entries(model: &Model, dimension: Dimension, random: &mut Random) -> Vec<f64> {
+/// Entries of an argument. Positions lie within the limits, and no velocity is close to 0, where friction may
+/// jump.
+pub(crate) fn entries(model: &Model, dimension: Dimension, random: &mut Random) -> Vec<f64> {
     match dimension {
         Dimension::Coordinates | Dimension::Positions => {
             let ranges = model.joints().map(|joint| joint.seeded_range());

@@ -15,7 +15,7 @@ use gelenk_codegen::functions::function::Function;
 use gelenk_codegen::layout::Extent;
 use gelenk_codegen::model::{JointKind, Model};
 use gelenk_codegen::module::Module;
-use gelenk_codegen::program::interpret::{Functions, interpret};
+use gelenk_codegen::program::interpret::interpret;
 use gelenk_codegen::program::{Operand, Operation, Output, Program, Shape};
 use gelenk_kernels::math;
 
@@ -173,9 +173,7 @@ fn interpreter_and_compiled_code_agree_in_every_bit() {
     let source = emit_with(&model, std::slice::from_ref(&function), |_| {});
     let expected: Vec<f64> = samples
         .chunks(2)
-        .flat_map(|y| {
-            interpret(&function.program, &[y, &[0.0; 2]], &[], &Functions::EMBEDDED).unwrap().concat()
-        })
+        .flat_map(|y| interpret(&function.program, &[y, &[0.0; 2]], &[]).unwrap().concat())
         .collect();
     for found in run(&source, "r[0] = pair_every_operation(x, x)", "double", 2, 1, &bytes(&samples)) {
         assert_same_bits(&found, &expected);
@@ -198,7 +196,7 @@ fn a_split_function_keeps_every_bit() {
             .chunks(18)
             .flat_map(|x| {
                 let inputs: Vec<&[f64]> = x.chunks(6).collect();
-                interpret(&function.program, &inputs, &[], &Functions::EMBEDDED).unwrap().concat()
+                interpret(&function.program, &inputs, &[]).unwrap().concat()
             })
             .collect();
         let outputs = expected.len() / 20;
@@ -266,10 +264,8 @@ fn elementary_functions_have_the_bits_of_the_kernels() {
     let mut random = common::Random(11);
     let samples: Vec<f64> = (0..8 * 10_000).map(|_| f64::from_bits(anything(&mut random))).collect();
     let source = emit_with(&model, std::slice::from_ref(&function), |_| {});
-    let expected: Vec<f64> = samples
-        .chunks(8)
-        .flat_map(|x| interpret(&function.program, &[x], &[], &Functions::EMBEDDED).unwrap().concat())
-        .collect();
+    let expected: Vec<f64> =
+        samples.chunks(8).flat_map(|x| interpret(&function.program, &[x], &[]).unwrap().concat()).collect();
     for found in run(&source, "pair_elementary(x, r)", "double", 8, 56, &bytes(&samples)) {
         assert_same_bits(&found, &expected);
     }

@@ -7,12 +7,12 @@ use std::fs;
 use std::process::Command;
 
 use super::common::{self, chain, every_operation, mass_matrix, parameter, powercube, rustc, synthetic};
-use gelenk_codegen::emit::{self, EmitOptions, Math, Scalar};
+use gelenk_codegen::emit::{self, EmitOptions, Scalar};
 use gelenk_codegen::functions::function::Function;
 use gelenk_codegen::layout::{Dimension, Extent};
 use gelenk_codegen::model::{JointKind, Model};
 use gelenk_codegen::module::Module;
-use gelenk_codegen::program::interpret::{Functions, interpret};
+use gelenk_codegen::program::interpret::interpret;
 use gelenk_codegen::program::{InputArray, Operand, Operation, Output, Program, Shape};
 
 const STRICT: &str =
@@ -118,7 +118,7 @@ fn assert_interpreter_agrees(model: &Model, function: &Function, longest: usize,
     assert_eq!(compiled.len(), samples.len());
     for (sample, bits) in samples.iter().zip(compiled) {
         let inputs: Vec<&[f64]> = sample.iter().map(Vec::as_slice).collect();
-        let results = interpret(&function.program, &inputs, &[], &Functions::EMBEDDED).unwrap();
+        let results = interpret(&function.program, &inputs, &[]).unwrap();
         assert_same_bits(&results.concat(), &bits);
     }
 }
@@ -170,20 +170,6 @@ fn no_text_of_a_description_becomes_code() {
     let text = emit_with(&model, &[function], |options| options.command = evil.into());
     insta::assert_snapshot!(text);
     assert_compiles("evil", &text);
-}
-
-#[test]
-fn functions_of_std_are_called_by_both_engines() {
-    let model = chain("pair", &[("a", JointKind::Revolute), ("b", JointKind::Prismatic)]);
-    let function = every_operation();
-    let text = emit_with(&model, std::slice::from_ref(&function), |options| options.math = Math::Std);
-    assert!(!text.contains("mod math"));
-    assert_compiles("pair", &text);
-    let sample = vec![vec![0.7, -1.3], vec![0.0, 0.0]];
-    let compiled = run_compiled(&text, "every_operation", std::slice::from_ref(&sample));
-    let inputs: Vec<&[f64]> = sample.iter().map(Vec::as_slice).collect();
-    let interpreted = interpret(&function.program, &inputs, &[], &Functions::STD).unwrap();
-    assert_same_bits(&interpreted.concat(), &compiled[0]);
 }
 
 /// Reads sine and cosine of `count` angles, in one call as far as possible.

@@ -9,7 +9,7 @@ use gelenk_codegen::functions::function::Function;
 use gelenk_codegen::functions::selection;
 use gelenk_codegen::functions::size::MOST_OPERATIONS;
 use gelenk_codegen::model::Model;
-use gelenk_codegen::program::interpret::{Functions, interpret};
+use gelenk_codegen::program::interpret::interpret;
 use gelenk_codegen::read::{ReadOptions, from_toml, read};
 use gelenk_codegen::report::{sums, sums_document};
 
@@ -247,8 +247,7 @@ fn compare(model: &Model) -> usize {
                 .iter()
                 .map(|input| if input.name == "y" { y.as_slice() } else { v.as_slice() })
                 .collect();
-            let values =
-                interpret(&function.program, &inputs, &defaults, &Functions::EMBEDDED).unwrap().concat();
+            let values = interpret(&function.program, &inputs, &defaults).unwrap().concat();
             let size = values.iter().fold(1e-3_f64, |most, x| most.max(x.abs()));
             for (k, value) in values.iter().enumerate() {
                 if function.name == "mass_matrix" && k / n > k % n {

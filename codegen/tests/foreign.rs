@@ -8,7 +8,7 @@ use gelenk_codegen::diagnostic::Diagnostics;
 use gelenk_codegen::functions::selection::derive_functions;
 use gelenk_codegen::functions::size::MOST_OPERATIONS;
 use gelenk_codegen::model::Model;
-use gelenk_codegen::program::interpret::{Functions, interpret};
+use gelenk_codegen::program::interpret::interpret;
 use gelenk_codegen::read::{ReadOptions, read};
 
 fn file(name: &str) -> PathBuf {
@@ -22,7 +22,7 @@ fn load(name: &str, options: &ReadOptions) -> (Model, Diagnostics) {
 
 fn value(model: &Model, function: &str, inputs: &[&[f64]]) -> Vec<f64> {
     let functions = derive_functions(model, &[function.to_owned()], MOST_OPERATIONS).unwrap();
-    interpret(&functions[0].program, inputs, &[], &Functions::EMBEDDED).unwrap().remove(0)
+    interpret(&functions[0].program, inputs, &[]).unwrap().remove(0)
 }
 
 const STATE: [f64; 2] = [0.3, -0.5];

@@ -9,7 +9,7 @@ use gelenk_codegen::functions::size::MOST_OPERATIONS;
 use gelenk_codegen::model::{
     Definiteness, FollowedCoordinate, Input, Joint, JointKind, Model, Motion, RotorCoupling,
 };
-use gelenk_codegen::program::interpret::{Functions, interpret};
+use gelenk_codegen::program::interpret::interpret;
 use gelenk_codegen::read::{ReadOptions, from_mjcf, from_toml, from_urdf, read};
 
 fn load(text: &str) -> (Model, Diagnostics) {
@@ -364,7 +364,7 @@ fn rotors_need_no_actuator() {
     let mut load = |file: &str| Err(Diagnostic::error("file-unreadable", file).into());
     let (model, _) = from_mjcf(text, "knob.xml", &ReadOptions::default(), &mut load).unwrap();
     let functions = derive_functions(&model, &["mass_matrix".to_owned()], MOST_OPERATIONS).unwrap();
-    let mass = interpret(&functions[0].program, &[&[0.3]], &[], &Functions::EMBEDDED).unwrap();
+    let mass = interpret(&functions[0].program, &[&[0.3]], &[]).unwrap();
     assert!((mass[0][0] - 0.001375).abs() < 1e-15, "{mass:?}");
 }
 

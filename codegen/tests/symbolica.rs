@@ -16,7 +16,7 @@ use gelenk_codegen::closed_form::{self, ClosedForms, Instance, Values, display};
 use gelenk_codegen::functions::selection;
 use gelenk_codegen::functions::size::MOST_OPERATIONS;
 use gelenk_codegen::model::Model;
-use gelenk_codegen::program::interpret::{Functions, interpret};
+use gelenk_codegen::program::interpret::interpret;
 use gelenk_codegen::read::{ReadOptions, from_toml, read};
 
 fn main() {
@@ -283,7 +283,7 @@ fn recursive(model: &Model, parameters: &[f64], y: &[f64], v: &[f64]) -> Vec<Vec
         let function = functions.iter().find(|function| function.name == name).unwrap();
         let inputs: Vec<&[f64]> =
             function.program.inputs.iter().map(|input| if input.name == "y" { y } else { v }).collect();
-        interpret(&function.program, &inputs, parameters, &Functions::STD).unwrap().concat()
+        interpret(&function.program, &inputs, parameters).unwrap().concat()
     };
     names.iter().map(|name| value(name)).collect()
 }

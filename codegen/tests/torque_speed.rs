@@ -108,12 +108,13 @@ fn a_module_without_them_has_no_such_constants() {
 fn inspect_and_report_show_them() {
     let (_kept, path) = folder(ROBOT);
     let said = flat(&run(&path, &["inspect", "model", "robot.toml"]));
-    let table = "motor stall torque [N m] no-load speed [rad/s] shoulder 0.6 300 both 1.5 200";
-    assert!(said.contains(table), "{said}");
+    let columns = "stall torque of the motor [N m] no-load speed of the motor [rad/s]";
+    assert!(said.contains(columns) && said.contains(" 0.6 300 ") && said.contains(" 1.5 200 "), "{said}");
     let json = run(&path, &["inspect", "model", "robot.toml", "--format", "json"]);
     let json: serde_json::Value = serde_json::from_str(&json[json.find('{').unwrap()..]).unwrap();
-    assert_eq!(json["torque_speed_lines"][1]["drive"], "both");
-    assert_eq!(json["torque_speed_lines"][1]["no_load_speed"], 200.0);
+    let drives = json["drives"].as_array().unwrap();
+    let both = drives.iter().find(|drive| drive["drive"] == "both").unwrap();
+    assert_eq!(both["no-load_speed_of_the_motor"], 200.0);
     run(&path, &["report", "robot.toml", "--output", "page"]);
     let page = fs::read_to_string(path.join("page/index.html")).unwrap();
     assert!(page.contains("stall torque") && page.contains("no-load speed"), "no columns");

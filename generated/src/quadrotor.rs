@@ -4232,9 +4232,9 @@ pub const SUBSTEPS: usize = 1;
 /// is the deviation from the motion with the velocities v̄; it satisfies δ̇ = D δ + v − v̄. Derivatives of δ⁺ are
 /// taken along ⊕ at the final positions.
 ///
-/// With w = D δ + v this is the zero-order hold of w = δ̇, computed by scaling and squaring (Higham 2008, section 10.3).
-/// The limits are those of robots without quaternions: the results are +∞ if the robot is too fast for the
-/// period.
+/// The function integrates w = δ̇ = D δ + v by scaling and squaring (Higham 2008, section 10.3). ν = (b + √(b² + 4
+/// a))/2 bounds the rates of the robot, with a = ‖A\_y − A\_v D‖ and b = ‖A\_v + D‖ (largest sums of magnitudes
+/// in a row; A\_y = ∂ÿ/∂y, A\_v = ∂ÿ/∂ẏ). If ν · period is above 2e7, all results are +∞.
 #[must_use]
 #[allow(
     clippy::type_complexity,

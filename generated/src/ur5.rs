@@ -12986,15 +12986,15 @@ pub const SUBSTEPS: usize = 1;
 /// - returns `c_d: [2 × N]`: affine remainders of y⁺ and ẏ⁺
 ///
 /// Cost: 69483 multiplications, 69630 additions, 9 divisions, 5 function calls (`sin_cos`), one call of
-/// `linearize` included. That is with 24 halvings of the period; without any it is 7851 multiplications and 7614
-/// additions.
+/// `linearize` included. This cost is the largest one, for 24 halvings of the period. Without halvings the
+/// function needs 7851 multiplications and 7614 additions.
 ///
 /// Scaling and squaring of the lifted exponential (Higham 2008, section 10.3) in blocks of N × N: a Taylor
-/// polynomial of degree 17 over 1/64 of a part of the period, six doublings, and repetitions of that part.
+/// polynomial of degree 17 over a step h, at most 6 doublings of the integral and at most 18 of the result.
 ///
-/// The part is the whole period if ν · period is at most 80. It is halved for each factor of two above 80, at
-/// most 18 times. ν = (b + √(b² + 4 a))/2 bounds the rates of the robot, with a = ‖∂ÿ/∂y‖ and b = ‖∂ÿ/∂ẏ‖
-/// (largest sums of magnitudes in a row). If 24 halvings do not suffice (ν · period above 2e7), all results are +∞.
+/// The period is halved until ν · h is at most 5/4. ν = (b + √(b² + 4 a))/2 bounds the rates of the robot, with a = ‖∂ÿ/∂y‖
+/// and b = ‖∂ÿ/∂ẏ‖ (largest sums of magnitudes in a row). If 24 halvings do not suffice (ν · period above 2e7),
+/// all results are +∞.
 ///
 /// Error: the truncated terms are below 1e-15 relative to their sum. Rounding stays below 1e-12 of the largest
 /// entry of each block; diagonal blocks count as at least 1.

@@ -184,11 +184,11 @@ where
     T: Trajectory<K> + Copy,
 {
     fn step(&self, y: &[f64; N], v: &[f64; N], u: &[f64; M], period: f64) -> ([f64; N], [f64; N]) {
-        dynamics::defaults::step_from(self, self.time, (y, v, u), period)
+        dynamics::defaults::step_from(self, self.time, y, v, u, period)
     }
 
     fn step_derivatives(&self, y: &[f64; N], v: &[f64; N], u: &[f64; M], period: f64) -> Step<N, M> {
-        dynamics::defaults::step_derivatives_from(self, self.time, (y, v, u), period)
+        dynamics::defaults::step_derivatives_from(self, self.time, y, v, u, period)
     }
 }
 

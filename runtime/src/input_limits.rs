@@ -26,7 +26,8 @@ const ROUNDING: f64 = 1e-9;
 /// must be finite. NaN speeds have no effect.
 pub(crate) fn limit_torques<const N: usize, const M: usize>(
     inputs: &mut [f64; M],
-    (lines, limits): (&[TorqueSpeedLine<N>], &[[f64; 2]; M]),
+    lines: &[TorqueSpeedLine<N>],
+    limits: &[[f64; 2]; M],
     velocities: &[f64; N],
 ) -> u64 {
     let mut limited = 0;
@@ -51,7 +52,7 @@ mod tests {
         let lines = [TorqueSpeedLine { name: "motor", input: 0, slopes: [0.1], limit: 1.0 }];
         let cut = |u: f64, speed: f64, limits: [f64; 2]| {
             let mut inputs = [u];
-            let limited = limit_torques(&mut inputs, (&lines, &[limits]), &[speed]);
+            let limited = limit_torques(&mut inputs, &lines, &[limits], &[speed]);
             (inputs[0], limited)
         };
         assert_eq!(cut(0.8, 5.0, [-1.0, 1.0]), (0.5, 1));

@@ -135,26 +135,25 @@ pub fn violations<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const N
         let command = feed_forward.at_time(time, &sample);
         watch.time = time;
         for &(i, position) in &plain {
-            watch.see(Quantity::Position, (i, joints[i]), sample.positions[position], limits.position[i]);
+            watch.see(Quantity::Position, i, joints[i], sample.positions[position], limits.position[i]);
         }
         let coordinates = plain_positions(quaternions, &sample.positions);
         feed_forward.model().at_time(time, |model| {
-            let moved = (&coordinates, &sample.velocities, model.driven_motion());
-            watch.see_dependent(limits.dependent, moved);
+            watch.see_dependent(limits.dependent, &coordinates, &sample.velocities, model.driven_motion());
         });
         for i in 0..N {
             let force: f64 = input_matrix[i].iter().zip(&command.inputs).map(|(b, u)| b * u).sum();
-            let place = (i, joints[i]);
-            watch.see(Quantity::Velocity, place, sample.velocities[i], bound(limits.velocity[i]));
-            watch.see(Quantity::Effort, place, force, bound(effort[i]));
-            watch.see(Quantity::Unreachable, place, command.residual[i], bound(FEASIBLE));
+            let name = joints[i];
+            watch.see(Quantity::Velocity, i, name, sample.velocities[i], bound(limits.velocity[i]));
+            watch.see(Quantity::Effort, i, name, force, bound(effort[i]));
+            watch.see(Quantity::Unreachable, i, name, command.residual[i], bound(FEASIBLE));
         }
         for line in limits.torque_speed {
             let value = line.value(command.inputs[line.input], &sample.velocities);
-            watch.see(Quantity::TorqueSpeed, (line.input, line.name), value, bound(line.limit));
+            watch.see(Quantity::TorqueSpeed, line.input, line.name, value, bound(line.limit));
         }
         for j in 0..M {
-            watch.see(Quantity::Input, (j, inputs[j]), command.inputs[j], input[j]);
+            watch.see(Quantity::Input, j, inputs[j], command.inputs[j], input[j]);
         }
     }
     Ok(watch.finish())
@@ -178,16 +177,17 @@ impl Watch {
     fn see_dependent<const N: usize>(
         &mut self,
         joints: &[DependentJoint<N>],
-        (positions, velocities, driven): (&[f64; N], &[f64; N], &[[f64; 3]]),
+        positions: &[f64; N],
+        velocities: &[f64; N],
+        driven: &[[f64; 3]],
     ) {
         for (k, joint) in joints.iter().enumerate() {
             let [position, velocity] = joint.motion(positions, velocities, driven);
-            let place = (N + k, joint.name);
             if joint.has_position_limit() {
-                self.see(Quantity::Position, place, position, joint.position);
+                self.see(Quantity::Position, N + k, joint.name, position, joint.position);
             }
             if joint.has_velocity_limit() {
-                self.see(Quantity::Velocity, place, velocity, bound(joint.velocity));
+                self.see(Quantity::Velocity, N + k, joint.name, velocity, bound(joint.velocity));
             }
         }
     }
@@ -195,7 +195,8 @@ impl Watch {
     fn see(
         &mut self,
         quantity: Quantity,
-        (index, name): (usize, &'static str),
+        index: usize,
+        name: &'static str,
         value: f64,
         [low, high]: [f64; 2],
     ) {

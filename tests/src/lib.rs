@@ -34,10 +34,7 @@ use gelenk_codegen::functions::selection;
 use gelenk_codegen::functions::size::MOST_OPERATIONS;
 use gelenk_codegen::model::Model;
 use gelenk_codegen::pipeline::{GenerateOptions, Generated, generate};
-use gelenk_codegen::program::interpret::{Functions, interpret};
-
-/// The functions that emitted modules call.
-pub const FUNCTIONS: Functions = Functions::EMBEDDED;
+use gelenk_codegen::program::interpret::interpret;
 
 /// The root of the workspace.
 pub fn workspace() -> PathBuf {
@@ -172,8 +169,7 @@ impl Robot {
     /// As [`Self::call`], with values of the free parameters.
     pub fn call_with(&self, name: &str, inputs: &[&[f64]], parameters: &[f64]) -> Vec<Vec<f64>> {
         let program = &self.function(name).program;
-        interpret(program, inputs, parameters, &FUNCTIONS)
-            .unwrap_or_else(|problem| panic!("{name}: {problem}"))
+        interpret(program, inputs, parameters).unwrap_or_else(|problem| panic!("{name}: {problem}"))
     }
 
     /// Arguments of a function of friction: the velocities, preceded by the coordinates if a friction law

@@ -24,7 +24,7 @@ use gelenk_tests::quaternion_model::with_quaternions;
 use gelenk_tests::random_model::{
     random_coupled_model, random_helical_model, random_model, random_model_with_near_rotors,
 };
-use gelenk_tests::{FUNCTIONS, table, workspace};
+use gelenk_tests::{table, workspace};
 
 const NAMES: [&str; 4] = [
     "inverse_dynamics_derivatives",
@@ -186,8 +186,7 @@ fn requests(robot: &Robot) -> Vec<String> {
             let inputs: Vec<Vec<f64>> =
                 function.program.inputs.iter().map(|input| array(input.extent.len)).collect();
             let slices: Vec<&[f64]> = inputs.iter().map(Vec::as_slice).collect();
-            let expected =
-                interpret(&function.program, &slices, &parameters, &FUNCTIONS).expect("inputs fit").concat();
+            let expected = interpret(&function.program, &slices, &parameters).expect("inputs fit").concat();
             let numbers = [&parameters, &expected].into_iter().chain(&inputs);
             let words: Vec<String> = numbers.map(|numbers| joined(numbers)).collect();
             lines.push(format!("{}|{}|{}\n", robot.name, function.name, words.join("|")));
@@ -246,9 +245,8 @@ fn forces_between_branches_stay_in_the_products() {
         .map(|form| robot("shaft", model.clone(), false, form, &["forward_dynamics_derivatives"]));
     assert!(loops.functions[0].arrays.is_some(), "there are no loops");
     let inputs: [&[f64]; 3] = [&[0.3, 0.5, -0.4], &[0.7, -1.2, 0.9], &[1.5, -0.6]];
-    let [found, expected] = [loops, straight].map(|robot| {
-        interpret(&robot.functions[0].program, &inputs, &[], &FUNCTIONS).expect("inputs fit").concat()
-    });
+    let [found, expected] = [loops, straight]
+        .map(|robot| interpret(&robot.functions[0].program, &inputs, &[]).expect("inputs fit").concat());
     let largest = expected.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
     for (index, (found, expected)) in found.iter().zip(&expected).enumerate() {
         assert!((found - expected).abs() <= 1e-12 * largest, "{index}: {found}, {expected}");

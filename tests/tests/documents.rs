@@ -270,7 +270,7 @@ fn the_readme_shows_code_that_is_compiled() {
     for line in control.expect("the loop").lines() {
         assert!(documented.contains(&line.trim()), "{line}");
     }
-    let template = read("codegen/src/cli/template/build.rs");
+    let template = read("codegen/src/cli/template/rust/build.rs");
     let build = blocks.iter().find(|block| block.contains("fn main"));
     for line in build.expect("the build script").lines() {
         assert!(template.contains(line), "{line}");

@@ -21,7 +21,7 @@ use gelenk_tests::flat::Call;
 use gelenk_tests::generated::ROBOTS;
 use gelenk_tests::positions::normalize;
 use gelenk_tests::single::{self, Bounded};
-use gelenk_tests::{FUNCTIONS, descriptions, generate_whole_model, table};
+use gelenk_tests::{descriptions, generate_whole_model, table};
 
 /// Random states per function.
 const SAMPLES: usize = 20;
@@ -93,9 +93,8 @@ fn interpreter_and_compiled_code_agree_in_every_bit() {
             for _ in 0..SAMPLES {
                 let inputs = random_inputs(&mut rng, &robot.model, function);
                 let parameters = random_parameters(&mut rng, &robot.model);
-                let expected = interpret(&function.program, &slices(&inputs), &parameters, &FUNCTIONS)
-                    .expect("inputs fit")
-                    .concat();
+                let expected =
+                    interpret(&function.program, &slices(&inputs), &parameters).expect("inputs fit").concat();
                 let found = call(&inputs, &parameters);
                 let what = format!("{}::{name}", robot.source.name);
                 assert_same_bits(&what, &found, &expected);

@@ -222,7 +222,7 @@ fn random_modules(count: usize, is_fused: bool) -> Crate {
         let scalar = [Scalar::F64, Scalar::F32][rng.usize(..2)];
         let mut options = options(&names, &lanes, scalar);
         options.fused_multiply_add = is_fused;
-        options.no_friction = rng.u8(..4) == 0;
+        options.reading.no_friction = rng.u8(..4) == 0;
         options.emit.longest_function = [2000, 10][rng.usize(..2)];
         modules.add(&description, &options);
     }

@@ -5,6 +5,7 @@
 use std::path::PathBuf;
 
 use gelenk_codegen::pipeline::GenerateOptions;
+use gelenk_codegen::read::ReadOptions;
 use gelenk_tests::Robot;
 
 const DESCRIPTION: &str = r#"
@@ -39,7 +40,10 @@ fn robot(generate: &str, smooth_sign: Option<f64>) -> Robot {
     let folder = tempfile::tempdir().expect("a folder");
     let path: PathBuf = folder.path().join("robot.toml");
     std::fs::write(&path, format!("{DESCRIPTION}{generate}")).expect("a file");
-    let options = GenerateOptions { smooth_sign, ..GenerateOptions::default() };
+    let options = GenerateOptions {
+        reading: ReadOptions { smooth_sign, ..ReadOptions::default() },
+        ..GenerateOptions::default()
+    };
     Robot::derive(&path, &options)
 }
 

@@ -11,6 +11,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
+use syn::visit::Visit;
 
 /// The names from the root of the crate to a module.
 type ModulePath = Vec<String>;
@@ -385,21 +386,73 @@ fn floors_are_those_that_folders_list() {
     assert!(found.is_empty(), "imports from a floor that is not below:\n{}", found.join("\n"));
 }
 
+/// Crates of the product.
+const PRODUCTS: [&str; 10] = [
+    "codegen",
+    "codegen/files",
+    "codegen/formula",
+    "codegen/kernels",
+    "runtime",
+    "runtime/adaptation",
+    "runtime/dynamics",
+    "runtime/findings",
+    "runtime/identification",
+    "runtime/report",
+];
+
+/// Functions that take a tuple, one entry for each such parameter.
+#[derive(Default)]
+struct Tuples(Vec<String>);
+
+impl<'a> Visit<'a> for Tuples {
+    fn visit_item_mod(&mut self, module: &'a syn::ItemMod) {
+        let is_test = |attribute: &syn::Attribute| {
+            attribute.path().is_ident("cfg")
+                && attribute.parse_args::<syn::Ident>().is_ok_and(|word| word == "test")
+        };
+        if !module.attrs.iter().any(is_test) {
+            syn::visit::visit_item_mod(self, module);
+        }
+    }
+
+    fn visit_signature(&mut self, signature: &'a syn::Signature) {
+        let is_tuple = |input: &&syn::FnArg| match input {
+            syn::FnArg::Typed(typed) => {
+                matches!(&*typed.ty, syn::Type::Tuple(tuple) if !tuple.elems.is_empty())
+            }
+            syn::FnArg::Receiver(_) => false,
+        };
+        let tuples = signature.inputs.iter().filter(is_tuple);
+        self.0.extend(tuples.map(|_| signature.ident.to_string()));
+    }
+}
+
+/// A tuple as a parameter hides how many arguments a function has. Sine and cosine of an angle, and results of another function,
+/// are one value.
+#[test]
+fn few_parameters_are_tuples() {
+    let root = gelenk_tests::workspace();
+    let mut found = Tuples::default();
+    for name in PRODUCTS {
+        let read = Crate::read(&root.join(name).join("src/lib.rs"));
+        let files: BTreeSet<&PathBuf> = read.modules.values().map(|module| &module.file).collect();
+        for file in files {
+            let text = std::fs::read_to_string(file).expect("a source");
+            found.visit_file(&syn::parse_file(&text).expect("Rust"));
+        }
+    }
+    assert!(found.0.len() <= MOST_TUPLES, "{} tuples: {:?}", found.0.len(), found.0);
+}
+
+/// Parameters of functions of the product that are tuples.
+const MOST_TUPLES: usize = 75;
+
 /// In a folder, files and inner folders stand in floors: what imports stands above what it imports. Two files of
 /// one folder may know each other; a folder and its neighbours may not.
 #[test]
 fn no_import_runs_back_up() {
     let root = gelenk_tests::workspace();
-    let crates = ["codegen", "codegen/files", "codegen/formula", "codegen/kernels"].into_iter();
-    let crates = crates.chain([
-        "runtime",
-        "runtime/adaptation",
-        "runtime/dynamics",
-        "runtime/findings",
-        "runtime/identification",
-        "runtime/report",
-        "tests",
-    ]);
+    let crates = PRODUCTS.into_iter().chain(["tests"]);
     let found: Vec<String> = crates.flat_map(|name| circles(&root.join(name).join("src"))).collect();
     assert!(found.is_empty(), "imports that run in a circle:\n{}", found.join("\n"));
 }

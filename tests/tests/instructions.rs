@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use gelenk_codegen::pipeline::{GenerateOptions, generate};
+use gelenk_codegen::read::ReadOptions;
 use gelenk_tests::workspace;
 
 /// Functions of y alone, of y and ẏ, and of y, ẏ and a third array.
@@ -126,7 +127,7 @@ fn count(program: &Path, function: &str, calls: u64) -> u64 {
 fn module(robot: &str, fused: bool, functions: &[&str], lanes: bool) -> String {
     let functions: Vec<String> = functions.iter().map(|&name| name.to_owned()).collect();
     let mut options = GenerateOptions {
-        no_friction: true,
+        reading: ReadOptions { no_friction: true, ..ReadOptions::default() },
         fused_multiply_add: fused,
         functions,
         ..GenerateOptions::default()

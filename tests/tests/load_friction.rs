@@ -8,6 +8,7 @@ use gelenk_codegen::functions::form::Form;
 use gelenk_codegen::functions::selection::derive_functions;
 use gelenk_codegen::functions::size::MOST_OPERATIONS;
 use gelenk_codegen::pipeline::GenerateOptions;
+use gelenk_codegen::read::ReadOptions;
 use gelenk_runtime::dynamics::{Differentiable, Discretizable, Dynamics};
 use gelenk_tests::dual::Number;
 use gelenk_tests::{Robot, workspace};
@@ -227,7 +228,7 @@ fn a_step_follows() {
 /// either side they are as steep as its gear is stiff.
 #[test]
 fn at_the_kink_the_derivatives_are_those_without_load() {
-    let robot = pendulum("friction = { load = \"0.2*tanh(20*v)\" }", &GenerateOptions::default());
+    let robot = pendulum("friction = { load = \"0.2*tanh(20*v)\" }", ReadOptions::default());
     let (v, share) = (0.3, 0.2 * 6.0_f64.tanh());
     for (side, gain) in [(0.0, 1.0), (1e-9, 1.0 + share), (-1e-9, 1.0 - share)] {
         let inverse = robot.call("inverse_dynamics_derivatives", &[&[0.0], &[v], &[side]]);
@@ -277,7 +278,7 @@ fn there_are_no_loops() {
 }
 
 /// A description of one joint with these lines, and a function's first result.
-fn pendulum(lines: &str, options: &GenerateOptions) -> Robot {
+fn pendulum(lines: &str, reading: ReadOptions) -> Robot {
     let text = format!(
         "[[joints]]\nname = \"swing\"\naxis = [0, 1, 0]\ndrive = {{ gear_ratio = 50 }}\n{lines}\n\
          [[bodies]]\nlink = \"swing\"\nmass = 2\ncenter_of_mass = [0, 0, -0.5]\ninertia = 0.1\n"
@@ -285,14 +286,14 @@ fn pendulum(lines: &str, options: &GenerateOptions) -> Robot {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("pendulum.toml");
     std::fs::write(&path, text).expect("a file");
-    Robot::derive(&path, options)
+    Robot::derive(&path, &GenerateOptions { reading, ..GenerateOptions::default() })
 }
 
 /// One joint by hand: 0.6 kg m² and a load of 2 g 0.5 sin y.
 #[test]
 fn a_pendulum_feels_its_weight_in_its_gear() {
     let law = "friction = { coulomb = 0.4, load = [[\"sign(v)\", { free = 0.2, name = \"mu\" }], [\"abs(sign(v))\", 0.05]] }";
-    let robot = pendulum(law, &GenerateOptions::default());
+    let robot = pendulum(law, ReadOptions::default());
     for (y, v, a) in
         [(0.7_f64, 0.5, 1.0), (0.7, -0.5, 1.0), (-0.7, 0.5, 1.0), (-0.7, -0.5, -3.0), (0.7, 0.0, 0.0)]
     {
@@ -306,11 +307,11 @@ fn a_pendulum_feels_its_weight_in_its_gear() {
             close(&back[0], &[a], 1e-13);
         }
     }
-    let smooth = pendulum(law, &GenerateOptions { smooth_sign: Some(100.0), ..GenerateOptions::default() });
+    let smooth = pendulum(law, ReadOptions { smooth_sign: Some(100.0), ..ReadOptions::default() });
     let tanh = 0.5_f64.tanh();
     let found = smooth.first("load_friction", &[&[0.3], &[0.005]]);
     close(&found, &[0.2 * tanh + 0.05 * tanh * tanh], 1e-14);
-    let none = pendulum(law, &GenerateOptions { no_friction: true, ..GenerateOptions::default() });
+    let none = pendulum(law, ReadOptions { no_friction: true, ..ReadOptions::default() });
     assert!(none.functions().iter().all(|function| function.name != "load_friction"));
     close(&none.first("inverse_dynamics", &[&[0.7], &[0.5], &[1.0]]), &[0.6 + G * 0.7_f64.sin()], 1e-14);
 }

@@ -1,5 +1,5 @@
-//! `gelenk new --base floating` as `codegen/docs/floating.md` shows it: from the URDF of a robot with four legs or
-//! propellers to a simulated, controlled robot.
+//! `gelenk new --base floating` and the example `floating_crate` as `codegen/docs/floating.md` shows them: from the URDF of a
+//! robot with four legs or propellers to a simulated, controlled robot.
 
 #![allow(clippy::expect_used, reason = "what is missing ends the test")]
 
@@ -11,6 +11,9 @@ use std::process::Command;
 use gelenk_tests::cargo::{aloud, cargo, lock_like_here, success, text};
 use gelenk_tests::packages::use_published;
 use gelenk_tests::python::program;
+
+#[path = "../../codegen/examples/floating_crate/parts/mod.rs"]
+mod parts;
 
 /// A body with four arms, each with a joint at its end: propellers, or lower legs.
 fn urdf(axis: &str, limit: &str) -> String {
@@ -78,6 +81,13 @@ fn new(folder: &Path, name: &str, urdf: &str) -> PathBuf {
     made
 }
 
+/// Adds legs or propellers to the crate.
+fn with_parts(made: PathBuf) -> PathBuf {
+    let added = parts::add(&made, &[]);
+    assert!(added.is_ok(), "{added:?}");
+    made
+}
+
 /// The second column: how far the robot is from where it should be.
 fn distances(printed: &str) -> Vec<f64> {
     let second = |line: &str| line.split_whitespace().nth(1)?.parse().ok();
@@ -99,7 +109,7 @@ fn run(made: &Path) -> String {
 #[test]
 fn a_quadruped_stands_on_its_feet() {
     let folder = tempfile::tempdir().expect("a folder");
-    let made = new(folder.path(), "dog", &legs());
+    let made = with_parts(new(folder.path(), "dog", &legs()));
     let description = fs::read_to_string(made.join("robot.toml")).expect("the description");
     let feet: Vec<&str> = description.lines().filter(|line| line.contains("_foot\"")).collect();
     assert_eq!(feet, ["fl", "fr", "rl", "rr"].map(|leg| format!("link = \"{leg}_foot\"")), "{description}");
@@ -118,30 +128,67 @@ fn a_quadruped_stands_on_its_feet() {
 #[test]
 fn feet_are_named_or_refused() {
     let folder = tempfile::tempdir().expect("a folder");
-    let file = folder.path().join("dog.urdf");
-    fs::write(&file, legs()).expect("written");
-    let new = |feet: &str, more: &[&str]| {
-        let made = folder.path().join("made");
-        let mut new = Command::new(program());
-        new.arg("new").arg(&made).arg("--urdf").arg(&file).args(["--feet", feet]).args(more);
-        let output = new.output().expect("the program starts");
-        let description = fs::read_to_string(made.join("robot.toml")).unwrap_or_default();
-        let _ = fs::remove_dir_all(&made);
-        (description, text(&output.stderr))
+    let described = |feet: &str| {
+        let crates = tempfile::tempdir_in(folder.path()).expect("a folder");
+        let made = new(crates.path(), "dog", &legs());
+        let feet: Vec<String> = feet.split(',').map(str::to_owned).collect();
+        let added = parts::add(&made, &feet);
+        added.map(|_| fs::read_to_string(made.join("robot.toml")).expect("the description"))
     };
-    let (description, _) = new("fl_heel,rr_foot,rl_foot", &["--base", "floating"]);
+    let description = described("fl_heel,rr_foot,rl_foot").expect("three feet");
     assert!(description.contains("name = \"foot_0\"\nlink = \"fl_heel\""), "{description}");
     assert_eq!(description.matches("[[wrenches]]").count(), 3);
-    for (feet, more, said) in [
-        ("fl_foot,fr_foot,rl_foot", &[][..], "--base floating"),
-        ("fl_fot,fr_foot,rl_foot", &["--base", "floating"], "did you mean `fl_foot`"),
-        ("fl_foot,fl_heel,rl_foot", &["--base", "floating"], "are on the same leg"),
-        ("fl_foot,fr_foot", &["--base", "floating"], "3 feet or more"),
-        ("head,fr_foot,rl_foot", &["--base", "floating"], "the leg of `head` has 1 of the 3 joints"),
+    for (feet, said) in [
+        ("fl_fot,fr_foot,rl_foot", "did you mean `fl_foot`"),
+        ("fl_foot,fl_heel,rl_foot", "are on the same leg"),
+        ("fl_foot,fr_foot", "3 feet or more"),
+        ("head,fr_foot,rl_foot", "the leg of `head` has 1 of the 3 joints"),
     ] {
-        let (description, message) = new(feet, more);
-        assert!(description.is_empty() && message.contains(said), "{feet}: {message}");
+        let message = described(feet).expect_err(feet);
+        assert!(message.contains(said), "{feet}: {message}");
     }
+}
+
+/// Propellers on fixed joints, as in many URDFs, and a body alone: links become inputs. An arm has none.
+#[test]
+fn links_that_are_fixed_to_what_floats_become_propellers() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let inertial = r#"<inertial><mass value="1"/><inertia ixx="1e-2" ixy="0" ixz="0" iyy="1e-2" iyz="0" izz="1e-2"/></inertial>"#;
+    let body = format!("<link name=\"frame\">{inertial}</link>");
+    let fixed = |name: &str, inertial: &str, origin: &str| {
+        format!(
+            "<link name=\"{name}\">{inertial}</link><joint name=\"{name}_joint\" type=\"fixed\"><parent link=\"frame\"/>\
+             <child link=\"{name}\"/><origin {origin}/></joint>"
+        )
+    };
+    let parts = [
+        fixed("left", inertial, r#"xyz="0 0.1 0""#),
+        fixed("right", inertial, r#"xyz="0 -0.1 0" rpy="3.141592653589793 0 0""#),
+        fixed("imu", "", r#"xyz="0 0 0""#),
+    ];
+    for (name, links, inputs) in [
+        ("propellers", parts.concat(), vec!["left: 0, 0, 1, 0, 0, -0.016", "right: 0, 0, -1, 0, 0, -0.016"]),
+        ("alone", String::new(), vec!["frame: 0, 0, 1, 0, 0, 0.016"]),
+    ] {
+        let urdf = format!("<robot name=\"r\">{body}{links}</robot>");
+        let made = with_parts(new(folder.path(), name, &urdf));
+        let text = fs::read_to_string(made.join("robot.toml")).expect("the description");
+        let of = |key: &str| -> Vec<String> {
+            let lines = text.lines().filter_map(|line| line.strip_prefix("# ")?.strip_prefix(key));
+            lines.map(|value| value.trim_matches(&['"', '[', ']'][..]).to_owned()).collect()
+        };
+        let found =
+            of("name = ").into_iter().zip(of("wrench = ")).map(|(name, wrench)| format!("{name}: {wrench}"));
+        assert_eq!(found.collect::<Vec<_>>(), inputs, "{text}");
+        let (head, blocks) = text.split_at(text.find("# [[inputs]]").expect("a block"));
+        let description = made.join("robot.toml");
+        fs::write(&description, format!("{head}{}", blocks.replace("# ", ""))).expect("written");
+        let read = gelenk_codegen::read::read(&description, &gelenk_codegen::read::ReadOptions::default());
+        assert_eq!(read.expect("a robot").model.force_inputs.len(), inputs.len());
+    }
+    let limit = "<limit lower=\"-2\" upper=\"-0.5\" effort=\"20\" velocity=\"20\"/>";
+    let made = new(folder.path(), "fingers", &urdf("0 1 0", limit));
+    assert!(parts::add(&made, &[]).is_err());
 }
 
 #[test]
@@ -164,7 +211,7 @@ fn a_quadruped_falls_with_its_joints_held() {
 fn a_quadrotor_flies_once_its_propellers_are_inputs() {
     let folder = tempfile::tempdir().expect("a folder");
     let limit = "<limit lower=\"-1e16\" upper=\"1e16\" effort=\"0\" velocity=\"0\"/>";
-    let made = new(folder.path(), "rotors", &urdf("0 0 1", limit));
+    let made = with_parts(new(folder.path(), "rotors", &urdf("0 0 1", limit)));
     // As the guide says: the comments of the propellers become lines.
     let description = fs::read_to_string(made.join("robot.toml")).expect("the description");
     let (head, propellers) = description.split_once("\n# Where a joint carries a propeller").expect("hints");

@@ -11,7 +11,7 @@ use gelenk_report::{
     Axis, Block, Claim, Criterion, Equation, Figure, Marks, Pattern, Plot, Report, Section, Table, text,
 };
 use gelenk_tests::browser::{Browser, Findings, Window};
-use gelenk_tests::{FUNCTIONS, workspace};
+use gelenk_tests::workspace;
 use nalgebra::{UnitQuaternion, Vector3};
 use serde_json::{Value, json};
 
@@ -247,7 +247,7 @@ fn robot_page(name: &str) -> RobotPage {
     let origin = |frame: &gelenk_codegen::model::Frame| {
         let name = format!("frame_{}_pose", frame.identifier);
         let function = functions.iter().find(|function| function.name == name).expect("a pose");
-        gelenk_codegen::program::interpret::interpret(&function.program, &[&at], &parameters, &FUNCTIONS)
+        gelenk_codegen::program::interpret::interpret(&function.program, &[&at], &parameters)
             .expect("a pose")
             .swap_remove(0)
     };

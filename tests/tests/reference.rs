@@ -8,6 +8,7 @@ use std::path::Path;
 
 use gelenk_codegen::functions::form::Form;
 use gelenk_codegen::pipeline::GenerateOptions;
+use gelenk_codegen::read::ReadOptions;
 use gelenk_tests::{Robot, reference, relative_error, robot_of_others, workspace};
 use serde_json::Value;
 
@@ -36,8 +37,12 @@ fn reference_robot(name: &str, urdf: &Path, reference: &Value) -> Robot {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("robot.toml");
     std::fs::write(&path, description).expect("a file");
-    let options = GenerateOptions { no_friction: true, ..GenerateOptions::default() };
+    let options = GenerateOptions { reading: without_friction(), ..GenerateOptions::default() };
     Robot::derive(&path, &options)
+}
+
+fn without_friction() -> ReadOptions {
+    ReadOptions { no_friction: true, ..ReadOptions::default() }
 }
 
 /// The link that a joint of a URDF moves.
@@ -237,7 +242,7 @@ fn coupled_fingers_agree_with_pinocchio() {
     let reference = reference("mechanisms/panda_mimic.json");
     let urdf = workspace().join("models/urdf/panda.urdf");
     let in_form = |form| {
-        let options = GenerateOptions { no_friction: true, form, ..GenerateOptions::default() };
+        let options = GenerateOptions { reading: without_friction(), form, ..GenerateOptions::default() };
         Robot::derive(&urdf, &options)
     };
     let (robot, looped) = (in_form(Form::Straight), in_form(Form::Arrays));

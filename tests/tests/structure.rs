@@ -14,7 +14,7 @@ use gelenk_codegen::read::{ReadOptions, read};
 use gelenk_tests::literature::{chain, right_angles};
 use gelenk_tests::positions::positions;
 use gelenk_tests::random_model::{Sample, condition_of, random_helical_model, random_model, random_sample};
-use gelenk_tests::{FUNCTIONS, Robot, descriptions};
+use gelenk_tests::{Robot, descriptions};
 
 fn models() -> Vec<Model> {
     let described = descriptions().into_iter().map(|path| {
@@ -131,7 +131,7 @@ fn articulated_bodies_give_the_accelerations_that_need_these_forces() {
             let bias = robot.call_with("bias_forces", &[&y, &v], &parameters).swap_remove(0);
             let inertial = |i: usize| (0..n).map(|j| mass[i * n + j] * a[j]).sum::<f64>();
             let forces: Vec<f64> = (0..n).map(|i| inertial(i) + bias[i]).collect();
-            let found = interpret(&program, &[&y, &v, &forces], &parameters, &FUNCTIONS);
+            let found = interpret(&program, &[&y, &v, &forces], &parameters);
             let found = found.expect("inputs fit").swap_remove(0);
             let largest = |x: &[f64]| x.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
             // Rounding of the forces, through M⁻¹.

@@ -73,7 +73,7 @@ impl Couplings {
             let friction = drive.motor.friction.as_ref().zip(row.as_ref());
             if let Some((friction, row)) = friction {
                 let terms = At::new(friction.value.as_slice(), friction.span);
-                note_dry_friction(("drive", "acts on"), &drive.name, &terms, row, report);
+                note_dry_friction("drive", "acts on", &drive.name, &terms, row, report);
             }
         }
         for &joint in &followers {
@@ -81,7 +81,7 @@ impl Couplings {
                 let described = &robot.joints[joint];
                 if let Some(friction) = &described.friction {
                     let terms = At::new(friction.value.terms.as_slice(), friction.span);
-                    note_dry_friction(("joint", "follows"), &described.name, &terms, row, report);
+                    note_dry_friction("joint", "follows", &described.name, &terms, row, report);
                 }
             }
         }
@@ -313,7 +313,8 @@ fn add(sum: &mut Row, row: Row) {
 /// Notes dry friction of a follower or drive with several coordinates. The runtime's plant lets only single
 /// joints stick, so it rejects the robot.
 fn note_dry_friction(
-    (what, verb): (&str, &str),
+    what: &str,
+    verb: &str,
     name: &Name,
     friction: &At<&[FrictionTerm]>,
     row: &Row,

@@ -234,7 +234,7 @@ pub(super) struct New {
     #[arg(long)]
     pub(super) python: bool,
     /// Estimate the friction of the robot online while it moves
-    #[arg(long, conflicts_with_all = ["c", "python", "ros2", "base", "feet"])]
+    #[arg(long, conflicts_with_all = ["c", "python", "ros2", "base"])]
     pub(super) online_friction: bool,
     /// Use the robot of this URDF or MJCF [default: an arm of two joints]
     #[arg(long, visible_alias = "mjcf", value_name = "FILE")]
@@ -250,11 +250,6 @@ pub(super) struct New {
     /// Read only the subtree of this body of an MJCF scene
     #[arg(long, value_name = "NAME", requires = "urdf")]
     pub(super) body: Option<String>,
-    /// Links that are the feet of the robot, one per leg; the robot stands on them [default: the ends of the
-    /// base's branches, if three or more branches have equally many joints, at least three]. A robot without feet
-    /// falls
-    #[arg(long, value_name = "LINK,...", value_delimiter = ',', requires = "urdf", conflicts_with_all = ["c", "python", "ros2"])]
-    pub(super) feet: Vec<String>,
     /// Depend on the crates of this checkout [default: the source of this program, a checkout or the registry]
     #[arg(long, value_name = "FOLDER")]
     pub(super) checkout: Option<PathBuf>,

@@ -11,7 +11,7 @@ use crate::wording::toml_text;
 use gelenk_formula::Hold;
 
 /// Options for reading a description; they change the equations.
-#[derive(Debug, Args)]
+#[derive(Debug, Default, Args)]
 pub(super) struct Reading {
     /// Round angles to a multiple of 90° within this tolerance [rad]
     #[arg(long, value_name = "RAD", value_parser = small_angle)]
@@ -105,8 +105,8 @@ impl Reading {
     }
 }
 
-/// Line of TOML that holds these joints; `None` if the list is empty.
-pub(super) fn held_key(hold: &[Hold]) -> Option<String> {
+/// TOML line that holds these joints.
+fn held_key(hold: &[Hold]) -> Option<String> {
     let is_last = |index: usize| hold[index + 1..].iter().all(|later| later.pattern != hold[index].pattern);
     let last = hold.iter().enumerate().filter(|(index, _)| is_last(*index));
     let entries = last.map(|(_, hold)| format!("{} = {:?}", toml_text(&hold.pattern), hold.position));
@@ -114,8 +114,8 @@ pub(super) fn held_key(hold: &[Hold]) -> Option<String> {
     (!entries.is_empty()).then(|| format!("held = {{ {} }}", entries.join(", ")))
 }
 
-/// Line of TOML that chooses the subtree of a body of an MJCF; `None` if no body is chosen.
-pub(super) fn body_key(body: Option<&str>) -> Option<String> {
+/// TOML line that chooses the tree of a body.
+fn body_key(body: Option<&str>) -> Option<String> {
     body.map(|body| format!("body = {}", toml_text(body)))
 }
 
@@ -178,63 +178,28 @@ pub(super) struct Choices {
     pub(super) max_operations: Option<usize>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum ScalarName {
-    F64,
-    F32,
-}
-
-impl From<ScalarName> for Scalar {
-    fn from(name: ScalarName) -> Self {
-        match name {
-            ScalarName::F64 => Self::F64,
-            ScalarName::F32 => Self::F32,
+/// Makes words of the command line for values of the printer. They have no documentation, so that the help stays short.
+macro_rules! words {
+    ($($name:ident for $value:ident { $($variant:ident),* })*) => {$(
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
+        pub(super) enum $name {
+            $($variant),*
         }
-    }
-}
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum LanguageName {
-    Rust,
-    C,
-}
-
-impl From<LanguageName> for Language {
-    fn from(name: LanguageName) -> Self {
-        match name {
-            LanguageName::Rust => Self::Rust,
-            LanguageName::C => Self::C,
+        impl From<$name> for $value {
+            fn from(name: $name) -> Self {
+                match name {
+                    $($name::$variant => Self::$variant),*
+                }
+            }
         }
-    }
+    )*};
 }
 
-/// A tool that calls C modules.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
-pub(super) enum ToolName {
-    Acados,
-    Casadi,
-    Python,
-}
-
-impl ToolName {
-    /// Name of the tool on the command line.
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::Acados => "acados",
-            Self::Casadi => "casadi",
-            Self::Python => "python",
-        }
-    }
-}
-
-impl From<ToolName> for Companion {
-    fn from(name: ToolName) -> Self {
-        match name {
-            ToolName::Acados => Self::Acados,
-            ToolName::Casadi => Self::Casadi,
-            ToolName::Python => Self::Python,
-        }
-    }
+words! {
+    ScalarName for Scalar { F64, F32 }
+    LanguageName for Language { Rust, C }
+    ToolName for Companion { Acados, Casadi, Python }
 }
 
 /// Parses the name of a function. The robot may lack the function's frame, which is checked later.

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use serde_json::{Value, json};
 
 use super::arguments::{Check, Format, Generate};
-use super::choices::{Choices, LanguageName, Modules, ScalarName, ToolName};
+use super::choices::{Choices, LanguageName, Modules, ScalarName};
 use super::failure::{FAULT, Failure};
 use super::place::{Output, Target, Workspace, shown};
 use super::progress::Progress;
@@ -16,6 +16,7 @@ use crate::emit::{EmitOptions, documentation};
 use crate::functions::form::Form;
 use crate::output::{self, Outcome, Planned, Replaces};
 use crate::pipeline::{self, CONTROL, GenerateOptions, Generated};
+use crate::report::counts;
 use crate::wording::quoted;
 
 /// Writes the module of one description, or the modules of all descriptions in models/.
@@ -56,7 +57,7 @@ pub(super) fn generate(arguments: &Generate, format: Format) -> Result<ExitCode,
         }
         Format::Text => {
             let text = written.map(|((robot, path), outcome)| {
-                let counts = print::counts_table(&robot.module.costs(), &[]);
+                let counts = print::table(&counts(&robot.module.costs(), &[]).plain());
                 format!("{}\n{counts}", line(robot, path, outcome))
             });
             print::out(&text.collect::<String>()).map(|()| ExitCode::SUCCESS)
@@ -270,15 +271,7 @@ pub(super) fn say_notes(robots: &[Generated], format: Format) {
 fn options(choices: &Choices, command: String) -> GenerateOptions {
     GenerateOptions {
         functions: choices.functions.clone(),
-        snap_angles: choices.reading.snap_angles,
-        no_friction: choices.reading.no_friction,
-        ignore_mimic: choices.reading.ignore_mimic,
-        smooth_sign: choices.reading.smooth_sign,
-        accept_unphysical: choices.reading.accept_unphysical,
-        exact_sign: false,
-        floating_base: choices.reading.floats(),
-        hold: choices.reading.hold.clone(),
-        body: choices.reading.body.clone(),
+        reading: choices.reading.options(),
         fused_multiply_add: choices.fused_multiply_add,
         self_test: choices.self_test,
         form: Form::Cheapest,
@@ -329,7 +322,8 @@ fn modules_command(
     if modules.language == LanguageName::C {
         command.push_str(" --language c");
     }
-    let tools: Vec<&str> = modules.tools().into_iter().map(ToolName::name).collect();
+    let tools = modules.tools().into_iter().map(|tool| format!("{tool:?}").to_lowercase());
+    let tools: Vec<String> = tools.collect();
     if !tools.is_empty() {
         command.push_str(&format!(" --for {}", tools.join(",")));
     }
@@ -420,7 +414,7 @@ fn result(robot: &Generated, path: &Path, outcome: Outcome) -> Value {
         "written": outcome == Outcome::Written,
         "coordinates": robot.model.coordinates.len(),
         "inputs": inputs(robot),
-        "functions": print::counts(&robot.module.costs(), &[]),
+        "functions": counts(&robot.module.costs(), &[]).records(),
         "notes": print::diagnostics(&robot.notes),
         "read": robot.files.iter().map(|file| relative(file)).collect::<Vec<_>>(),
     });

@@ -3,23 +3,23 @@
 use std::process::ExitCode;
 
 use clap::ValueEnum;
-use serde_json::{Value, json};
+use gelenk_report::Table;
+use serde_json::{Map, Value, json};
 
 use super::arguments::{Format, Inspect, Stage};
 use super::bytes::CodeSizes;
 use super::failure::Failure;
-use super::inspect_forces::{self, followed, position};
 use super::place::Workspace;
 use super::{generate, mechanism, print};
 use crate::functions::form::Form;
 use crate::functions::function::Function;
 use crate::functions::selection::{self, Request};
 use crate::functions::size::MOST_OPERATIONS;
-use crate::model::{JointKind, Model, Motion};
+use crate::model::Model;
 use crate::module::Module;
 use crate::pipeline::Generated;
 use crate::program::display::{self, Notation};
-use crate::report::{EQUATIONS, sums, sums_document};
+use crate::report::{self, EQUATIONS, sums, sums_document};
 
 /// Prints one stage of the generator for a description.
 pub(super) fn inspect(arguments: &Inspect, format: Format) -> Result<ExitCode, Failure> {
@@ -74,11 +74,12 @@ fn counts_and_bytes(robot: &Generated, what: Stage, format: Format) -> Result<Ex
             sizes.of(name, function)
         })
         .collect();
+    let table = report::counts(&counts, &bytes);
     match format {
-        Format::Json => print::json(&print::counts(&counts, &bytes)),
+        Format::Json => print::json(&table.records()),
         Format::Text => {
-            let table = print::counts_table(&counts, &bytes);
-            print::out(&format!("{table}{}", uncounted(&robot.module))).map(|()| ExitCode::SUCCESS)
+            let text = print::table(&table.plain()) + &uncounted(&robot.module);
+            print::out(&text).map(|()| ExitCode::SUCCESS)
         }
     }
 }
@@ -119,9 +120,10 @@ fn as_text(robot: &Generated, what: Stage, latex: bool) -> Result<String, Failur
     let notation = notation(&robot.model);
     Ok(match what {
         Stage::Model => model_text(&robot.model),
-        Stage::Mechanism => mechanism::as_text(&robot.model),
+        Stage::Mechanism => tables_text(&mechanism::tables(&robot.model)),
         Stage::Counts => {
-            format!("{}{}", print::counts_table(&robot.module.costs(), &[]), uncounted(&robot.module))
+            let table = report::counts(&robot.module.costs(), &[]);
+            format!("{}{}", print::table(&table.plain()), uncounted(&robot.module))
         }
         Stage::Source => robot.source.text.clone(),
         Stage::Equations => sums_document(&robot.model, &equations(robot)?).map_err(no_sums)?,
@@ -166,8 +168,8 @@ fn as_json(robot: &Generated, what: Stage, latex: bool) -> Result<Value, Failure
     let notation = notation(&robot.model);
     Ok(match what {
         Stage::Model => model_json(&robot.model),
-        Stage::Mechanism => mechanism::as_json(&robot.model),
-        Stage::Counts => print::counts(&robot.module.costs(), &[]),
+        Stage::Mechanism => tables_json(&mechanism::tables(&robot.model)),
+        Stage::Counts => report::counts(&robot.module.costs(), &[]).records(),
         Stage::Source => json!({ "name": robot.source.name, "text": robot.source.text }),
         Stage::Equations => {
             json!({ "robot": robot.model.name, "equations": sums(&robot.model, &equations(robot)?).map_err(no_sums)? })
@@ -180,125 +182,43 @@ fn as_json(robot: &Generated, what: Stage, latex: bool) -> Result<Value, Failure
     })
 }
 
-/// Text about the number of positions of robots with quaternions, and of driven joints.
-fn besides(model: &Model) -> String {
-    let mut text = String::new();
-    if !model.quaternion_joints.is_empty() {
-        text.push_str(&format!(" with {} positions", model.position_count()));
-    }
-    if !model.driven.is_empty() {
-        text.push_str(&format!(", {} driven", model.driven.len()));
-    }
-    text
-}
-
+/// Numbers of links, coordinates and forces, and the tables of the page.
 fn model_text(model: &Model) -> String {
-    let mut text = format!("robot {}\n", model.name);
-    text.extend(model.description.iter().map(|line| format!("  {line}\n")));
-    text.push_str(&format!(
-        "\n{} links, {} coordinates{}, {} drives, {} frames, {} free parameters\n\n",
+    let description = model.description.iter().map(|line| format!("  {line}\n")).collect::<String>();
+    let positions = match model.quaternion_joints.is_empty() {
+        true => String::new(),
+        false => format!(" with {} positions", model.position_count()),
+    };
+    let driven = match model.driven.len() {
+        0 => String::new(),
+        count => format!(", {count} driven"),
+    };
+    format!(
+        "robot {}\n{description}\n{} links, {} coordinates{positions}{driven}, {} drives, {} frames, {} free parameters\n{}",
+        model.name,
         model.links.len(),
         model.coordinates.len(),
-        besides(model),
         model.drives.len(),
         model.frames.len(),
         model.parameters.len(),
-    ));
-    let head = ["link", "parent", "joint", "kind", "motion", "bodies"].map(str::to_owned).to_vec();
-    let rows = model.links.iter().map(|link| {
-        let parent = link.joint.as_ref().and_then(|joint| model.links.get(joint.parent));
-        vec![
-            link.name.clone(),
-            parent.map_or("", |parent| parent.name.as_str()).to_owned(),
-            link.joint.as_ref().map_or("", |joint| joint.name.as_str()).to_owned(),
-            link.joint.as_ref().map_or("", |joint| joint.kind.name()).to_owned(),
-            link.joint.as_ref().map_or(String::new(), |joint| motion(model, joint.motion)),
-            link.bodies.len().to_string(),
-        ]
-    });
-    text.push_str(&print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>()));
-    text.push_str(&lines_text(model));
-    text.push_str(&inspect_forces::as_text(model));
-    if !model.parameters.is_empty() {
-        text.push_str(&format!("\n{}", parameters_text(model)));
-    }
-    text
-}
-
-/// Table of the motors with a torque–speed line; empty if there are none.
-fn lines_text(model: &Model) -> String {
-    let head = ["motor", "stall torque [N m]", "no-load speed [rad/s]"].map(str::to_owned).to_vec();
-    let rows = model.drives.iter().filter_map(|drive| {
-        let line = drive.line?;
-        Some(vec![drive.name.clone(), print::number(line.stall_torque), print::number(line.no_load_speed)])
-    });
-    let rows: Vec<Vec<String>> = rows.collect();
-    if rows.is_empty() {
-        return String::new();
-    }
-    format!("\n{}", print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>()))
-}
-
-fn parameters_text(model: &Model) -> String {
-    let head = ["parameter", "value", "unit"].map(str::to_owned).to_vec();
-    let rows =
-        model.parameters.iter().map(|p| vec![p.name.clone(), print::number(p.default), p.unit.clone()]);
-    print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>())
-}
-
-/// Pitch of a helical joint [m/rad]; `None` for other joints.
-fn pitch(kind: JointKind) -> Option<f64> {
-    match kind {
-        JointKind::Helical { pitch } => Some(pitch),
-        JointKind::Fixed | JointKind::Revolute | JointKind::Continuous | JointKind::Prismatic => None,
-    }
-}
-
-fn motion(model: &Model, motion: Motion) -> String {
-    match motion {
-        Motion::Follower(index) => {
-            let moving = model.moving_joints();
-            followed(model, &moving[index].follows, moving[index].offset)
-        }
-        Motion::Fixed => "fixed".to_owned(),
-        Motion::Held(position) => format!("held at {}", print::number(position)),
-        Motion::Coordinate(index) => match model.quaternion_joint_of(index) {
-            None => position(model, index),
-            Some(joint) => format!("velocity v{} of {} joint {}", index + 1, joint.kind.name(), joint.name),
-        },
-    }
+        tables_text(&report::tables(model))
+    )
 }
 
 fn model_json(model: &Model) -> Value {
-    let link = |link: &crate::model::Link| {
-        json!({
-            "name": link.name,
-            "bodies": link.bodies.iter().map(|body| &body.name).collect::<Vec<_>>(),
-            "joint": link.joint.as_ref().map(|joint| json!({
-                "name": joint.name,
-                "parent": model.links.get(joint.parent).map(|parent| &parent.name),
-                "kind": joint.kind.name(),
-                "pitch": pitch(joint.kind),
-                "motion": motion(model, joint.motion),
-                "position_limits": joint.limits.position,
-                "velocity_limit": joint.limits.velocity,
-                "effort_limit": joint.limits.effort,
-            })),
-        })
-    };
-    let mut object = json!({
-        "name": model.name,
-        "description": model.description,
-        "links": model.links.iter().map(link).collect::<Vec<_>>(),
-        "drives": model.drives.iter().map(|drive| &drive.name).collect::<Vec<_>>(),
-        "torque_speed_lines": model.drives.iter().filter_map(|drive| drive.line.map(|line| json!({
-            "drive": drive.name, "stall_torque": line.stall_torque, "no_load_speed": line.no_load_speed,
-        }))).collect::<Vec<_>>(),
-        "frames": model.frames.iter().map(|frame| &frame.name).collect::<Vec<_>>(),
-        "parameters": model.parameters.iter().map(|p| json!({
-            "name": p.name, "default": p.default, "unit": p.unit, "description": p.description,
-        })).collect::<Vec<_>>(),
-    });
-    inspect_forces::add_json(model, &mut object);
+    let mut object = tables_json(&report::tables(model));
+    object["name"] = model.name.as_str().into();
+    object["description"] = json!(model.description);
     object
+}
+
+/// Tables with their captions, each after an empty line.
+fn tables_text(tables: &[Table]) -> String {
+    let text = |table: &Table| format!("\n{}\n{}", table.title(), print::table(&table.plain()));
+    tables.iter().map(text).collect()
+}
+
+/// Rows of tables by their identifiers.
+fn tables_json(tables: &[Table]) -> Value {
+    tables.iter().map(|table| (table.id.replace('-', "_"), table.records())).collect::<Map<_, _>>().into()
 }

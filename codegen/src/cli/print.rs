@@ -9,14 +9,9 @@ use serde_json::{Value, json};
 use super::arguments::Format;
 use super::failure::Failure;
 use crate::diagnostic::{Diagnostic, Diagnostics};
-use crate::program::cost::Cost;
-use crate::wording::as_written;
 
 /// Largest number of printed lines of findings. With steps and a table of 20 joints the output has 120 lines.
 const ROOM: usize = 84;
-
-/// Smallest magnitude of numbers that may be printed with an exponent.
-const MILLION: f64 = 1e6;
 
 /// Writes to standard output. A closed pipe (`gelenk … | head`) is not a failure.
 pub(super) fn out(text: &str) -> Result<(), Failure> {
@@ -138,50 +133,6 @@ fn diagnostic(entry: &Diagnostic) -> Value {
     shown
 }
 
-/// Table of the operation counts of functions. If `bytes` is not empty, it has the sizes of the machine code.
-pub(super) fn counts_table(functions: &[(String, Cost)], bytes: &[Option<u64>]) -> String {
-    let mut head = vec!["function", "multiplications", "additions", "divisions", "calls"];
-    head.extend((!bytes.is_empty()).then_some("bytes"));
-    let head = head.into_iter().map(str::to_owned).collect();
-    let rows = functions.iter().enumerate().map(|(index, (name, cost))| {
-        let counts = [cost.multiplications, cost.additions, cost.divisions, cost.calls()];
-        let size = bytes.get(index).map(|size| match size {
-            Some(size) => size.to_string(),
-            None => "inlined".to_owned(),
-        });
-        [name.clone()].into_iter().chain(counts.iter().map(ToString::to_string)).chain(size).collect()
-    });
-    table(&std::iter::once(head).chain(rows).collect::<Vec<_>>())
-}
-
-/// Operation counts of functions as JSON. If `bytes` is not empty, it has the sizes of the machine code,
-/// which are `null` for inlined functions.
-pub(super) fn counts(functions: &[(String, Cost)], bytes: &[Option<u64>]) -> Value {
-    let entry = |(index, (name, cost)): (usize, &(String, Cost))| {
-        let Cost { multiplications, additions, divisions, sin_cos, other_calls, selections } = cost;
-        let mut entry = json!({
-            "function": name,
-            "multiplications": multiplications,
-            "additions": additions,
-            "divisions": divisions,
-            "sin_cos": sin_cos,
-            "other_calls": other_calls,
-            "selections": selections,
-        });
-        if let Some(size) = bytes.get(index) {
-            entry["bytes"] = json!(size);
-        }
-        entry
-    };
-    functions.iter().enumerate().map(entry).collect()
-}
-
-/// A number in short notation, for example `600`, `0.25` or `-2e6`.
-pub(super) fn number(x: f64) -> String {
-    let (plain, power) = (as_written(x), format!("{x:e}"));
-    if x.abs() >= MILLION && power.len() < plain.len() { power } else { plain }
-}
-
 /// Text of a table whose first row is the head. Columns of numbers are right-aligned.
 pub(super) fn table(rows: &[Vec<String>]) -> String {
     let column = |column: usize| rows.iter().filter_map(move |row| row.get(column));
@@ -201,15 +152,6 @@ pub(super) fn table(rows: &[Vec<String>]) -> String {
 mod tests {
     use super::*;
     use gelenk_findings::Severity;
-
-    #[test]
-    fn numbers_are_written_as_people_do() {
-        let cases =
-            [(-2e6, "-2e6"), (1_234_567.0, "1234567"), (35e3, "35000"), (0.25, "0.25"), (600.0, "600")];
-        for (x, expected) in cases {
-            assert_eq!(number(x), expected);
-        }
-    }
 
     #[test]
     fn the_gravest_of_many_findings_are_shown() {

@@ -17,7 +17,7 @@ mod sequence;
 mod text;
 
 pub use header::{FIRST_LINE, FIRST_LINE_IN_PYTHON};
-pub use options::{Companion, EmitOptions, Language, Math, Scalar, SourceFile};
+pub use options::{Companion, EmitOptions, Language, Scalar, SourceFile};
 pub use rust::documentation;
 
 use crate::module::Module;

@@ -23,8 +23,6 @@ pub struct EmitOptions {
     pub name: Option<String>,
     /// Number type of all functions and constants.
     pub scalar: Scalar,
-    /// Source of sine, cosine, tanh and exp.
-    pub math: Math,
     /// Command that regenerates the file, for the comment at its top. It must not contain absolute paths.
     pub command: String,
     /// Largest number of statements of a function. Longer programs are split into private functions. A
@@ -39,7 +37,6 @@ impl Default for EmitOptions {
             companions: vec![],
             name: None,
             scalar: Scalar::F64,
-            math: Math::Embedded,
             command: "gelenk generate".to_owned(),
             longest_function: LONGEST_FUNCTION,
         }
@@ -115,19 +112,4 @@ impl Scalar {
             Self::F32 => "f32",
         }
     }
-}
-
-/// Source of the elementary functions.
-///
-/// The interpreter gives the same bits only if it uses the same functions
-/// ([`crate::program::interpret::Functions`]).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Math {
-    /// Functions of `gelenk-kernels`, whose texts are included in the module: `math::sin_cos(x)`. Only
-    /// functions that are called are included. They need neither std nor libm, and their results have the
-    /// same bits on every platform.
-    #[default]
-    Embedded,
-    /// Methods of Rust's std: `x.sin_cos()`.
-    Std,
 }

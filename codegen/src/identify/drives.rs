@@ -52,8 +52,8 @@ pub fn drives(
         let coordinate = drive.coordinate().filter(|_| !drive.stands_apart)?;
         let found = identified.get(coordinate).filter(|found| **found != IdentifiedDrive::default())?;
         let joint = model.joints().nth(coordinate)?;
-        let rotor = found_rotor(drive, found.rotor, found.reflected);
-        let keys = entries(model, drive, rotor, found.motor_constant).join(", ");
+        let (inertia, coupling) = found_rotor(drive, found.rotor, found.reflected);
+        let keys = entries(model, drive, inertia, coupling, found.motor_constant).join(", ");
         let friction = (!has_law[coordinate]).then(|| joint_friction(described, &joint.name)).flatten();
         let lines = std::iter::once(format!("drive = {{ {keys} }}"));
         Some((joint.name.clone(), lines.chain(friction).collect::<Vec<_>>().join("\n")))
@@ -90,7 +90,8 @@ pub fn rotors(model: &Model) -> Vec<Option<usize>> {
 pub(super) fn entries(
     model: &Model,
     drive: &Drive,
-    (inertia, coupling): (Option<f64>, RotorCoupling),
+    inertia: Option<f64>,
+    coupling: RotorCoupling,
     motor_constant: Option<f64>,
 ) -> Vec<String> {
     let names: Vec<&str> = model.parameters.iter().map(|parameter| parameter.name.as_str()).collect();

@@ -6,7 +6,7 @@ use crate::functions::function::Function;
 use crate::functions::selection::derive_in_form;
 use crate::functions::size::MOST_OPERATIONS;
 use crate::model::Model;
-use crate::program::interpret::{Functions, interpret};
+use crate::program::interpret::interpret;
 
 /// Inertial parameters of a model with the values of the description.
 pub(super) fn parameters(model: &Model) -> Result<Vec<f64>, Diagnostics> {
@@ -18,7 +18,7 @@ pub(super) fn parameters(model: &Model) -> Result<Vec<f64>, Diagnostics> {
 
 /// The first result of a function.
 pub(super) fn result(function: &Function, inputs: &[&[f64]], free: &[f64]) -> Vec<f64> {
-    let results = interpret(&function.program, inputs, free, &Functions::EMBEDDED);
+    let results = interpret(&function.program, inputs, free);
     let results = results.unwrap_or_else(|error| {
         unreachable!("{} was derived from the model whose states it gets: {error}", function.name)
     });

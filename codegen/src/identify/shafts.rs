@@ -128,8 +128,8 @@ pub fn drive_table(
         Some(format!("{} = {}", toml_text(joints.get(moved.coordinate)?), text(&moved.ratio, &names)))
     });
     let on: Vec<String> = on.collect();
-    let rotor = found_rotor(drive, found.rotor, found.added);
-    let mut lines = entries(described, drive, rotor, found.motor_constant);
+    let (inertia, coupling) = found_rotor(drive, found.rotor, found.added);
+    let mut lines = entries(described, drive, inertia, coupling, found.motor_constant);
     lines.insert(1, format!("on = {{ {} }}", on.join(", ")));
     let friction = match found.friction {
         Some(result) => Some(friction_value(result)?),

@@ -83,7 +83,7 @@ impl<'g> DescribedTree<'g> {
         let pose = parent_pose.then(lower_pose(graph, &joint.origin));
         let position = match joint.motion {
             Motion::Coordinate(index) | Motion::Follower(index) => {
-                return self.attach_moving(graph, link, joint, index, (carrier, pose));
+                return self.attach_moving(graph, link, joint, index, carrier, pose);
             }
             Motion::Fixed => 0.0,
             Motion::Held(position) => position,
@@ -98,7 +98,8 @@ impl<'g> DescribedTree<'g> {
         link: usize,
         joint: &Joint,
         index: usize,
-        (mut parent, mut pose): (Option<usize>, Pose<Scalar<'g>>),
+        mut parent: Option<usize>,
+        mut pose: Pose<Scalar<'g>>,
     ) {
         let motions = JointAxis::of(joint.kind);
         for (at, &(motion, rate)) in motions.iter().enumerate() {

@@ -23,7 +23,8 @@ const NONE: f64 = 1e-6;
 pub(super) fn warn(
     force: &PointForceDescription,
     distances: &Distances<'_>,
-    (robot, model): (&RobotDescription, &Model),
+    robot: &RobotDescription,
+    model: &Model,
     report: &mut Report,
 ) {
     let [link] = distances.changing()[..] else { return };

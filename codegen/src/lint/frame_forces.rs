@@ -60,7 +60,7 @@ pub(super) fn check(robot: &RobotDescription, model: &Model, report: &mut Report
                 idle_inputs::refuse_on_driven(&force.name, model, report);
             }
             if has_direction {
-                dead_centres::warn(force, &distances, (robot, model), report);
+                dead_centres::warn(force, &distances, robot, model, report);
             }
         }
     }

@@ -1,13 +1,12 @@
 //! Inputs at frames without effect: their column of B is zero.
 
-use super::levers::Levers;
+use super::levers::{ROUNDING, columns};
 use crate::description::{Name, RobotDescription, WrenchInputDescription};
 use crate::diagnostic::Report;
-use crate::model::{Attachment, ForceEffect, Model};
+use crate::model::{ForceEffect, Model};
 use crate::random::Random;
 use crate::wording::list;
 use gelenk_findings::Rule;
-use gelenk_formula::Formula;
 
 /// Sees: an input at a frame that cannot move any joint at the described values of the free parameters.
 /// Matters: its column of B is zero.
@@ -19,12 +18,13 @@ const SEED: u64 = 0x6964_6c65;
 
 /// Reports wrench inputs without effect.
 pub(super) fn check_wrenches(robot: &RobotDescription, model: &Model, report: &mut Report) {
-    for (input, found) in robot.wrench_inputs.iter().zip(&model.force_inputs[pulls(model)..]) {
-        let ForceEffect::Wrench { at, wrench } = &found.effect else { continue };
+    let wrenches = model.force_inputs.iter().enumerate().skip(pulls(model));
+    for (input, (index, found)) in robot.wrench_inputs.iter().zip(wrenches) {
+        let ForceEffect::Wrench { at, .. } = &found.effect else { continue };
         if !is_moved(at.link, model) {
             refuse_on_driven(&input.name, model, report);
         } else {
-            check_levers(input, (at, wrench), model, report);
+            check_levers(input, &at.name, model.input_drives().count() + index, model, report);
         }
     }
 }
@@ -58,22 +58,28 @@ pub(super) fn refuse_on_driven(name: &Name, model: &Model, report: &mut Report) 
 /// Warns of a wrench that does no work along any joint, although joints carry its frame.
 fn check_levers(
     input: &WrenchInputDescription,
-    (at, wrench): (&Attachment, &[Formula; 6]),
+    frame: &str,
+    column: usize,
     model: &Model,
     report: &mut Report,
 ) {
+    let acts = |parameters: &[f64]| {
+        let mut forces =
+            columns(model, parameters).into_iter().flat_map(|mut state| state.swap_remove(column));
+        forces.any(|[force, error]| force.abs() > ROUNDING * error)
+    };
     let described = model.described_parameters();
-    if Levers::new(model, described.clone()).are_moved_by(at, wrench) {
+    if acts(&described) {
         return;
     }
     let mut random = Random::new(SEED);
-    let others = described.iter().map(|value| value + random.either_side(0.1, 1.0)).collect();
-    let (name, frame) = (&input.name.value, &at.name);
+    let others: Vec<f64> = described.iter().map(|value| value + random.either_side(0.1, 1.0)).collect();
+    let name = &input.name.value;
     let message =
         format!("input `{name}` moves nothing: its wrench at `{frame}` does no work along any joint");
     let help = "a force moves a revolute joint if its line misses the axis, and a prismatic joint if it has \
                 a component along the axis; a moment needs a component along a revolute axis";
-    if Levers::new(model, others).are_moved_by(at, wrench) {
+    if acts(&others) {
         let message = format!("{message} at the described values of the free parameters");
         report.push(Some(input.wrench.span), MOVES_NOTHING.found(message));
         report.help(help);

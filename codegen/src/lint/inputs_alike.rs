@@ -1,6 +1,6 @@
 //! Inputs at frames with the same effect as other inputs.
 
-use super::levers::{Levers, ROUNDING};
+use super::levers::{ROUNDING, columns};
 use crate::description::RobotDescription;
 use crate::diagnostic::{Report, Span};
 use crate::model::{Actuator, ForceEffect, Model};
@@ -17,13 +17,15 @@ pub(super) fn note(robot: &RobotDescription, model: &Model, report: &mut Report)
     if model.force_inputs.is_empty() {
         return;
     }
-    let described = model.described_parameters();
-    let levers = Levers::new(model, described);
-    let inputs: Vec<(Actuator<'_>, Vec<Vec<f64>>)> =
-        model.inputs().map(|input| (input, levers.columns(input))).collect();
-    for (index, (input, columns)) in inputs.iter().enumerate() {
-        let mut before = inputs[..index].iter().filter(|(other, _)| !are_told_elsewhere(*other, *input));
-        if let Some((other, _)) = before.find(|(_, others)| are_parallel(others, columns)) {
+    let states = columns(model, &model.described_parameters());
+    let inputs: Vec<Actuator<'_>> = model.inputs().collect();
+    for (index, input) in inputs.iter().enumerate() {
+        let mut before = inputs[..index].iter().enumerate();
+        let is_alike = |(earlier, other): &(usize, &Actuator<'_>)| {
+            !are_told_elsewhere(**other, *input)
+                && states.iter().all(|state| are_parallel(&state[*earlier], &state[index]))
+        };
+        if let Some((_, other)) = before.find(is_alike) {
             note_inputs(robot, [other.name(), input.name()], report);
         }
     }
@@ -35,12 +37,10 @@ fn are_told_elsewhere(one: Actuator<'_>, other: Actuator<'_>) -> bool {
     one.drive().is_some() && (other.drive().is_some() || pulls(other))
 }
 
-fn are_parallel(some: &[Vec<f64>], others: &[Vec<f64>]) -> bool {
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    some.iter().zip(others).all(|(a, b)| {
-        let sizes = (dot(a, a) * dot(b, b)).sqrt();
-        sizes > 0.0 && dot(a, b).abs() > (1.0 - ROUNDING) * sizes
-    })
+fn are_parallel(a: &[[f64; 2]], b: &[[f64; 2]]) -> bool {
+    let dot = |a: &[[f64; 2]], b: &[[f64; 2]]| a.iter().zip(b).map(|([a, _], [b, _])| a * b).sum::<f64>();
+    let sizes = (dot(a, a) * dot(b, b)).sqrt();
+    sizes > 0.0 && dot(a, b).abs() > (1.0 - ROUNDING) * sizes
 }
 
 fn note_inputs(robot: &RobotDescription, [first, second]: [&str; 2], report: &mut Report) {

@@ -57,7 +57,7 @@ fn narrow_by_motor(name: &str, speed: &At<f64>, model: &mut Model, report: &mut 
         return refuse_name_of_follower(name, speed.span, model, report);
     };
     let Some(link) = model.link_of(coordinate) else { return };
-    narrow_speed(model, link, speed.value / ratio.abs(), (&format!("motor `{name}`"), speed.span), report);
+    narrow_speed(model, link, speed.value / ratio.abs(), &format!("motor `{name}`"), speed.span, report);
 }
 
 /// An error if a motor of several coordinates has the name of a follower. The speed limit of the motor and
@@ -73,8 +73,8 @@ fn refuse_name_of_follower(name: &str, span: Span, model: &Model, report: &mut R
     }
 }
 
-/// Lowers the speed limit of a coordinate. Adds a note if the description has a higher limit.
-fn narrow_speed(model: &mut Model, link: usize, limit: f64, (who, span): (&str, Span), report: &mut Report) {
+/// Lowers the limit of a coordinate's speed, and says so where another one was described.
+fn narrow_speed(model: &mut Model, link: usize, limit: f64, who: &str, span: Span, report: &mut Report) {
     let Some((joint, limits)) = limits_of(model, link) else { return };
     let described = limits.velocity;
     if described.is_some_and(|described| described <= limit) {
@@ -202,7 +202,7 @@ fn narrow_by_force(
     }
     if let Some(speed) = force.speed.as_ref().filter(|_| steepest > 0.0) {
         let who = format!("`{}`", force.name.value);
-        narrow_speed(model, path.link, speed.value / steepest, (&who, speed.span), report);
+        narrow_speed(model, path.link, speed.value / steepest, &who, speed.span, report);
     }
 }
 

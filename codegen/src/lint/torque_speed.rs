@@ -44,7 +44,7 @@ pub(super) fn check(robot: &RobotDescription, model: &Model, report: &mut Report
                 report.help("stall torque times gear ratio divided by no-load speed must be finite");
             }
             doubt_limits(name, motor, report);
-            note_effort(name, drive, (model, span), report);
+            note_effort(name, drive, model, span, report);
         }
     }
 }
@@ -84,8 +84,8 @@ fn doubt_limits(name: &str, motor: &DriveDescription, report: &mut Report) {
     }
 }
 
-/// A note if the effort limit of a joint is larger than its motor allows.
-fn note_effort(name: &str, drive: &Drive, (model, span): (&Model, Span), report: &mut Report) {
+/// An effort of the joint that its motor does not have.
+fn note_effort(name: &str, drive: &Drive, model: &Model, span: Span, report: &mut Report) {
     let joint = drive.coordinate().and_then(|coordinate| model.joints().nth(coordinate));
     let effort = joint.and_then(|joint| joint.limits.effort);
     let (Some(joint), Some(effort), Some(line)) = (joint, effort, drive.line) else { return };

@@ -255,8 +255,8 @@ fn link_inertia(link: &Link, defaults: &[f64]) -> Matrix {
     sum
 }
 
-/// Motion axis of a joint in the joint's own frame: rotation, then translation.
-pub(crate) fn motion_axis(joint: &Joint) -> [f64; 6] {
+/// Motion axis of a joint in its own frame, rotation first.
+fn motion_axis(joint: &Joint) -> [f64; 6] {
     let [x, y, z] = joint.axis;
     let [turn, slide] = joint.kind.turn_and_slide();
     [x * turn, y * turn, z * turn, x * slide, y * slide, z * slide]

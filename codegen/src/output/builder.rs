@@ -76,42 +76,42 @@ impl Builder {
     /// Rounds angles within this distance \[rad\] of a multiple of 90° to it.
     #[must_use]
     pub fn snap_angles(mut self, radians: f64) -> Self {
-        self.options.snap_angles = Some(radians);
+        self.options.reading.snap_angles = Some(radians);
         self
     }
 
     /// Leaves out friction.
     #[must_use]
     pub fn no_friction(mut self) -> Self {
-        self.options.no_friction = true;
+        self.options.reading.no_friction = true;
         self
     }
 
     /// Accepts robots whose mass matrix is not positive definite.
     #[must_use]
     pub fn accept_unphysical(mut self) -> Self {
-        self.options.accept_unphysical = true;
+        self.options.reading.accept_unphysical = true;
         self
     }
 
     /// Makes mimic joints independent joints.
     #[must_use]
     pub fn ignore_mimic(mut self) -> Self {
-        self.options.ignore_mimic = true;
+        self.options.reading.ignore_mimic = true;
         self
     }
 
     /// Makes the base floating: a floating joint connects it to the world.
     #[must_use]
     pub fn floating_base(mut self) -> Self {
-        self.options.floating_base = true;
+        self.options.reading.floating_base = true;
         self
     }
 
     /// Replaces `sign(v)` by `tanh(slope · v)` in friction and springs. The slope must be positive.
     #[must_use]
     pub fn smooth_sign(mut self, slope: f64) -> Self {
-        self.options.smooth_sign = Some(slope);
+        self.options.reading.smooth_sign = Some(slope);
         self
     }
 

@@ -88,7 +88,7 @@ fn of<'g>(graph: &'g Graph, values: &[Scalar<'g>], operand: Operand) -> Scalar<'
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::program::interpret::{Functions, interpret};
+    use crate::program::interpret::interpret;
     use crate::program::{Instruction, fuse_multiply_adds};
 
     /// Every operation that a program can hold, over x and two parameters.
@@ -122,9 +122,7 @@ mod tests {
 
     #[test]
     fn derivatives_are_those_of_differences() {
-        let evaluate = |program: &Program, p: [f64; 2]| {
-            interpret(program, &[&[0.7]], &p, &Functions::EMBEDDED).unwrap().concat()
-        };
+        let evaluate = |program: &Program, p: [f64; 2]| interpret(program, &[&[0.7]], &p).unwrap().concat();
         let (at, h) = ([0.8, -0.4], 1e-6);
         let plain = program();
         for program in [fuse_multiply_adds(&plain), plain] {

@@ -1,7 +1,7 @@
 //! Interpreter of programs. Its results are the reference for generated code, bit for bit.
 //!
-//! Interpreter and compiled function do the same operations in the same order with the same [`Functions`],
-//! and each operation is rounded once, so all bits agree. Only sign and payload of a NaN are not specified by
+//! Interpreter and compiled function do the same operations in the same order with the same elementary
+//! functions, and each operation is rounded once, so all bits agree. Only sign and payload of a NaN are not specified by
 //! IEEE 754.
 
 use core::fmt;
@@ -9,27 +9,6 @@ use core::fmt;
 use super::{Operand, Operation, Program};
 use gelenk_formula::Function;
 use gelenk_kernels::math;
-
-/// Functions of one argument that programs call.
-#[derive(Debug, Clone, Copy)]
-pub struct Functions {
-    /// Sine and cosine of an angle in radians.
-    pub sin_cos: fn(f64) -> (f64, f64),
-    /// Hyperbolic tangent.
-    pub tanh: fn(f64) -> f64,
-    /// Natural exponential.
-    pub exp: fn(f64) -> f64,
-}
-
-impl Functions {
-    /// Functions of `gelenk-kernels`, the default in generated code. Their results have the same bits on
-    /// every platform.
-    pub const EMBEDDED: Self = Self { sin_cos: math::sin_cos, tanh: math::tanh, exp: math::exp };
-
-    /// Functions of std, for modules with [`crate::emit::Math::Std`].
-    #[expect(clippy::disallowed_methods, reason = "a module with the functions of std computes these")]
-    pub const STD: Self = Self { sin_cos: f64::sin_cos, tanh: f64::tanh, exp: f64::exp };
-}
 
 /// Errors of running a program.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -69,14 +48,12 @@ pub fn interpret(
     program: &Program,
     inputs: &[&[f64]],
     parameters: &[f64],
-    functions: &Functions,
 ) -> Result<Vec<Vec<f64>>, InterpretError> {
     check_inputs(program, inputs)?;
     let mut state =
         State { inputs, parameters, values: Vec::with_capacity(program.instructions.len()), cosines: vec![] };
     for (index, instruction) in program.instructions.iter().enumerate() {
-        let value =
-            state.evaluate(index, instruction.operation, functions).ok_or(InterpretError::Operand(index))?;
+        let value = state.evaluate(index, instruction.operation).ok_or(InterpretError::Operand(index))?;
         state.values.push(value);
     }
     let end = program.instructions.len();
@@ -115,7 +92,7 @@ impl State<'_> {
         }
     }
 
-    fn evaluate(&mut self, index: usize, operation: Operation, functions: &Functions) -> Option<f64> {
+    fn evaluate(&mut self, index: usize, operation: Operation) -> Option<f64> {
         Some(match operation {
             Operation::Add(a, b) => self.read(a)? + self.read(b)?,
             Operation::Subtract(a, b) => self.read(a)? - self.read(b)?,
@@ -124,7 +101,7 @@ impl State<'_> {
             Operation::Negate(a) => -self.read(a)?,
             Operation::MultiplyAdd(a, b, c) => self.read(a)?.mul_add(self.read(b)?, self.read(c)?),
             Operation::SinCos(a) => {
-                let (sine, cosine) = (functions.sin_cos)(self.read(a)?);
+                let (sine, cosine) = math::sin_cos(self.read(a)?);
                 self.cosines.push((index, cosine));
                 sine
             }
@@ -132,17 +109,17 @@ impl State<'_> {
                 let place = self.cosines.binary_search_by_key(&pair, |&(index, _)| index).ok()?;
                 self.cosines[place].1
             }
-            Operation::Call(function, a) => call(function, self.read(a)?, functions),
+            Operation::Call(function, a) => call(function, self.read(a)?),
         })
     }
 }
 
-fn call(function: Function, x: f64, functions: &Functions) -> f64 {
+fn call(function: Function, x: f64) -> f64 {
     match function {
-        Function::Sin => (functions.sin_cos)(x).0,
-        Function::Cos => (functions.sin_cos)(x).1,
-        Function::Tanh => (functions.tanh)(x),
-        Function::Exp => (functions.exp)(x),
+        Function::Sin => math::sin_cos(x).0,
+        Function::Cos => math::sin_cos(x).1,
+        Function::Tanh => math::tanh(x),
+        Function::Exp => math::exp(x),
         Function::Abs => x.abs(),
         Function::Sign => sign(x),
         Function::Sqrt => x.sqrt(),

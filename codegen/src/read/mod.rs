@@ -124,7 +124,7 @@ fn mjcf_with(
 ) -> Result<(Model, Diagnostics), Diagnostics> {
     let mut reader = Reader::new(options);
     let file = Path::new(name).file_name().map(PathBuf::from).unwrap_or_default();
-    let robot = read_mjcf(&mut reader, (text, name), &file, options, load);
+    let robot = read_mjcf(&mut reader, text, name, &file, options, load);
     finish(reader, robot, options)
 }
 
@@ -265,7 +265,8 @@ fn read_urdf(reader: &mut Reader, text: &str, name: &str, options: &ReadOptions)
 /// - `path`: path of the file, in whose folder paths of included files begin
 fn read_mjcf(
     reader: &mut Reader,
-    (text, name): (&str, &str),
+    text: &str,
+    name: &str,
     path: &Path,
     options: &ReadOptions,
     load: &mut dyn Fetch,
@@ -273,7 +274,7 @@ fn read_mjcf(
     let text = without_mark(text);
     let source = reader.report.add_source(name, text);
     let Reader { report, angles, .. } = reader;
-    mjcf::description((report, angles), (text, source), path, options, load)
+    mjcf::description(report, angles, text, source, path, options, load)
 }
 
 /// Largest number of descriptions that extend each other.
@@ -389,7 +390,7 @@ fn read_base(
     }
     match chain.load.text(&path.to_string_lossy()) {
         Ok((name, text)) if is_xml(&name, &text) && file_kind::is_mjcf(&text) => {
-            read_mjcf(reader, (&text, &name), &path, options, chain.load)
+            read_mjcf(reader, &text, &name, &path, options, chain.load)
         }
         Ok((name, text)) if is_xml(&name, &text) => read_urdf(reader, &text, &name, options),
         Ok((name, text)) => read_toml(reader, &text, &name, options, chain),

@@ -7,13 +7,8 @@ use std::collections::BTreeSet;
 /// Keeps the tree that contains a link, from the base outwards. Removes other robots and objects.
 ///
 /// - `base`: link that carries all trees
-/// - `wanted`: name of the link, with the place of the request
-pub(super) fn keep(
-    robot: &mut RobotDescription,
-    base: &str,
-    (wanted, span): (&str, Span),
-    report: &mut Report,
-) {
+/// - `wanted`: the link, with the place of the request
+pub(super) fn keep(robot: &mut RobotDescription, base: &str, wanted: &str, span: Span, report: &mut Report) {
     if wanted == base || !robot.links.iter().any(|link| link.value == wanted) {
         report.error(span, "unknown-link", format!("no body has the name `{wanted}`"));
         let others = robot.links.iter().map(|link| link.value.as_str()).filter(|link| *link != base);

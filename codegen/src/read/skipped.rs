@@ -5,32 +5,39 @@ use std::collections::BTreeMap;
 use crate::diagnostic::{Diagnostic, Report, Severity, Span};
 use crate::wording::listed;
 
-/// A kind of remark about a description. A kind gives one note for all its occurrences.
-pub(super) trait Remark: Copy + Ord {
-    fn code(self) -> &'static str;
-    fn severity(self) -> Severity;
-    fn text(self) -> &'static str;
+/// A kind of remark about a description. It gives one note, however often it occurs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Remark {
+    severity: Severity,
+    code: &'static str,
+    text: &'static str,
+}
+
+impl Remark {
+    pub(super) const fn note(code: &'static str, text: &'static str) -> Self {
+        Self { severity: Severity::Note, code, text }
+    }
+
+    pub(super) const fn warning(code: &'static str, text: &'static str) -> Self {
+        Self { severity: Severity::Warning, code, text }
+    }
 }
 
 /// Collects the remarks of a format during the reading of a file.
-#[derive(Debug)]
-pub(super) struct Notes<R> {
+#[derive(Debug, Default)]
+pub(super) struct Notes {
     /// Skipped elements and attributes, each with its first place and the number of its occurrences.
     skipped: BTreeMap<String, (Span, usize)>,
-    /// Remarks, each with its first place and the names of the parts that it concerns.
-    remarks: BTreeMap<R, (Span, Vec<String>)>,
+    /// First place and owners.
+    remarks: BTreeMap<Remark, (Span, Vec<String>)>,
 }
 
-impl<R: Remark> Notes<R> {
-    pub(super) fn new() -> Self {
-        Self { skipped: BTreeMap::new(), remarks: BTreeMap::new() }
-    }
-
+impl Notes {
     pub(super) fn skip(&mut self, what: String, span: Span) {
         self.skipped.entry(what).or_insert((span, 0)).1 += 1;
     }
 
-    pub(super) fn remark(&mut self, remark: R, span: Span, owner: String) {
+    pub(super) fn remark(&mut self, remark: Remark, span: Span, owner: String) {
         let entry = self.remarks.entry(remark);
         entry.or_insert_with(|| (span, Vec::new())).1.push(owner);
     }
@@ -42,9 +49,8 @@ impl<R: Remark> Notes<R> {
         note_skipped(harmless, report);
         note_unknown(unknown, report);
         for (remark, (span, owners)) in self.remarks {
-            let message = format!("{}: {}", remark.text(), listed(owners.into_iter()));
-            let entry =
-                Diagnostic { severity: remark.severity(), ..Diagnostic::note(remark.code(), message) };
+            let message = format!("{}: {}", remark.text, listed(owners.into_iter()));
+            let entry = Diagnostic { severity: remark.severity, ..Diagnostic::note(remark.code, message) };
             report.push(Some(span), entry);
         }
     }

@@ -1,6 +1,6 @@
 //! Joints and shafts that follow coordinates and have their own friction or springs.
 
-use gelenk_report::{Cell, Inline, Table};
+use gelenk_report::{Cell, Table};
 
 use super::formula::Motion;
 use super::robot::Robot;
@@ -68,10 +68,10 @@ impl Following<'_> {
 ///
 /// - `what`: friction or springs, which these joints and shafts have
 pub(super) fn table(robot: &Robot<'_>, following: &[Following<'_>], what: &str) -> Table {
-    let math = |latex: String| Cell::Line(vec![Inline::Math(latex)]);
     let rows = following.iter().map(|one| {
         let motion = robot.followed(&one.follows, one.offset);
-        vec![math(format!("z_{{{}}}", one.number)), Cell::text(one.name), Cell::text(one.what), math(motion)]
+        let symbol = [format!("z_{{{}}}", one.number), format!("z{}", one.number)];
+        vec![Cell::formula(symbol), Cell::text(one.name), Cell::text(one.what), Cell::formula(motion)]
     });
     let caption = format!("Joints and shafts that follow coordinates and have their own {what}.");
     Table::new(format!("{what}-following"), &caption)

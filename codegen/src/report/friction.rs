@@ -115,7 +115,7 @@ pub(super) fn friction_figure(robot: &Robot<'_>, following: &[Following<'_>]) ->
         let of_kind: Vec<&(usize, &Joint)> =
             rubbing.iter().filter(|(_, joint)| (joint.kind == JointKind::Prismatic) == prismatic).collect();
         for group in of_kind.chunks(CURVES) {
-            figure = figure.plot(friction_plot(robot, (group, following), prismatic)?);
+            figure = figure.plot(friction_plot(robot, group, following, prismatic)?);
         }
     }
     (!figure.plots.is_empty()).then_some(figure)
@@ -123,7 +123,8 @@ pub(super) fn friction_figure(robot: &Robot<'_>, following: &[Following<'_>]) ->
 
 fn friction_plot(
     robot: &Robot<'_>,
-    (joints, following): (&[&(usize, &Joint)], &[Following<'_>]),
+    joints: &[&(usize, &Joint)],
+    following: &[Following<'_>],
     prismatic: bool,
 ) -> Option<Plot> {
     let (velocity, force) = if prismatic {

@@ -14,17 +14,19 @@ mod sparsity;
 mod springs;
 mod tables;
 
-use gelenk_report::{Block, Inline, Report, ReportError, Section, plain, text};
+use gelenk_report::{Block, Inline, Report, ReportError, Section, Table, plain, text};
 
 use crate::diagnostic::Diagnostics;
 use crate::functions::function::Function;
 use crate::model::{Model, QuaternionJoint};
+use crate::program::cost;
 use equations::ClosedFormText;
 use robot::Robot;
 use std::ops::Range;
 
 pub(crate) use equations::EQUATIONS;
 pub use equations::{ClosedForm, Symbol, sums, sums_document};
+pub(crate) use tables::counts;
 
 /// Contents of a page.
 #[derive(Debug, Clone, Copy)]
@@ -116,9 +118,19 @@ fn driven(robot: &Robot<'_>) -> Option<String> {
 }
 
 fn parameters_section(robot: &Robot<'_>) -> Section {
-    let mut section = Section::new("parameters", "Parameters and limits");
-    section = section.block(Block::Table(tables::coordinates(robot)));
-    for table in [
+    Section::new("parameters", "Parameters and limits")
+        .blocks(tables_of(robot).map(Block::Table))
+        .block(text(&format!("Gravity is {} in the base frame.", tables::gravity(robot))))
+}
+
+/// Tables of the described numbers.
+pub(crate) fn tables(model: &Model) -> Vec<Table> {
+    tables_of(&Robot::new(model, &[])).collect()
+}
+
+fn tables_of(robot: &Robot<'_>) -> impl Iterator<Item = Table> {
+    let tables = [
+        Some(tables::coordinates(robot)),
         tables::dependent(robot),
         tables::drives(robot),
         tables::forces_at_frames(robot),
@@ -127,13 +139,8 @@ fn parameters_section(robot: &Robot<'_>) -> Section {
         tables::geometry(robot),
         tables::frames(robot),
         tables::parameters(robot),
-    ]
-    .into_iter()
-    .flatten()
-    {
-        section = section.block(Block::Table(table));
-    }
-    section.block(text(&format!("Gravity is {} in the base frame.", tables::gravity(robot))))
+    ];
+    tables.into_iter().flatten()
 }
 
 fn equations_section(
@@ -160,6 +167,9 @@ fn equations_section(
 }
 
 fn structure_section(robot: &Robot<'_>) -> Section {
+    let costs =
+        robot.functions.iter().map(|function| (function.name.clone(), cost::count(&function.program)));
+    let costs: Vec<_> = costs.collect();
     let forces = match robot.has_load_friction() {
         false => "$f = M \\ddot y + k - q$ are the forces of the inverse dynamics.",
         true => "$f$ are the forces of the inverse dynamics.",
@@ -168,7 +178,7 @@ fn structure_section(robot: &Robot<'_>) -> Section {
     Section::new("structure", "Sparsity and cost")
         .block(text(&words))
         .block(Block::Patterns(sparsity::patterns(robot)))
-        .block(Block::Table(tables::counts(robot.functions)))
+        .block(Block::Table(counts(&costs, &[])))
 }
 
 fn self_check_section(robot: &Robot<'_>) -> Section {
@@ -301,16 +311,20 @@ mod tests {
         let [names, sizes, positions, velocities] =
             ["JOINT_NAMES", "JOINT_POSITIONS", "FIRST_POSITIONS", "FIRST_VELOCITIES"].map(constant);
         let number = |text: &str| text.parse::<usize>().unwrap() + 1;
-        let math = |latex: String| Cell::Line(vec![Inline::Math(latex)]);
         let table = tables::coordinates(&robot);
         assert_eq!(table.rows.iter().filter(|row| row[0] == Cell::Empty).count(), 9);
         for (joint, name) in names.iter().enumerate() {
             let first = number(&velocities[joint]);
             let row = &table.rows[first - 1];
-            assert_eq!(row[1], math(format!("\\dot{{y}}_{{{first}}}")), "{name}");
+            assert_eq!(
+                row[1],
+                Cell::formula([format!("\\dot{{y}}_{{{first}}}"), format!("v{first}")]),
+                "{name}"
+            );
             let is_plain = sizes[joint] == "1";
-            let expected =
-                if is_plain { math(format!("y_{{{}}}", number(&positions[joint]))) } else { Cell::Empty };
+            let position = number(&positions[joint]);
+            let symbol = [format!("y_{{{position}}}"), format!("y{position}")];
+            let expected = if is_plain { Cell::formula(symbol) } else { Cell::Empty };
             assert_eq!(row[0], expected, "{name}");
             assert!(!is_plain || row[2] == Cell::Text(name.clone()), "{name}");
         }

@@ -1,11 +1,11 @@
 //! A robot whose functions are evaluated by the interpreter.
 
-use super::formula::Motion;
+use super::formula::{self, Motion};
 use crate::dynamics::load_friction;
 use crate::functions::function::Function;
 use crate::layout::Dimension;
 use crate::model::{Actuator, Body, FollowedCoordinate, Joint, Link, Model};
-use crate::program::interpret::{Functions, interpret};
+use crate::program::interpret::interpret;
 use gelenk_formula::Formula;
 use gelenk_report::SceneSymbol;
 
@@ -46,13 +46,14 @@ impl<'a> Robot<'a> {
         }
     }
 
-    /// Symbol of a coordinate in LaTeX.
-    pub(super) fn symbol(&self, coordinate: usize) -> String {
-        match self.named(coordinate) {
-            SceneSymbol::Position(index) => format!("y_{{{}}}", index + 1),
-            SceneSymbol::Velocity(index) => format!("\\dot{{y}}_{{{}}}", index + 1),
-            SceneSymbol::Driven(index) => format!("d_{{{}}}", index + 1),
-        }
+    /// This symbol in LaTeX and as text.
+    pub(super) fn symbol(&self, coordinate: usize) -> [String; 2] {
+        let (latex, letter, index) = match self.named(coordinate) {
+            SceneSymbol::Position(index) => ("y", "y", index),
+            SceneSymbol::Velocity(index) => ("\\dot{y}", "v", index),
+            SceneSymbol::Driven(index) => ("d", "d", index),
+        };
+        [format!("{latex}_{{{}}}", index + 1), format!("{letter}{}", index + 1)]
     }
 
     /// Symbols of the position and the velocity of a coordinate.
@@ -60,25 +61,47 @@ impl<'a> Robot<'a> {
         Motion { letter: 'y', position: self.model.first_position(coordinate) + 1, velocity: coordinate + 1 }
     }
 
-    /// The sum `\sum ratio y_i + offset` in LaTeX.
-    pub(super) fn followed(&self, terms: &[FollowedCoordinate], offset: f64) -> String {
-        let mut sum = String::new();
-        let signed = terms.iter().map(|term| {
-            let ratio = self.value(&term.ratio);
-            let size = if ratio.abs() == 1.0 { String::new() } else { format!("{}\\,", ratio.abs()) };
-            (ratio < 0.0, format!("{size}{}", self.symbol(term.coordinate)))
-        });
-        let offset = (offset != 0.0).then(|| (offset < 0.0, offset.abs().to_string()));
-        for (is_negative, text) in signed.chain(offset) {
-            sum += match (sum.is_empty(), is_negative) {
-                (true, false) => "",
-                (true, true) => "-",
-                (false, false) => " + ",
-                (false, true) => " - ",
+    /// `\sum ratio y_i + offset` in LaTeX and as text.
+    pub(super) fn followed(&self, terms: &[FollowedCoordinate], offset: f64) -> [String; 2] {
+        let mut sums = [String::new(), String::new()];
+        let mut add = |is_negative: bool, summand: [String; 2]| {
+            for (sum, summand) in sums.iter_mut().zip(summand) {
+                *sum += match (sum.is_empty(), is_negative) {
+                    (true, false) => "",
+                    (true, true) => "-",
+                    (false, false) => " + ",
+                    (false, true) => " - ",
+                };
+                *sum += &summand;
+            }
+        };
+        for term in terms {
+            let [latex, text] = self.symbol(term.coordinate);
+            let ratio = term.ratio.as_number();
+            let [by_latex, by_text] = match ratio.map(f64::abs) {
+                Some(1.0) => Default::default(),
+                Some(size) => [format!("{size}\\,"), format!("{size} ")],
+                None => self.formula(&term.ratio).map(|ratio| format!("({ratio}) ")),
             };
-            sum += &text;
+            add(ratio.is_some_and(|ratio| ratio < 0.0), [by_latex + &latex, by_text + &text]);
         }
-        sum
+        if offset != 0.0 {
+            add(offset < 0.0, [offset.abs().to_string(), offset.abs().to_string()]);
+        }
+        sums
+    }
+
+    /// A formula of free parameters in LaTeX and as text.
+    pub(super) fn formula(&self, formula: &Formula) -> [String; 2] {
+        [
+            formula::latex(formula, &self.parameter_names, Motion::numbered('y', 0)),
+            formula.text(&self.names()),
+        ]
+    }
+
+    /// Names of the free parameters.
+    pub(super) fn names(&self) -> Vec<&str> {
+        self.parameter_names.iter().map(String::as_str).collect()
     }
 
     /// Number of coordinates.
@@ -146,7 +169,7 @@ impl<'a> Robot<'a> {
     fn results(&self, function: &Function, inputs: &[&[f64]]) -> Option<Vec<Vec<f64>>> {
         let driven: &[&[f64]] = if self.takes_driven(function) { &[&self.driven] } else { &[] };
         let inputs = [inputs, driven].concat();
-        interpret(&function.program, &inputs, &self.parameters, &Functions::EMBEDDED).ok()
+        interpret(&function.program, &inputs, &self.parameters).ok()
     }
 
     /// First result of a function, flat and row-major; `None` if no function has this name or inputs do not

@@ -8,7 +8,7 @@ use super::robot::Robot;
 use crate::function_names;
 use crate::functions::function::Function;
 use crate::model::Definiteness;
-use crate::program::interpret::{Functions, interpret};
+use crate::program::interpret::interpret;
 use crate::self_test;
 use crate::verify;
 
@@ -71,7 +71,7 @@ const ROUNDING: f64 = 1e-12;
 fn least_eigenvalue(robot: &Robot<'_>, function: &Function, seed: u64) -> Option<f64> {
     let arguments = self_test::arguments(robot.model, function, seed);
     let arguments: Vec<&[f64]> = arguments.iter().map(Vec::as_slice).collect();
-    let results = interpret(&function.program, &arguments, &robot.parameters, &Functions::EMBEDDED).ok()?;
+    let results = interpret(&function.program, &arguments, &robot.parameters).ok()?;
     let mass = DMatrix::from_row_slice(robot.n(), robot.n(), results.first()?);
     let diagonal = mass.diagonal();
     if diagonal.min() < 0.0 {

@@ -1,17 +1,15 @@
 //! Tables of the numbers of a robot, with their units.
 
-use gelenk_report::{Cell, Inline, SceneSymbol, Table};
+use gelenk_report::{Cell, SceneSymbol, Table};
 
-use super::formula;
 use super::robot::Robot;
 use crate::diagnostic::Diagnostics;
-use crate::functions::function::Function;
 use crate::model::{
     Actuator, Attachment, Drive, FollowedCoordinate, ForceEffect, Input, Joint, JointKind, Motion, Pose,
     RotorCoupling, TorqueSpeedLine, WrenchAxes,
 };
 use crate::numeric::{atan2, length};
-use crate::program::cost;
+use crate::program::cost::Cost;
 use gelenk_formula::Formula;
 
 /// Table of independent and driven joints, with limits.
@@ -37,9 +35,10 @@ pub(super) fn coordinates(robot: &Robot<'_>) -> Table {
     table.rows(joints.map(|(coordinate, joint)| {
         let mut row = vec![match robot.named(coordinate) {
             SceneSymbol::Velocity(_) => Cell::Empty,
-            SceneSymbol::Position(_) | SceneSymbol::Driven(_) => math(robot.symbol(coordinate)),
+            SceneSymbol::Position(_) | SceneSymbol::Driven(_) => Cell::formula(robot.symbol(coordinate)),
         }];
-        row.extend(has_quaternions.then(|| math(format!("\\dot{{y}}_{{{}}}", coordinate + 1))));
+        let velocity = [format!("\\dot{{y}}_{{{}}}", coordinate + 1), format!("v{}", coordinate + 1)];
+        row.extend(has_quaternions.then(|| Cell::formula(velocity)));
         row.extend(limit_cells(joint, role(robot, coordinate, joint)));
         row
     }))
@@ -58,10 +57,6 @@ fn limit_cells(joint: &Joint, role: String) -> [Cell; 7] {
         Cell::exact_or_empty(limits.effort),
         Cell::exact_or_empty(limits.peak_effort),
     ]
-}
-
-fn math(latex: String) -> Cell {
-    Cell::Line(vec![Inline::Math(latex)])
 }
 
 /// Type of a coordinate's joint. For a velocity of a joint with a quaternion, the name of this joint.
@@ -85,10 +80,7 @@ fn kind(kind: JointKind) -> String {
 fn cell(robot: &Robot<'_>, value: &Formula) -> Cell {
     match value.as_number() {
         Some(number) => Cell::Exact(number),
-        None => {
-            let latex = formula::latex(value, &robot.parameter_names, formula::Motion::numbered('y', 0));
-            Cell::Line(vec![Inline::Math(latex)])
-        }
+        None => Cell::formula(robot.formula(value)),
     }
 }
 
@@ -132,7 +124,7 @@ pub(super) fn drives(robot: &Robot<'_>) -> Option<Table> {
     let rows = drives.iter().map(|drive| {
         let mut inputs = robot.inputs().into_iter();
         let index = match inputs.position(|input| input.name() == drive.name) {
-            Some(index) => Cell::Line(vec![Inline::Math(format!("u_{{{}}}", index + 1))]),
+            Some(index) => Cell::formula([format!("u_{{{}}}", index + 1), format!("u{}", index + 1)]),
             None => Cell::Empty,
         };
         let speed = have_speeds.then(|| Cell::exact_or_empty(drive.speed));
@@ -150,11 +142,17 @@ pub(super) fn drives(robot: &Robot<'_>) -> Option<Table> {
 /// forces.
 pub(super) fn forces_at_frames(robot: &Robot<'_>) -> Option<Table> {
     let model = robot.model;
-    let parameters: Vec<&str> = robot.parameter_names.iter().map(String::as_str).collect();
+    let parameters = robot.names();
     let between = |[a, b]: &[Attachment; 2]| format!("{} – {}", a.name, b.name);
+    let row = |input: Option<usize>, name: &str, place: String, force: String| -> Vec<Cell> {
+        let index =
+            input.map_or(Cell::Empty, |index| Cell::formula([format!("u_{{{index}}}"), format!("u{index}")]));
+        let cells = [index, Cell::text(name), Cell::Text(place), Cell::Text(force)];
+        cells.into_iter().chain([Cell::Empty, Cell::Empty, Cell::Empty]).collect()
+    };
     let laws = model.point_forces.iter().map(|force| {
         let law = format!("pulls with {} N", force.law.distance_text(&parameters));
-        [String::new(), force.name.clone(), between(&force.between), law, String::new()]
+        row(None, &force.name, between(&force.between), law)
     });
     let drives = model.input_drives().count();
     let inputs = model.force_inputs.iter().enumerate().map(|(index, input)| {
@@ -165,17 +163,21 @@ pub(super) fn forces_at_frames(robot: &Robot<'_>) -> Option<Table> {
                 (at.name.clone(), format!("u · ({})", entries.join(", ")))
             }
         };
-        let limits = input.limits.map_or(String::new(), |[low, high]| format!("{low} … {high}"));
-        [format!("u{}", drives + index + 1), input.name.clone(), place, effect, limits]
+        let mut row = row(Some(drives + index + 1), &input.name, place, effect);
+        if let Some([low, high]) = input.limits {
+            let unit = model.input_unit(Actuator::Force(input));
+            row.splice(4.., [Cell::Exact(low), Cell::Exact(high), Cell::text(unit)]);
+        }
+        row
     });
     let wrenches = model.wrenches.iter().map(|wrench| {
         let axes = match wrench.axes {
             WrenchAxes::Frame => "an argument, in the axes of the frame",
             WrenchAxes::Base => "an argument, in the axes of the base",
         };
-        [String::new(), wrench.name.clone(), wrench.at.name.clone(), axes.to_owned(), String::new()]
+        row(None, &wrench.name, wrench.at.name.clone(), axes.to_owned())
     });
-    let rows: Vec<[String; 5]> = laws.chain(inputs).chain(wrenches).collect();
+    let rows: Vec<Vec<Cell>> = laws.chain(inputs).chain(wrenches).collect();
     if rows.is_empty() {
         return None;
     }
@@ -187,8 +189,10 @@ pub(super) fn forces_at_frames(robot: &Robot<'_>) -> Option<Table> {
     .column("name", "name", "")
     .column("acts at", "place", "")
     .column("force", "force", "")
-    .column("limits", "limits", "");
-    Some(table.rows(rows.into_iter().map(|row| row.into_iter().map(Cell::Text).collect())))
+    .column("lowest", "lowest input", "")
+    .column("highest", "highest input", "")
+    .column("unit", "unit", "");
+    Some(table.rows(rows))
 }
 
 /// Table of the limits of followers, and of motors that move several joints; `None` without limits.
@@ -205,13 +209,7 @@ pub(super) fn dependent(robot: &Robot<'_>) -> Option<Table> {
             };
             let motion = robot.followed(&ratios.map(term).collect::<Vec<_>>(), one.offset);
             let [low, high] = one.position.map(finite);
-            vec![
-                Cell::Text(one.name.to_owned()),
-                Cell::Line(vec![Inline::Math(motion)]),
-                low,
-                high,
-                finite(one.velocity),
-            ]
+            vec![Cell::Text(one.name.to_owned()), Cell::formula(motion), low, high, finite(one.velocity)]
         })
         .collect();
     if rows.is_empty() {
@@ -234,7 +232,7 @@ fn drive_row(robot: &Robot<'_>, drive: &Drive) -> Vec<Cell> {
     let joint = match drive.coordinate() {
         Some(index) => Cell::text(robot.joints()[index].name.as_str()),
         None if drive.acts_on.is_empty() => Cell::text(""),
-        None => Cell::Line(vec![Inline::Math(robot.followed(&drive.acts_on, 0.0))]),
+        None => Cell::formula(robot.followed(&drive.acts_on, 0.0)),
     };
     let coupling = match drive.coupling {
         RotorCoupling::Body => "a body",
@@ -285,7 +283,8 @@ pub(super) fn bodies(robot: &Robot<'_>) -> Option<Table> {
 
 /// Table of inertias; `None` without bodies.
 pub(super) fn inertias(robot: &Robot<'_>) -> Option<Table> {
-    let caption = "Inertia of the bodies about their centres of mass, in axes of the links ($I_{xy} = -\\int x\\,y\\,\\mathrm{d}m$).";
+    let caption =
+        "Inertia of the bodies about their centres of mass, in axes of the links (I_xy = −∫ x y dm).";
     let mut table = Table::new("inertias", caption).column("body", "body", "");
     for entry in ["xx", "xy", "xz", "yy", "yz", "zz"] {
         table = table.column(&format!("$I_{{{entry}}}$"), format!("I_{entry}"), "kg m²");
@@ -307,7 +306,7 @@ pub(super) fn geometry(robot: &Robot<'_>) -> Option<Table> {
     }
     let table = Table::new(
         "geometry",
-        "Joints: origin of the joint frame in the parent link's frame, its roll, pitch and yaw there ($R = R_z R_y R_x$), and the axis in the \
+        "Joints: origin of the joint frame in the parent link's frame, its roll, pitch and yaw there (R = R_z R_y R_x), and the axis in the \
          joint frame.",
     )
     .column("joint", "joint", "")
@@ -321,11 +320,10 @@ pub(super) fn geometry(robot: &Robot<'_>) -> Option<Table> {
                 let position = short(position).to_string().replace('-', "−");
                 Cell::text(format!("held at {position} {}", joint.kind.unit()))
             }
-            Motion::Coordinate(index) => Cell::Line(vec![Inline::Math(robot.symbol(index))]),
+            Motion::Coordinate(index) => Cell::formula(robot.symbol(index)),
             Motion::Follower(index) => {
                 let moving = robot.model.moving_joints();
-                let text = robot.followed(&moving[index].follows, moving[index].offset);
-                Cell::Line(vec![Inline::Math(text)])
+                Cell::formula(robot.followed(&moving[index].follows, moving[index].offset))
             }
         };
         let mut row = vec![Cell::Text(joint.name.clone()), link_name(robot, joint.parent), motion];
@@ -411,33 +409,26 @@ pub(super) fn gravity(robot: &Robot<'_>) -> String {
     format!("({}) m/s²", numbers.join(", ").replace('-', "−"))
 }
 
-/// Table of the operation counts of all functions.
-pub(super) fn counts(functions: &[Function]) -> Table {
-    let table = Table::new(
+/// Operation counts of functions, with the bytes of machine code if given; `None` for inlined functions.
+pub(crate) fn counts(functions: &[(String, Cost)], bytes: &[Option<u64>]) -> Table {
+    let mut table = Table::new(
         "operations",
         "Operations of each generated function, counted as in robotics papers: a subtraction counts as an \
          addition, and one call computes sine and cosine of an angle.",
-    )
-    .column("function", "function", "")
-    .column("multiplications", "multiplications", "")
-    .column("additions", "additions", "")
-    .column("divisions", "divisions", "")
-    .column("sin and cos", "sin_cos", "")
-    .column("other calls", "other calls", "")
-    .column("selections", "selections", "");
-    table.rows(functions.iter().map(|function| {
-        let cost = cost::count(&function.program);
-        let counts = [
-            cost.multiplications,
-            cost.additions,
-            cost.divisions,
-            cost.sin_cos,
-            cost.other_calls,
-            cost.selections,
-        ];
-        let mut row = vec![Cell::Code(function.name.clone())];
-        row.extend(counts.map(Cell::Count));
-        row
+    );
+    let counts = ["multiplications", "additions", "divisions", "sin_cos", "other calls", "selections"];
+    let bytes_column = (!bytes.is_empty()).then_some("bytes");
+    for name in ["function"].into_iter().chain(counts).chain(bytes_column) {
+        table = table.column(if name == "sin_cos" { "sin and cos" } else { name }, name, "");
+    }
+    table.rows(functions.iter().enumerate().map(|(index, (name, cost))| {
+        let Cost { multiplications, additions, divisions, sin_cos, other_calls, selections } = *cost;
+        let counts = [multiplications, additions, divisions, sin_cos, other_calls, selections];
+        let size = bytes.get(index).map(|size| match size {
+            Some(size) => Cell::Count(usize::try_from(*size).unwrap_or(usize::MAX)),
+            None => Cell::text("inlined"),
+        });
+        [Cell::Code(name.clone())].into_iter().chain(counts.map(Cell::Count)).chain(size).collect()
     }))
 }
 

@@ -187,6 +187,11 @@ impl<'m, T: Number> Case<'m, T> {
 
     /// Input matrix B. Rows are coordinates.
     pub fn input_matrix(&self) -> Rows<T> {
+        transposed(&self.input_columns(), self.n())
+    }
+
+    /// Columns of B.
+    pub fn input_columns(&self) -> Rows<T> {
         let links = self.links();
         let column = |input: Actuator<'_>| match input {
             Actuator::Drive(drive) => {
@@ -214,8 +219,7 @@ impl<'m, T: Number> Case<'m, T> {
                 }
             },
         };
-        let columns: Rows<T> = self.model().inputs().map(column).collect();
-        transposed(&columns, self.n())
+        self.model().inputs().map(|input| self.own(column(input))).collect()
     }
 
     fn friction_sum(&self, terms: &[FrictionTerm], y: T, v: T) -> T {

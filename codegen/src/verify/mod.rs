@@ -16,7 +16,7 @@ mod space;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::functions::function::Function;
 use crate::model::{JointPosition, Model};
-use crate::program::interpret::{Functions, interpret};
+use crate::program::interpret::interpret;
 use crate::self_test;
 use case::Case;
 use functions::expected;
@@ -90,7 +90,7 @@ fn differences(model: &Model, function: &Function, seed: u64) -> Vec<Disagreemen
     let arguments = self_test::arguments(model, function, seed);
     let parameters = model.described_parameters();
     let slices: Vec<&[f64]> = arguments.iter().map(Vec::as_slice).collect();
-    let Ok(found) = interpret(&function.program, &slices, &parameters, &Functions::EMBEDDED) else {
+    let Ok(found) = interpret(&function.program, &slices, &parameters) else {
         return vec![unknown(function)];
     };
     let names: Vec<&str> = function.program.inputs.iter().map(|input| input.name.as_str()).collect();
@@ -122,6 +122,15 @@ pub fn mass_and_bias(model: &Model, y: &[f64], v: &[f64]) -> [Vec<f64>; 2] {
     let case = given.case(parameters.collect());
     let results = [case.mass_matrix(case.n()).concat(), case.bias_forces()];
     results.map(|result| result.into_iter().map(|x| x.value).collect())
+}
+
+/// Columns of B at positions of the coordinates and motions of driven joints, with the running error of each entry.
+#[must_use]
+pub(crate) fn input_columns(model: &Model, parameters: &[f64], [y, d]: [&[f64]; 2]) -> Vec<Vec<[f64; 2]>> {
+    let given = Given { model, names: &["y", "d"], arguments: &[y.to_vec(), d.to_vec()] };
+    let case = given.case(parameters.iter().map(|&p| Measured::constant(p)).collect());
+    let columns = case.input_columns().into_iter();
+    columns.map(|column| column.into_iter().map(|x| [x.value, x.error]).collect()).collect()
 }
 
 /// Suffix of the name of a function's derivative with respect to the free parameters.

@@ -206,7 +206,7 @@ fn a_full_disk_leaves_what_was_there() {
 fn an_export_writes_over_exports_alone() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
-    fs::write(path("arm.toml"), include_str!("../../src/cli/template/robot.toml")).unwrap();
+    fs::write(path("arm.toml"), include_str!("../../src/cli/template/robot/arm.toml")).unwrap();
     fs::write(path("mine.xml"), "<mujoco/>\n").unwrap();
     let export = |words: &[&str]| gelenk(folder.path(), &[&["export", "arm.toml"], words].concat());
     for format in ["--mjcf", "--urdf"] {

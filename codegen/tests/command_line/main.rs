@@ -146,10 +146,10 @@ fn mechanism_of_the_satellite() {
     assert!(!text.contains("base_rx") && !text.contains("free  "), "{text}");
     let json = gelenk(&models, &["inspect", "mechanism", "satellite.toml", "--format", "json"]);
     let json: serde_json::Value = serde_json::from_slice(&json.stdout).unwrap();
-    assert_eq!(json.as_array().map(Vec::len), Some(5));
-    assert_eq!(json[0]["positions"], serde_json::json!([1, 7]));
-    assert_eq!(json[1]["follows"][0]["position"], 8);
-    assert_eq!(json[4]["velocities"], serde_json::json!([10, 12]));
+    let frames = json["frames"].as_array().unwrap();
+    assert_eq!((frames.len(), json["moments"].as_array().map(Vec::len)), (5, Some(5)));
+    assert_eq!([&frames[0]["follows"], &frames[1]["follows"]], ["y1 … y7", "y8"]);
+    assert!(frames[4]["gamma"].is_null() && frames[4]["z"] == 0.3, "{json}");
 }
 
 /// Functions without counts are listed with the functions they call.

@@ -125,8 +125,7 @@ fn a_new_crate_of_a_legged_robot_on_a_fixed_base_is_noted() {
     assert!(made.stderr.is_empty(), "{}", shown(&made));
 }
 
-/// The new description states the free base, and its comments suggest propellers for links that turn on the
-/// base about its z.
+/// The new description states the free base, and its comments offer drives for all joints but the base's own.
 #[test]
 fn a_new_crate_has_a_robot_that_floats() {
     let folder = tempfile::tempdir().unwrap();
@@ -136,14 +135,6 @@ fn a_new_crate_has_a_robot_that_floats() {
     assert_eq!(refused.status.code(), Some(1), "{}", shown(&refused));
     let body = r#"<link name="base"><inertial><mass value="2"/><inertia ixx="1e-2" ixy="0" ixz="0" iyy="1e-2" iyz="0" izz="1e-2"/></inertial></link>"#;
     let urdf = massless.replace(r#"<link name="base"/>"#, body);
-    fs::write(folder.path().join("hand.urdf"), &urdf).unwrap();
-    // Fingers carry no propellers.
-    let made = gelenk(folder.path(), &["new", "hand", "--urdf", "hand.urdf", "--base", "floating"]);
-    assert_eq!(made.status.code(), Some(0), "{}", shown(&made));
-    let text = fs::read_to_string(folder.path().join("hand/robot.toml")).unwrap();
-    assert!(!text.contains("propeller") && !text.contains("[[inputs]]"), "{text}");
-    let urdf = ["0 1 0", "0 -1 0"].iter().fold(urdf, |urdf, axis| urdf.replace(axis, "0 0 1"));
-    let urdf = urdf.replace("prismatic", "revolute");
     fs::write(folder.path().join("gripper.urdf"), urdf).unwrap();
     for (name, language) in [("rust", None), ("c", Some("--c")), ("python", Some("--python"))] {
         let mut arguments = vec!["new", name, "--urdf", "gripper.urdf", "--base", "floating"];
@@ -152,30 +143,23 @@ fn a_new_crate_has_a_robot_that_floats() {
         assert_eq!(made.status.code(), Some(0), "{}", shown(&made));
         let text = fs::read_to_string(folder.path().join(name).join("robot.toml")).unwrap();
         assert!(text.contains("\nbase = { type = \"floating\" }\n"), "{text}");
+        assert_eq!(text.matches("\n# drive = ").count(), 2, "{text}");
     }
     let main = fs::read_to_string(folder.path().join("rust/src/main.rs")).unwrap();
     assert!(main.contains("LtvMpc"), "{main}");
     let home = folder.path().join("rust");
+    let generated = gelenk(&home, &["generate", "robot.toml"]);
+    assert_eq!(generated.status.code(), Some(0), "{}", shown(&generated));
+    // A body alone has no drives, and B without entries makes no warning.
+    fs::write(folder.path().join("body.urdf"), format!("<robot name=\"r\">{body}</robot>")).unwrap();
+    let made = gelenk(folder.path(), &["new", "alone", "--urdf", "body.urdf", "--base", "floating"]);
+    assert_eq!(made.status.code(), Some(0), "{}", shown(&made));
+    let home = folder.path().join("alone");
     let text = fs::read_to_string(home.join("robot.toml")).unwrap();
-    // Neither the base's own entries are offered, nor others than the two that turn.
-    assert_eq!(
-        (text.matches("\n# drive = ").count(), text.matches("\n# [[inputs]]").count()),
-        (2, 2),
-        "{text}"
-    );
-    let (joints, propellers) = text.split_once("\n# Where a joint carries a propeller").unwrap();
-    let propellers: String = propellers
-        .split_inclusive('\n')
-        .skip_while(|line| !line.starts_with("# [["))
-        .map(|line| line.trim_start_matches("# "))
-        .collect();
-    for description in [text.clone(), format!("{joints}\n{propellers}")] {
-        fs::write(home.join("robot.toml"), description).unwrap();
-        let generated = gelenk(&home, &["generate", "robot.toml"]);
-        assert_eq!(generated.status.code(), Some(0), "{}", shown(&generated));
-    }
-    let module = fs::read_to_string(home.join("robot.rs")).unwrap();
-    assert!(module.contains("pub const N: usize = 6;") && module.contains("pub const M: usize = 2;"));
+    assert!(!text.contains("nothing of drives"), "{text}");
+    let generated = gelenk(&home, &["generate", "robot.toml"]);
+    assert_eq!(generated.status.code(), Some(0), "{}", shown(&generated));
+    assert!(fs::read_to_string(home.join("robot.rs")).unwrap().contains("let _ = b_x;"));
     // Without a URDF it is a quadrotor.
     let made = gelenk(folder.path(), &["new", "drone", "--base", "floating"]);
     assert_eq!(made.status.code(), Some(0), "{}", shown(&made));
@@ -183,57 +167,11 @@ fn a_new_crate_has_a_robot_that_floats() {
     assert_eq!(generated.status.code(), Some(0), "{}", shown(&generated));
 }
 
-/// Propellers on fixed joints, as in many URDFs, and a body alone: links become inputs, and nothing is said of drives.
-#[test]
-fn links_that_are_fixed_to_what_floats_become_propellers() {
-    let folder = tempfile::tempdir().unwrap();
-    let inertial = r#"<inertial><mass value="1"/><inertia ixx="1e-2" ixy="0" ixz="0" iyy="1e-2" iyz="0" izz="1e-2"/></inertial>"#;
-    let body = format!("<link name=\"frame\">{inertial}</link>");
-    let fixed = |name: &str, inertial: &str, origin: &str| {
-        format!(
-            "<link name=\"{name}\">{inertial}</link><joint name=\"{name}_joint\" type=\"fixed\"><parent link=\"frame\"/>\
-             <child link=\"{name}\"/><origin {origin}/></joint>"
-        )
-    };
-    let parts = [
-        fixed("left", inertial, r#"xyz="0 0.1 0""#),
-        fixed("right", inertial, r#"xyz="0 -0.1 0" rpy="3.141592653589793 0 0""#),
-        fixed("imu", "", r#"xyz="0 0 0""#),
-    ];
-    for (name, links, inputs) in [
-        ("propellers", parts.concat(), vec!["left: 0, 0, 1, 0, 0, -0.016", "right: 0, 0, -1, 0, 0, -0.016"]),
-        ("alone", String::new(), vec!["frame: 0, 0, 1, 0, 0, 0.016"]),
-    ] {
-        let file = format!("{name}.urdf");
-        fs::write(folder.path().join(&file), format!("<robot name=\"r\">{body}{links}</robot>")).unwrap();
-        let made = gelenk(folder.path(), &["new", name, "--urdf", &file, "--base", "floating"]);
-        assert_eq!(made.status.code(), Some(0), "{}", shown(&made));
-        let home = folder.path().join(name);
-        let text = fs::read_to_string(home.join("robot.toml")).unwrap();
-        let of = |key: &str| -> Vec<String> {
-            let lines = text.lines().filter_map(|line| line.strip_prefix("# ")?.strip_prefix(key));
-            lines.map(|value| value.trim_matches(&['"', '[', ']'][..]).to_owned()).collect()
-        };
-        let found =
-            of("name = ").into_iter().zip(of("wrench = ")).map(|(name, wrench)| format!("{name}: {wrench}"));
-        assert_eq!(found.collect::<Vec<_>>(), inputs, "{text}");
-        assert!(!text.contains("nothing of drives"), "{text}");
-        // Without inputs B has no entries, and rustc does not warn of it.
-        let generated = gelenk(&home, &["generate", "robot.toml"]);
-        assert_eq!(generated.status.code(), Some(0), "{}", shown(&generated));
-        assert!(fs::read_to_string(home.join("robot.rs")).unwrap().contains("let _ = b_x;"));
-        let (head, blocks) = text.split_at(text.find("# [[inputs]]").unwrap());
-        fs::write(home.join("robot.toml"), format!("{head}{}", blocks.replace("# ", ""))).unwrap();
-        let generated = gelenk(&home, &["generate", "robot.toml"]);
-        assert_eq!(generated.status.code(), Some(0), "{}", shown(&generated));
-    }
-}
-
 #[test]
 fn a_new_crate_is_not_made_of_a_file_that_is_no_urdf() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("broken.urdf"), "<robot name=\"r\"><link/></robot>").unwrap();
-    fs::write(folder.path().join("arm.toml"), include_str!("../../src/cli/template/robot.toml")).unwrap();
+    fs::write(folder.path().join("arm.toml"), include_str!("../../src/cli/template/robot/arm.toml")).unwrap();
     for (file, code, message) in [
         ("none.urdf", 1, "none.urdf"),
         ("broken.urdf", 1, "name"),

@@ -195,7 +195,7 @@ impl<const N: usize> Adaptation<N> {
             if let (Some(joint), Some(derived), Some(scale)) =
                 (&mut self.joints[i], &self.derived[i], &self.scales[i])
             {
-                joint.step((&self.settings, derived, scale), instants.as_ref().map(|all| &all[i]), time);
+                joint.step(&self.settings, derived, scale, instants.as_ref().map(|all| &all[i]), time);
             }
         }
     }

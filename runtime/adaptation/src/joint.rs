@@ -157,7 +157,9 @@ impl Joint {
     /// - `time`: time of the period (s)
     pub(super) fn step(
         &mut self,
-        (settings, derived, scale): (&AdaptationSettings, &Derived, &JointScale),
+        settings: &AdaptationSettings,
+        derived: &Derived,
+        scale: &JointScale,
         now: Option<&Instant>,
         time: f64,
     ) {
@@ -216,7 +218,7 @@ impl Joint {
         let [torque, applied] = [filtered[TERMS], filtered[TERMS + 1]];
         let error = torque - dot(&phi, &self.learned);
         self.comparison.whole([error, applied], derived.keep);
-        let is_explained = self.learn((settings, derived, scale), &phi, [torque, error], share);
+        let is_explained = self.learn(settings, derived, scale, &phi, [torque, error], share);
         self.prediction = Some(Prediction { terms: phi, torque, error, is_explained });
         self.average(derived, scale);
     }
@@ -245,7 +247,9 @@ impl Joint {
     /// Takes a sample, with the error of the learned law; false if it is beyond the interval.
     fn learn(
         &mut self,
-        (settings, derived, scale): (&AdaptationSettings, &Derived, &JointScale),
+        settings: &AdaptationSettings,
+        derived: &Derived,
+        scale: &JointScale,
         phi: &[f64; TERMS],
         [torque, error]: [f64; 2],
         share: f64,

@@ -86,7 +86,7 @@ impl<const N: usize, const P: usize> LoadEstimator<N, P> {
             let (Some(joint), Some(derived)) = (&friction.joints[i], &friction.derived[i]) else { continue };
             let column = self.filters[i].take(&columns[i], derived.weight);
             if let Some(prediction) = &joint.prediction {
-                self.learn(&column, prediction, (joint, derived), settings.patience);
+                self.learn(&column, prediction, joint, derived, settings.patience);
             }
         }
         self.blend(settings.period, settings.blending);
@@ -96,7 +96,8 @@ impl<const N: usize, const P: usize> LoadEstimator<N, P> {
         &mut self,
         column: &[f64; P],
         prediction: &Prediction,
-        (joint, derived): (&Joint, &Derived),
+        joint: &Joint,
+        derived: &Derived,
         patience: f64,
     ) {
         let left = prediction.torque - dot(&prediction.terms, &joint.acting);

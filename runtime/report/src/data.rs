@@ -6,6 +6,7 @@ use super::block::{Block, Section};
 use super::claim::{Bound, Claim, Criterion};
 use super::error::ReportError;
 use super::inline::Inline;
+use super::number;
 use super::pattern::Pattern;
 use super::plot::{self, Figure, Plot};
 use super::report::Report;
@@ -110,6 +111,48 @@ fn table_json(table: &Table) -> Value {
     })
 }
 
+impl Table {
+    /// The sentence above the table.
+    #[must_use]
+    pub fn title(&self) -> String {
+        words(&self.caption)
+    }
+
+    /// The table as plain text for a terminal: a row of names with units, and the rows of cells.
+    #[must_use]
+    pub fn plain(&self) -> Vec<Vec<String>> {
+        table_rows(self, plain)
+    }
+
+    /// The rows as JSON objects with the columns' names as keys; formulas are plain text.
+    #[must_use]
+    pub fn records(&self) -> Value {
+        let names = self.columns.iter().map(|column| column.name.replace(' ', "_"));
+        let names: Vec<String> = names.collect();
+        let record =
+            |row: &Vec<Cell>| -> Value { names.iter().cloned().zip(row.iter().map(value)).collect() };
+        self.rows.iter().map(record).collect()
+    }
+}
+
+/// A cell as plain text.
+fn plain(cell: &Cell) -> String {
+    match cell {
+        Cell::Formula { text, .. } => text.clone(),
+        Cell::Rounded(value, digits) => number::plain(*value, *digits),
+        Cell::Exact(value) => number::plain(*value, number::MOST_DIGITS),
+        other => cell_text(other),
+    }
+}
+
+/// A cell as a value of JSON, with formulas as plain text.
+fn value(cell: &Cell) -> Value {
+    match cell {
+        Cell::Formula { text, .. } => text.clone().into(),
+        other => cell_json(other),
+    }
+}
+
 fn pattern_json(pattern: &Pattern) -> Value {
     json!({
         "id": pattern.id,
@@ -124,6 +167,7 @@ fn cell_json(cell: &Cell) -> Value {
         Cell::Empty => Value::Null,
         Cell::Text(text) | Cell::Code(text) => json!(text),
         Cell::Line(parts) => json!(words(parts)),
+        Cell::Formula { latex, .. } => json!(format!("${latex}$")),
         Cell::Rounded(value, _) | Cell::Exact(value) => number_json(*value),
         Cell::Count(count) => json!(count),
     }
@@ -205,7 +249,7 @@ pub(super) fn csv(report: &Report) -> Result<Vec<(String, String)>, ReportError>
                 }
             }
             let (id, rows) = match block {
-                Block::Table(table) => (table.id.clone(), table_rows(table)),
+                Block::Table(table) => (table.id.clone(), table_rows(table, cell_text)),
                 Block::Claims(claims) => (format!("{}-claims", section.id), claim_rows(claims)),
                 Block::Figure(figure) => (figure.id.clone(), figure_rows(figure)),
                 _ => continue,
@@ -233,10 +277,11 @@ fn with_unit(name: &str, unit: &str) -> String {
     }
 }
 
-fn table_rows(table: &Table) -> Vec<Vec<String>> {
+/// A row of names with units, and the rows of cells.
+fn table_rows(table: &Table, cell: impl Fn(&Cell) -> String) -> Vec<Vec<String>> {
     let columns = table.columns.iter();
     let head = columns.map(|column| with_unit(&column.name, &column.unit));
-    let row = |row: &Vec<Cell>| row.iter().map(cell_text).collect();
+    let row = |row: &Vec<Cell>| row.iter().map(&cell).collect();
     std::iter::once(head.collect()).chain(table.rows.iter().map(row)).collect()
 }
 
@@ -245,6 +290,7 @@ fn cell_text(cell: &Cell) -> String {
         Cell::Empty => String::new(),
         Cell::Text(text) | Cell::Code(text) => text.clone(),
         Cell::Line(parts) => words(parts),
+        Cell::Formula { latex, .. } => format!("${latex}$"),
         Cell::Rounded(value, _) | Cell::Exact(value) => format!("{value:?}"),
         Cell::Count(count) => count.to_string(),
     }

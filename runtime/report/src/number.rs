@@ -28,8 +28,8 @@ pub(super) fn rounded(value: f64, digits: usize) -> String {
     text.replace('-', "−")
 }
 
-/// Largest number of shown digits of a number from a description. The data have all digits.
-const MOST_DIGITS: usize = 9;
+/// Largest number of digits shown of a described number; the data hold all.
+pub(super) const MOST_DIGITS: usize = 9;
 
 /// The number `value` with its own digits, up to [`MOST_DIGITS`].
 pub(super) fn exact(value: f64) -> String {
@@ -46,6 +46,14 @@ pub(super) fn exact(value: f64) -> String {
         None => shortest.strip_suffix(".0").unwrap_or(&shortest).to_owned(),
     };
     text.replace('-', "−")
+}
+
+/// `value` with at most `digits` significant digits, in letters that programs read.
+pub(super) fn plain(value: f64, digits: usize) -> String {
+    let shown: f64 = format!("{value:.*e}", digits.clamp(1, 17) - 1).parse().unwrap_or(value);
+    let is_usual = shown == 0.0 || (1e-4..1e6).contains(&shown.abs()) || !shown.is_finite();
+    // A sum with 0 has no negative zero.
+    if is_usual { (shown + 0.0).to_string() } else { format!("{shown:e}") }
 }
 
 fn unusual(value: f64) -> String {
@@ -84,6 +92,20 @@ mod tests {
             (f64::NEG_INFINITY, 4, "−∞"),
         ] {
             assert_eq!(rounded(value, digits), shown);
+        }
+    }
+
+    #[test]
+    fn numbers_of_terminals_are_short() {
+        for (value, digits, shown) in [
+            (-0.0, 9, "0"),
+            (0.1 + 0.2, 9, "0.3"),
+            (-60_000.0, 9, "-60000"),
+            (2.5e6, 9, "2.5e6"),
+            (5.267e-5, 2, "5.3e-5"),
+            (f64::INFINITY, 9, "inf"),
+        ] {
+            assert_eq!(plain(value, digits), shown);
         }
     }
 

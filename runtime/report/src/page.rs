@@ -213,6 +213,7 @@ fn cell_markup(cell: &Cell) -> Rendered {
         Cell::Text(text) => html! { (text) },
         Cell::Code(text) => html! { code { (text) } },
         Cell::Line(parts) => line(parts)?,
+        Cell::Formula { latex, .. } => PreEscaped(equation::inline(latex)?),
         Cell::Rounded(value, digits) => html! { (number::rounded(*value, *digits)) },
         Cell::Exact(value) => html! { (number::exact(*value)) },
         Cell::Count(count) => html! { (count) },

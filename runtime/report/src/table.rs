@@ -38,6 +38,13 @@ pub enum Cell {
     Code(String),
     /// Text with equations and code.
     Line(Vec<Inline>),
+    /// A formula in LaTeX for pages and data, and as plain text.
+    Formula {
+        /// In LaTeX.
+        latex: String,
+        /// As plain text.
+        text: String,
+    },
     /// A measured number and its number of significant digits.
     Rounded(f64, usize),
     /// A number from a description with its own digits, up to nine.
@@ -102,6 +109,12 @@ impl Cell {
     pub fn text(text: impl Into<String>) -> Self {
         let text = text.into();
         if text.is_empty() { Self::Empty } else { Self::Text(text) }
+    }
+
+    /// A formula in LaTeX and as plain text.
+    #[must_use]
+    pub fn formula([latex, text]: [String; 2]) -> Self {
+        Self::Formula { latex, text }
     }
 
     /// Text with markup: `$…$` is an equation in LaTeX, `` `…` `` is code.

@@ -200,7 +200,8 @@ where
         let limited = limit_inputs(&mut inputs, &self.settings.input_limits);
         let beyond = limit_torques(
             &mut inputs,
-            (self.settings.torque_speed, &self.settings.input_limits),
+            self.settings.torque_speed,
+            &self.settings.input_limits,
             &self.velocities(),
         );
         self.state.counts.limited_inputs += limited + beyond;

@@ -250,7 +250,7 @@ impl<V: Vector, const N: usize, const M: usize> Batch<V, N, M> {
         for done in 0..most {
             sum(change, Start::Shifted(integral), integral, &[(1, &self.powers[2])]);
             sum(next, Start::Scaled(2.0, integral), change, &[(0, &*integral), (1, &*change)]);
-            keep_done(entries_mut(next), entries(integral), (counts, done));
+            keep_done(entries_mut(next), entries(integral), counts, done);
             core::mem::swap(&mut integral, &mut next);
         }
         if most % 2 == 1 {
@@ -292,13 +292,13 @@ impl<V: Vector, const N: usize, const M: usize> Batch<V, N, M> {
                 let by = &change[half];
                 let pairs = [(0, &input[0]), (1, &input[1])];
                 sum(&mut self.input[half], Start::Scaled(2.0, &input[half]), by, &pairs);
-                keep_done(entries_mut(&mut self.input[half]), entries(&input[half]), (counts, done));
+                keep_done(entries_mut(&mut self.input[half]), entries(&input[half]), counts, done);
                 let pairs = [(0, &affine[0]), (1, &affine[1])];
                 sum(&mut self.affine[half], Start::Scaled(2.0, &affine[half]), by, &pairs);
-                keep_done(entries_mut(&mut self.affine[half]), entries(&affine[half]), (counts, done));
+                keep_done(entries_mut(&mut self.affine[half]), entries(&affine[half]), counts, done);
                 let pairs = [(0, &change[0]), (1, &change[1])];
                 sum(&mut self.change[half], Start::Scaled(2.0, by), by, &pairs);
-                keep_done(entries_mut(&mut self.change[half]), entries(by), (counts, done));
+                keep_done(entries_mut(&mut self.change[half]), entries(by), counts, done);
             }
         }
     }
@@ -367,7 +367,7 @@ fn needs_third_part<V: Vector, const N: usize>(powers: &[Half<V, N>]) -> V {
 
 /// Restores the entries of lanes that have already made all of their steps.
 #[inline(always)]
-fn keep_done<V: Vector>(new: &mut [V], old: &[V], (counts, done): ([u32; WIDTH], u32)) {
+fn keep_done<V: Vector>(new: &mut [V], old: &[V], counts: [u32; WIDTH], done: u32) {
     if counts.iter().all(|count| *count > done) {
         return;
     }

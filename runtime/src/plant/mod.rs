@@ -117,7 +117,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         options.check(&model.joint_names(), &model.input_names())?;
         options.check_quaternions(&model.joint_names(), model.quaternion_joints())?;
         let start = model.neutral();
-        refuse_shared_friction(&model, (0.0, &start))?;
+        refuse_shared_friction(&model, 0.0, &start)?;
         let brake_torque = options.brake_torque.unwrap_or_else(|| default_brakes(&model));
         // Separate streams: an option that draws more does not change what the others see.
         let stream = |number| {
@@ -336,7 +336,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
             quantized(noisy, self.options.input_resolution[i]).clamp(low, high)
         });
         let options = &self.options;
-        limit_torques(&mut applied, (options.torque_speed, &options.input_limits), &self.motion.velocities);
+        limit_torques(&mut applied, options.torque_speed, &options.input_limits, &self.motion.velocities);
         applied
     }
 
@@ -365,7 +365,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
 
     fn integrate(&mut self, inputs: &[f64; M], period: f64) -> Result<Motion<N, NY>, PlantError> {
         // Another model, or another place, may have a jump where the first had none.
-        refuse_shared_friction(&self.model, (self.time, &self.motion.positions))?;
+        refuse_shared_friction(&self.model, self.time, &self.motion.positions)?;
         let brakes = if self.brakes_engaged { self.brake_torque } else { [0.0; N] };
         let push = self.push.as_ref().filter(|push| self.time + 0.5 * period < push.end);
         let mut joints = Joints {
@@ -409,7 +409,8 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
 /// then allowed.
 fn refuse_shared_friction<const N: usize, const M: usize, const NY: usize>(
     model: &impl Dynamics<N, M, NY>,
-    (time, positions): (f64, &[f64; NY]),
+    time: f64,
+    positions: &[f64; NY],
 ) -> Result<(), PlantError> {
     let mut shared = model.friction_jumps().iter().filter(|[i, j]| i != j);
     let jumping = shared.find(|pair| {

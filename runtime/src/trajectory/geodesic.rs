@@ -76,7 +76,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Geo
         check_turns(&robot, &ways)?;
         let lengths: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let velocities = velocities(&ways, &lengths);
-        Self::of_pieces(robot, (&times, &positions, &velocities), &|_| None)
+        Self::of_pieces(robot, &times, &positions, &velocities, &|_| None)
     }
 
     /// Motion through samples at the period T (s), with the positions, velocities and accelerations of the
@@ -98,7 +98,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Geo
         check_turns(&robot, &ways)?;
         let velocities: Vec<[f64; N]> = samples.iter().map(|sample| sample.velocities).collect();
         let bend = |k: usize| samples[k].accelerations.map(|a| period * period * a);
-        Self::of_pieces(robot, (&times, &positions, &velocities), &|k| Some([bend(k), bend(k + 1)]))
+        Self::of_pieces(robot, &times, &positions, &velocities, &|k| Some([bend(k), bend(k + 1)]))
     }
 
     /// The robot of the motion.
@@ -108,7 +108,9 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Geo
 
     fn of_pieces(
         robot: D,
-        (times, positions, velocities): (&[f64], &[[f64; NY]], &[[f64; N]]),
+        times: &[f64],
+        positions: &[[f64; NY]],
+        velocities: &[[f64; N]],
         bends: &dyn Fn(usize) -> Option<[[f64; N]; 2]>,
     ) -> Result<Self, TrajectoryError> {
         let piece = |k: usize| {

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use gelenk_codegen::pipeline::GenerateOptions;
+use gelenk_codegen::read::ReadOptions;
 use gelenk_tests::Robot;
 use nalgebra::{Matrix3, UnitQuaternion};
 use serde_json::Value;
@@ -108,7 +109,10 @@ pub fn reference(name: &str, functions: &str) -> Reference {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("robot.toml");
     std::fs::write(&path, description(name, &joints, functions)).expect("a file");
-    let options = GenerateOptions { accept_unphysical: true, ..GenerateOptions::default() };
+    let options = GenerateOptions {
+        reading: ReadOptions { accept_unphysical: true, ..ReadOptions::default() },
+        ..GenerateOptions::default()
+    };
     let planar = joints.iter().filter(|joint| text(&joint["type"]) == "Planar");
     Reference {
         robot: Robot::derive(&path, &options),

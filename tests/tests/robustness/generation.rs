@@ -15,6 +15,7 @@ use gelenk_codegen::model::Model;
 use gelenk_codegen::output::{Planned, Replaces};
 use gelenk_codegen::pipeline::{GenerateOptions, Generated, generate, generate_pair};
 use gelenk_codegen::program::{Operand, Operation};
+use gelenk_codegen::read::ReadOptions;
 use gelenk_codegen::report::{Contents, report};
 use gelenk_tests::quaternion_model::with_quaternions;
 use gelenk_tests::random_model::{
@@ -158,10 +159,13 @@ fn options(random: &mut Random) -> GenerateOptions {
     };
     GenerateOptions {
         functions,
-        snap_angles: random.chance(5).then_some(1e-4),
-        no_friction: random.chance(5),
-        ignore_mimic: random.chance(2),
-        smooth_sign: random.chance(5).then_some(20.0),
+        reading: ReadOptions {
+            snap_angles: random.chance(5).then_some(1e-4),
+            no_friction: random.chance(5),
+            ignore_mimic: random.chance(2),
+            smooth_sign: random.chance(5).then_some(20.0),
+            ..ReadOptions::default()
+        },
         fused_multiply_add: random.chance(8),
         emit: EmitOptions { scalar: [Scalar::F64, Scalar::F32][random.below(2)], ..EmitOptions::default() },
         lanes,

@@ -15,7 +15,7 @@ use super::super::failure::Failure;
 use super::super::{place, print};
 use super::read::{read, say};
 use crate::identify::InterpretedRobot;
-use crate::wording::three_digits;
+use crate::wording::{as_written, three_digits};
 
 /// Largest number of rows of a plan.
 const MOST_ROWS: f64 = 1e6;
@@ -178,7 +178,7 @@ fn inputs_text(plan: &Plan, robot: &InterpretedRobot) -> String {
         let limits = match input.limits.iter().all(|end| end.is_infinite()) {
             true => "none".to_owned(),
             false => {
-                format!("{} … {} {unit}", print::number(input.limits[0]), print::number(input.limits[1]))
+                format!("{} … {} {unit}", as_written(input.limits[0]), as_written(input.limits[1]))
             }
         };
         let [low, high] = [low, high].map(|end| format!("{} {unit}", three_digits(end)));

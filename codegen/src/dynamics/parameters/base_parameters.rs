@@ -18,7 +18,7 @@ use crate::kinematics::{Mechanism, Number};
 use crate::layout::Extent;
 use crate::model::{JointKind, Model};
 use crate::program::flow::operands;
-use crate::program::interpret::{Functions, interpret};
+use crate::program::interpret::interpret;
 use crate::program::{GraphOutput, InputArray, Operand, Program, Shape, lower};
 
 /// Largest part of a column's length that is left after the projection on earlier columns if the column
@@ -202,7 +202,7 @@ fn stacked_columns(model: &Model, program: &Program, parameters: &[f64]) -> Vec<
         let y = [model.positions_by(&y), y[rows..].to_vec()].concat();
         let v: Vec<f64> = ranges.iter().map(|_| random.within(2.0)).collect();
         let a: Vec<f64> = ranges.iter().map(|_| random.within(5.0)).collect();
-        let values = interpret(program, &[&y, &v, &a], parameters, &Functions::EMBEDDED);
+        let values = interpret(program, &[&y, &v, &a], parameters);
         #[expect(clippy::expect_used, reason = "the program was made for these inputs")]
         let values = values.expect("inputs fit").concat();
         for row in values.chunks_exact(count.max(1)) {

@@ -61,7 +61,8 @@ pub(super) fn move_bodies(
     is_accelerated: bool,
 ) -> (Motions, ArrayId) {
     let [joint_velocity] = builder.map(
-        ("joint_velocities", "Velocity that each joint adds."),
+        "joint_velocities",
+        "Velocity that each joint adds.",
         &[setup.screws, setup.rates],
         [("joint_velocity", 6)],
         |rows| [motion_of(rows[0]).scaled(rows[1][0]).entries().to_vec()],
@@ -75,10 +76,8 @@ pub(super) fn move_bodies(
         [("inertia", 10), ("flow", 12), ("screw_rate", 6), ("joint_acceleration", 6), ("momentum_rate", 6)];
     let [inertia, flow, screw_rate, joint_acceleration, momentum_rate] = match is_accelerated {
         true => builder.map(
-            (
-                "bodies_in_motion",
-                "Inertia of each body, its momentum, and the acceleration that its joint adds.",
-            ),
+            "bodies_in_motion",
+            "Inertia of each body, its momentum, and the acceleration that its joint adds.",
             &[axes, origins, moments, screws, rates, gravity, velocity, setup.last],
             writes,
             |[axes, origin, moments, screw, rate, gravity, velocity, acceleration]| {
@@ -87,10 +86,8 @@ pub(super) fn move_bodies(
             },
         ),
         false => builder.map(
-            (
-                "bodies_in_steady_motion",
-                "Inertia of each body, its momentum, and the acceleration that its joint adds at ÿ = 0.",
-            ),
+            "bodies_in_steady_motion",
+            "Inertia of each body, its momentum, and the acceleration that its joint adds at ÿ = 0.",
             &[axes, origins, moments, screws, rates, gravity, velocity],
             writes,
             |steady| body_in_motion(steady, None),
@@ -98,7 +95,8 @@ pub(super) fn move_bodies(
     };
     let acceleration = builder.sum_ancestors(joint_acceleration, "acceleration");
     let [force] = builder.map(
-        ("body_forces", "Force that each body needs."),
+        "body_forces",
+        "Force that each body needs.",
         &[inertia, acceleration, momentum_rate],
         [("force", 6)],
         |rows| {

@@ -94,7 +94,8 @@ impl ArrayBuilder {
     /// values of `writes` at a joint from the values of `reads` at this joint.
     pub(super) fn map<const R: usize, const W: usize>(
         &mut self,
-        (name, about): (&str, &str),
+        name: &str,
+        about: &str,
         reads: &[ArrayId; R],
         writes: [(&str, usize); W],
         build: impl for<'g> FnOnce([&Rows<'g>; R]) -> [Vec<Scalar<'g>>; W],
@@ -213,15 +214,11 @@ impl ArrayBuilder {
         to
     }
 
-    /// Adds a step that computes `matrix − other`. `other` must have one row per coordinate.
-    pub(super) fn subtract(
-        &mut self,
-        (matrix, other): (ArrayId, ArrayId),
-        [step, name]: [&str; 2],
-    ) -> ArrayId {
+    /// `matrix − other`; `other` must have exactly one row per coordinate.
+    pub(super) fn subtract(&mut self, matrix: ArrayId, other: ArrayId, [step, name]: [&str; 2]) -> ArrayId {
         let (rows, n) = (self.form.joints.len(), self.form.coordinates().len());
         let about = format!("Subtracts `{}`.", self.form.arrays[other].name);
-        let [difference] = self.map((step, &about), &[matrix, other], [(name, rows)], |[matrix, other]| {
+        let [difference] = self.map(step, &about, &[matrix, other], [(name, rows)], |[matrix, other]| {
             let difference = matrix[..n].iter().zip(other).map(|(&a, &b)| a - b);
             [difference.chain(matrix[n..].iter().copied()).collect()]
         });

@@ -16,7 +16,8 @@ pub(super) fn joint_forces(builder: &mut ArrayBuilder, moving: &Moving) -> Array
 fn forces_at_joints(builder: &mut ArrayBuilder, moving: &Moving) -> ArrayId {
     let Moving { setup, motions, rotors, composites } = moving;
     let [forces] = builder.map(
-        ("forces_at_joints", "Force along each joint, without springs and friction."),
+        "forces_at_joints",
+        "Force along each joint, without springs and friction.",
         &[setup.screws, composites.force, setup.rotors, setup.last, setup.joint_forces],
         [("forces", 1)],
         |rows| {
@@ -27,7 +28,8 @@ fn forces_at_joints(builder: &mut ArrayBuilder, moving: &Moving) -> ArrayId {
     let Some(rotors) = rotors else { return forces };
     let carried = rotors.carried(builder, motions);
     let [forces] = builder.map(
-        ("forces_at_rotors", "Force along each joint and its rotor, without springs and friction."),
+        "forces_at_rotors",
+        "Force along each joint and its rotor, without springs and friction.",
         &[forces, carried],
         [("forces_with_rotors", 1)],
         |[force, carried]| [vec![force[0] + carried[0]]],
@@ -44,7 +46,8 @@ pub(super) fn remaining_forces(builder: &mut ArrayBuilder, moving: &Moving) -> A
 fn remaining_at_joints(builder: &mut ArrayBuilder, moving: &Moving) -> ArrayId {
     let Moving { setup, motions, rotors, composites } = moving;
     let [remaining] = builder.map(
-        ("remaining_forces", "What of the driving forces is left to accelerate."),
+        "remaining_forces",
+        "What of the driving forces is left to accelerate.",
         &[setup.screws, composites.force, setup.last],
         [("remaining_force", 1)],
         |rows| [vec![rows[2][0] - motion_of(rows[0]).dot(force_of(rows[1]))]],
@@ -54,10 +57,8 @@ fn remaining_at_joints(builder: &mut ArrayBuilder, moving: &Moving) -> ArrayId {
     };
     let carried = rotors.carried(builder, motions);
     let [remaining] = builder.map(
-        (
-            "remaining_at_rotors",
-            "What of the driving forces is left to accelerate the joints and their rotors.",
-        ),
+        "remaining_at_rotors",
+        "What of the driving forces is left to accelerate the joints and their rotors.",
         &[remaining, carried],
         [("remaining_with_rotors", 1)],
         |[remaining, carried]| [vec![remaining[0] - carried[0]]],
@@ -68,7 +69,8 @@ fn remaining_at_joints(builder: &mut ArrayBuilder, moving: &Moving) -> ArrayId {
 pub(super) fn mass_matrix(builder: &mut ArrayBuilder, moving: &Moving) -> ArrayId {
     let Moving { setup, rotors, composites, .. } = moving;
     let [needed, diagonal] = builder.map(
-        ("unit_accelerations", "What a unit acceleration of each joint needs."),
+        "unit_accelerations",
+        "What a unit acceleration of each joint needs.",
         &[setup.screws, composites.inertia, setup.rotors],
         [("unit_force", 6), ("diagonal", 1)],
         |rows| {
@@ -152,7 +154,8 @@ fn disturbances(builder: &mut ArrayBuilder, moving: &Moving) -> [ArrayId; 7] {
         setup.joint_forces,
     ];
     builder.map(
-        ("disturbances", ABOUT_DISTURBANCES),
+        "disturbances",
+        ABOUT_DISTURBANCES,
         &reads,
         DISTURBANCES,
         |[screw, screw_rate, velocity, acceleration, inertia, flow, force, joint]| {
@@ -187,7 +190,8 @@ fn disturbances_on_carriers(
         setup.joint_forces,
     ];
     builder.map(
-        ("disturbances_on_carriers", ABOUT_DISTURBANCES),
+        "disturbances_on_carriers",
+        ABOUT_DISTURBANCES,
         &reads,
         DISTURBANCES,
         |[screw, screw_rate, velocity, acceleration, base, inertia, flow, force, joint]| {
@@ -222,10 +226,11 @@ pub(super) fn jacobians(builder: &mut ArrayBuilder, moving: &Moving) -> (ArrayId
     let (by_coordinates, by_velocities) = match &setup.coupled_forces {
         Some(forces) => (
             builder.subtract(
-                (by_coordinates, forces.by_coordinates),
+                by_coordinates,
+                forces.by_coordinates,
                 ["subtract_stiffness", "by_all_positions"],
             ),
-            builder.subtract((by_velocities, forces.by_velocities), ["subtract_damping", "by_all_rates"]),
+            builder.subtract(by_velocities, forces.by_velocities, ["subtract_damping", "by_all_rates"]),
         ),
         None => (by_coordinates, by_velocities),
     };

@@ -132,6 +132,6 @@ pub fn forward_dynamics_derivatives<'g>(
     let spread = builder.spread(accelerations, "accelerations_of_joints");
     let moving = accelerate(&mut builder, steady, spread);
     let (by_coordinates, by_velocities) = jacobians(&mut builder, &moving);
-    put_derivatives(&mut builder, (accelerations, inverse), [by_coordinates, by_velocities]);
+    put_derivatives(&mut builder, accelerations, inverse, [by_coordinates, by_velocities]);
     builder.finish(equations.graph, inputs)
 }

@@ -42,14 +42,16 @@ pub(super) fn set_moving(builder: &mut ArrayBuilder, setup: Setup, is_accelerate
 pub(super) fn accelerate(builder: &mut ArrayBuilder, steady: Moving, accelerations: ArrayId) -> Moving {
     let Moving { setup, motions, rotors, composites } = steady;
     let [gained] = builder.map(
-        ("joint_accelerations", "Acceleration that each joint adds."),
+        "joint_accelerations",
+        "Acceleration that each joint adds.",
         &[setup.screws, accelerations],
         [("added_joint_acceleration", 6)],
         |rows| [motion_of(rows[0]).scaled(rows[1][0]).entries().to_vec()],
     );
     let gained = builder.sum_ancestors(gained, "added_acceleration");
     let [acceleration, force] = builder.map(
-        ("accelerated_bodies", "Acceleration of each body, and the force that the added one needs."),
+        "accelerated_bodies",
+        "Acceleration of each body, and the force that the added one needs.",
         &[motions.inertia, motions.acceleration, gained],
         [("total_acceleration", 6), ("added_force", 6)],
         |rows| {
@@ -59,7 +61,8 @@ pub(super) fn accelerate(builder: &mut ArrayBuilder, steady: Moving, acceleratio
     );
     let added = builder.sum_subtrees(force, "composite_added_force");
     let [force] = builder.map(
-        ("total_forces", "Force of all that each joint carries."),
+        "total_forces",
+        "Force of all that each joint carries.",
         &[composites.force, added],
         [("composite_force", 6)],
         |rows| [flat(force_of(rows[0]) + force_of(rows[1]))],

@@ -33,7 +33,7 @@ pub fn forward_dynamics_derivatives_by_products<'g>(
     let inverse = builder.set_up_matrix("inverse", accelerated.inverse);
     let by_coordinates = builder.set_up_matrix("forces_by_coordinates", forces.by_coordinates);
     let by_velocities = builder.set_up_matrix("forces_by_velocities", forces.by_velocities);
-    put_derivatives(&mut builder, (accelerations, inverse), [by_coordinates, by_velocities]);
+    put_derivatives(&mut builder, accelerations, inverse, [by_coordinates, by_velocities]);
     builder.finish_from_leaves(equations.graph, inputs)
 }
 
@@ -42,7 +42,8 @@ pub fn forward_dynamics_derivatives_by_products<'g>(
 /// - `forces`: derivatives ∂n/∂y and ∂n/∂ẏ of the forces n that the accelerations require
 pub(super) fn put_derivatives(
     builder: &mut ArrayBuilder,
-    (accelerations, inverse): (ArrayId, ArrayId),
+    accelerations: ArrayId,
+    inverse: ArrayId,
     forces: [ArrayId; 2],
 ) {
     let n = builder.each_coordinate();

@@ -28,7 +28,8 @@ impl Rotors {
     pub fn new(builder: &mut ArrayBuilder, setup: &Setup, motions: &Motions) -> Option<Self> {
         let momentum = setup.momenta?;
         let [swept, spin] = builder.map(
-            ("rotors_in_motion", "How the bodies before the joints turn the rotors, and the rotors' spin."),
+            "rotors_in_motion",
+            "How the bodies before the joints turn the rotors, and the rotors' spin.",
             &[momentum, motions.velocity, motions.joint_velocity, setup.rates],
             [("swept_rotor", 3), ("rotor_spin", 3)],
             |[momentum, velocity, own, rate]| {
@@ -43,7 +44,8 @@ impl Rotors {
     /// Moments `ÿ h + ẏ ω × h` on the bodies that carry rotors, by joint.
     pub fn moments(&self, builder: &mut ArrayBuilder, setup: &Setup, accelerations: ArrayId) -> ArrayId {
         let [moments] = builder.map(
-            ("rotor_moments", "Moment of each joint's rotor on the body before the joint."),
+            "rotor_moments",
+            "Moment of each joint's rotor on the body before the joint.",
             &[self.momentum, self.swept, setup.rates, accelerations],
             [("rotor_moment", 3)],
             |[momentum, swept, rate, acceleration]| {
@@ -57,7 +59,8 @@ impl Rotors {
     /// Moments `ẏ ω × h` on the bodies that carry rotors at ÿ = 0, by joint.
     pub fn steady_moments(&self, builder: &mut ArrayBuilder, setup: &Setup) -> ArrayId {
         let [moments] = builder.map(
-            ("steady_rotor_moments", "Moment of each joint's rotor on the body before the joint, at ÿ = 0."),
+            "steady_rotor_moments",
+            "Moment of each joint's rotor on the body before the joint, at ÿ = 0.",
             &[self.swept, setup.rates],
             [("rotor_moment", 3)],
             |[swept, rate]| [vector(swept).scaled(rate[0]).0.to_vec()],
@@ -68,10 +71,8 @@ impl Rotors {
     /// Contribution `ÿ h` of the accelerations to the moments, by joint.
     pub fn added_moments(&self, builder: &mut ArrayBuilder, accelerations: ArrayId) -> ArrayId {
         let [moments] = builder.map(
-            (
-                "added_rotor_moments",
-                "Moment of each joint's rotor on the body before the joint, by its acceleration.",
-            ),
+            "added_rotor_moments",
+            "Moment of each joint's rotor on the body before the joint, by its acceleration.",
             &[self.momentum, accelerations],
             [("added_rotor_moment", 3)],
             |[momentum, acceleration]| [vector(momentum).scaled(acceleration[0]).0.to_vec()],
@@ -83,7 +84,8 @@ impl Rotors {
     pub fn add_moments(builder: &mut ArrayBuilder, force: ArrayId, moments: ArrayId) -> ArrayId {
         let sum = builder.sum_subtrees(moments, "composite_rotor_moment");
         let [force] = builder.map(
-            ("forces_with_rotors", "Force of all that each joint carries, its rotors included."),
+            "forces_with_rotors",
+            "Force of all that each joint carries, its rotors included.",
             &[force, sum, moments],
             [("force_with_rotors", 6)],
             |[force, sum, own]| {
@@ -100,7 +102,8 @@ impl Rotors {
         let force = Self::add_moments(builder, bodies.force, moments);
         let sum = builder.sum_subtrees(self.spin, "composite_rotor_spin");
         let [flow] = builder.map(
-            ("flows_with_rotors", "Momentum of all that each joint carries, its rotors included."),
+            "flows_with_rotors",
+            "Momentum of all that each joint carries, its rotors included.",
             &[bodies.flow, sum, self.spin],
             [("flow_with_rotors", 12)],
             |[flow, sum, own]| {
@@ -115,7 +118,8 @@ impl Rotors {
     /// Forces `h · ω̇` on the joints from the angular accelerations of the bodies before them.
     pub fn carried(&self, builder: &mut ArrayBuilder, motions: &Motions) -> ArrayId {
         let [carried] = builder.map(
-            ("carried_rotors", "Force on each joint by the acceleration of the body that carries its rotor."),
+            "carried_rotors",
+            "Force on each joint by the acceleration of the body that carries its rotor.",
             &[self.momentum, motions.acceleration, motions.joint_acceleration],
             [("carried_rotor", 1)],
             |[momentum, acceleration, own]| {
@@ -129,7 +133,8 @@ impl Rotors {
     /// Adds `h` to the moments that a unit acceleration of each joint requires at the joints before it.
     pub fn add_momentum(&self, builder: &mut ArrayBuilder, needed: ArrayId) -> ArrayId {
         let [needed] = builder.map(
-            ("unit_accelerations_with_rotors", "What a unit acceleration of each joint and its rotor needs."),
+            "unit_accelerations_with_rotors",
+            "What a unit acceleration of each joint and its rotor needs.",
             &[needed, self.momentum],
             [("unit_force_with_rotors", 6)],
             |[needed, momentum]| [flat(with_moment(force_of(needed), vector(momentum)))],
@@ -146,7 +151,8 @@ impl Rotors {
         damping: ArrayId,
     ) -> (ArrayId, ArrayId) {
         let [gains, damping] = builder.map(
-            ("disturbances_with_rotors", "How the joints before each one disturb it and its rotor."),
+            "disturbances_with_rotors",
+            "How the joints before each one disturb it and its rotor.",
             &[gains, damping, self.momentum, self.swept],
             [("gains_with_rotors", 9), ("damping_with_rotors", 6)],
             |[gains, damping, momentum, swept]| {

@@ -222,7 +222,7 @@ impl<'a> Emission<'a> {
                 Scalar::F64 => "int64_t",
                 Scalar::F32 => "int32_t",
             };
-            self.add_table((ty, RELATIONS, about), self.form.joints.len(), self.row.len, arrays::relation);
+            self.add_table(ty, RELATIONS, about, self.form.joints.len(), self.row.len, arrays::relation);
         }
     }
 
@@ -231,18 +231,15 @@ impl<'a> Emission<'a> {
         let about = "Whether the rows of coordinates i and j meet in the inverse of the mass matrix: 0 where they do not.";
         let tree = self.form.coordinates();
         if !tree.is_chain() {
-            self.add_table(
-                ("signed char", MEETINGS, about),
-                tree.len(),
-                self.row.coordinates,
-                arrays::meeting,
-            );
+            self.add_table("signed char", MEETINGS, about, tree.len(), self.row.coordinates, arrays::meeting);
         }
     }
 
     fn add_table(
         &self,
-        (ty, stem, about): (&str, &str, &str),
+        ty: &str,
+        stem: &str,
+        about: &str,
         count: usize,
         len: usize,
         entry: fn(&Arrays, usize, usize) -> i8,

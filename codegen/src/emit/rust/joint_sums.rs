@@ -74,24 +74,25 @@ impl Emission<'_> {
         let of_joints = self.form.coordinates.iter().flat_map(|coordinates| &coordinates.of_joints);
         let sources: Vec<_> = of_joints.copied().map(Some).collect();
         let lengths = [self.row.coordinates, self.row.len];
-        self.gather(("spread", "Gives each joint what its coordinate has."), lengths, &sources)
+        self.gather("spread", "Gives each joint what its coordinate has.", lengths, &sources)
     }
 
     pub(super) fn gather_carriers(&self) -> Ident {
         let about = "Gives each joint what its carrier has, and zero where that is the base.";
-        self.gather(("gather_carriers", about), [self.row.len; 2], &self.form.carriers())
+        self.gather("gather_carriers", about, [self.row.len; 2], &self.form.carriers())
     }
 
     pub(super) fn gather_last(&self) -> Ident {
         let sources: Vec<_> = self.form.last().into_iter().map(Some).collect();
         let about = "Gives each velocity of a joint what its last one has.";
-        self.gather(("gather_last", about), [self.row.len; 2], &sources)
+        self.gather("gather_last", about, [self.row.len; 2], &sources)
     }
 
     /// Name of a function that copies entries of rows. Entries without a source, and padding, become zero.
     fn gather(
         &self,
-        (stem, about): (&str, &str),
+        stem: &str,
+        about: &str,
         [read, length]: [usize; 2],
         sources: &[Option<usize>],
     ) -> Ident {

@@ -8,7 +8,7 @@ use quote::quote;
 use super::context::Context;
 use super::pasted;
 use crate::emit::kernels;
-use crate::emit::options::{Math, Scalar};
+use crate::emit::options::Scalar;
 use crate::functions::function::Function;
 use gelenk_formula::Function as Call;
 use gelenk_kernels::math::Kernel;
@@ -24,36 +24,29 @@ pub(super) fn call(
     receiver: &TokenStream,
     argument: &TokenStream,
 ) -> TokenStream {
-    if function == Call::Sign {
-        context.calls.sign.set(true);
-        return quote!(sign(#argument));
-    }
-    let is_own = context.options.math == Math::Embedded && function != Call::Abs;
     match function {
-        Call::Sin if is_own => {
-            let pair = sin_cos(context, receiver, argument);
+        Call::Sin => {
+            let pair = sin_cos(context, argument);
             quote!(#pair.0)
         }
-        Call::Cos if is_own => {
-            let pair = sin_cos(context, receiver, argument);
+        Call::Cos => {
+            let pair = sin_cos(context, argument);
             quote!(#pair.1)
         }
-        Call::Tanh if is_own => own(context, [Kernel::Tanh, Kernel::TanhF32], argument),
-        Call::Exp if is_own => own(context, [Kernel::Exp, Kernel::ExpF32], argument),
-        Call::Sqrt if is_own => own(context, [Kernel::Sqrt, Kernel::SqrtF32], argument),
-        _ => {
-            let method = method(function);
-            quote!(#receiver.#method())
+        Call::Tanh => own(context, [Kernel::Tanh, Kernel::TanhF32], argument),
+        Call::Exp => own(context, [Kernel::Exp, Kernel::ExpF32], argument),
+        Call::Sqrt => own(context, [Kernel::Sqrt, Kernel::SqrtF32], argument),
+        Call::Abs => quote!(#receiver.abs()),
+        Call::Sign => {
+            context.calls.sign.set(true);
+            quote!(sign(#argument))
         }
     }
 }
 
-/// Expression for sine and cosine of one angle.
-pub(super) fn sin_cos(context: &Context<'_>, receiver: &TokenStream, argument: &TokenStream) -> TokenStream {
-    match context.options.math {
-        Math::Embedded => own(context, [Kernel::SinCos, Kernel::SinCosF32], argument),
-        Math::Std => quote!(#receiver.sin_cos()),
-    }
+/// Sine and cosine of one angle.
+pub(super) fn sin_cos(context: &Context<'_>, argument: &TokenStream) -> TokenStream {
+    own(context, [Kernel::SinCos, Kernel::SinCosF32], argument)
 }
 
 /// Call that computes sines and cosines of several angles, padded to `lanes` = 2, 4 or 8 angles.
@@ -85,19 +78,6 @@ fn own(context: &Context<'_>, kernels: [Kernel; 2], arguments: &TokenStream) -> 
     context.calls.kernels.borrow_mut().insert(kernel);
     let name = Ident::new(kernel.name(), Span::call_site());
     quote!(math::#name(#arguments))
-}
-
-fn method(function: Call) -> Ident {
-    let name = match function {
-        Call::Sin => "sin",
-        Call::Cos => "cos",
-        Call::Tanh => "tanh",
-        Call::Exp => "exp",
-        Call::Abs => "abs",
-        Call::Sign => "signum",
-        Call::Sqrt => "sqrt",
-    };
-    Ident::new(name, Span::call_site())
 }
 
 /// The text of `sign` and of the included functions, as far as they are called.

@@ -7,7 +7,6 @@ use quote::quote;
 
 use super::body::Body;
 use super::math;
-use crate::emit::options::Math;
 use crate::emit::sequence::{self, Run};
 use crate::program::split;
 use crate::program::{Operand, Operation};
@@ -84,8 +83,7 @@ impl Body<'_> {
     ) -> Vec<TokenStream> {
         let is_made = |index: &usize| self.flow.is_made(*index) && is_wanted(*index);
         let made: Vec<usize> = range.filter(is_made).collect();
-        let are_batched = self.context.options.math == Math::Embedded;
-        let groups = sequence::groups(self.program, &self.flow, &made, are_batched);
+        let groups = sequence::groups(self.program, &self.flow, &made, true);
         let mut statements = Vec::with_capacity(made.len());
         for group in groups {
             for run in &group.runs {
@@ -158,7 +156,7 @@ impl Body<'_> {
                 let (a, b, c) = (self.receiver(a), self.operand(b), self.operand(c));
                 quote!(#a.mul_add(#b, #c))
             }
-            Operation::SinCos(a) => math::sin_cos(self.context, &self.receiver(a), &self.operand(a)),
+            Operation::SinCos(a) => math::sin_cos(self.context, &self.operand(a)),
             Operation::CosineOf(_) => return None,
             Operation::Call(function, a) => {
                 math::call(self.context, function, &self.receiver(a), &self.operand(a))

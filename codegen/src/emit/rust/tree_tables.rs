@@ -12,7 +12,7 @@ impl Emission<'_> {
     /// Adds the table of [`arrays::relation`] and returns its name.
     pub(super) fn add_relations(&self) -> Ident {
         let about = "Where joint j stands seen from joint i: −1 before it on its path to the base, 1 beyond it or the same, else 0.";
-        self.add_table(("RELATIONS", about), self.form.joints.len(), self.row.len, arrays::relation)
+        self.add_table("RELATIONS", about, self.form.joints.len(), self.row.len, arrays::relation)
     }
 
     /// Adds, for each joint, the lists of the blocks of columns with joints before it and with joints beyond
@@ -24,7 +24,7 @@ impl Emission<'_> {
                 (first..joints.min(first + block)).any(|j| is_in(self.form.relation(i, j)))
             };
             let blocks = |i: usize| (0..self.row.len / block).filter(move |of| in_block(i, of * block));
-            self.add_lists((name, about), (0..joints).map(|i| blocks(i).collect()).collect())
+            self.add_lists(name, about, (0..joints).map(|i| blocks(i).collect()).collect())
         };
         [
             table("BLOCKS_BEFORE", "Blocks of columns with joints before joint i.", |of| {
@@ -51,10 +51,10 @@ impl Emission<'_> {
             }
             false => "Rows in each block of columns, all of which may not be zero.",
         };
-        self.add_lists(("ROWS_OF_BLOCKS", about), (0..self.row.coordinates / block).map(rows).collect())
+        self.add_lists("ROWS_OF_BLOCKS", about, (0..self.row.coordinates / block).map(rows).collect())
     }
 
-    fn add_lists(&self, (name, about): (&str, &str), lists: Vec<Vec<usize>>) -> Ident {
+    fn add_lists(&self, name: &str, about: &str, lists: Vec<Vec<usize>>) -> Ident {
         let count = Literal::usize_unsuffixed(lists.len());
         let lists = lists.into_iter().map(|list| {
             let list = list.into_iter().map(Literal::usize_unsuffixed);
@@ -70,12 +70,13 @@ impl Emission<'_> {
     pub(super) fn add_meetings(&self) -> Ident {
         let about = "Whether the rows of coordinates i and j meet in the inverse of the mass matrix: 0 where they do not.";
         let (count, lanes) = (self.form.coordinates().len(), self.row.coordinates);
-        self.add_table(("MEETINGS", about), count, lanes, arrays::meeting)
+        self.add_table("MEETINGS", about, count, lanes, arrays::meeting)
     }
 
     fn add_table(
         &self,
-        (name, about): (&str, &str),
+        name: &str,
+        about: &str,
         count: usize,
         lanes: usize,
         entry: fn(&Arrays, usize, usize) -> i8,

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use super::files::{Element, Given};
 use super::schema::Place;
-use super::{Placed, Reader, Remark, or};
+use super::{Placed, Reader, notes, or};
 use crate::description::{
     DriveChoice, DriveDescription, FollowsDescription, JointDescription, Name, SharedDriveDescription,
     WrenchInputDescription,
@@ -73,17 +73,17 @@ impl<'a> Reader<'_, 'a> {
         let lost =
             ["stiffness", "range"].iter().filter_map(|key| find(self, key)).find(|given| !is_zero(given));
         if let Some(given) = lost {
-            self.notes.remark(Remark::TendonForce, given.span, owner.clone());
+            self.notes.remark(notes::TENDON_FORCE, given.span, owner.clone());
         }
         if element.tag() != "fixed" {
-            return self.notes.remark(Remark::TendonForce, element.span(), owner);
+            return self.notes.remark(notes::TENDON_FORCE, element.span(), owner);
         }
         let mut sum = Sum::new();
         for part in self.known_children(Place::Tendon, element) {
             let Some(joint) = self.joint_of(part, "joint") else { continue };
             let factor = or(self.number(part.attribute("coef"), "coef"), 0.0);
             if self.joints.get(&joint).is_some_and(|joint| joint.has_quaternion) {
-                return self.notes.remark(Remark::TendonForce, part.span(), owner);
+                return self.notes.remark(notes::TENDON_FORCE, part.span(), owner);
             }
             if factor != 0.0 {
                 let ratio = At::new(Formula::Number(factor), part.span());
@@ -96,7 +96,7 @@ impl<'a> Reader<'_, 'a> {
             numbers.and_then(|numbers| numbers.value.first().copied()).unwrap_or(0.0)
         });
         if armature != 0.0 && self.is_branched(&sum) {
-            self.notes.remark(Remark::TendonBranches, element.span(), owner);
+            self.notes.remark(notes::TENDON_BRANCHES, element.span(), owner);
         }
         let friction = if self.options.no_friction { Vec::new() } else { friction(viscous, dry) };
         let is_plain = armature == 0.0 && friction.is_empty();
@@ -144,17 +144,17 @@ impl<'a> Reader<'_, 'a> {
                 Some(joint) if !self.joints.get(&joint).is_some_and(|joint| joint.has_quaternion) => {
                     Ok(joint)
                 }
-                Some(_) => return self.notes.remark(Remark::Actuator, element.span(), owner),
+                Some(_) => return self.notes.remark(notes::ACTUATOR, element.span(), owner),
                 None => return,
             },
             (None, Some(tendon)) => match sums.get(tendon.text) {
                 Some(sum) if !sum.is_empty() => Err(sum.clone()),
-                _ => return self.notes.remark(Remark::Actuator, tendon.span, owner),
+                _ => return self.notes.remark(notes::ACTUATOR, tendon.span, owner),
             },
-            (None, None) => return self.notes.remark(Remark::Actuator, element.span(), owner),
+            (None, None) => return self.notes.remark(notes::ACTUATOR, element.span(), owner),
         };
         if first == 0.0 {
-            return self.notes.remark(Remark::Actuator, element.span(), owner);
+            return self.notes.remark(notes::ACTUATOR, element.span(), owner);
         }
         let motor = self.motor(placed, first, &owner);
         match target {
@@ -176,7 +176,7 @@ impl<'a> Reader<'_, 'a> {
             _ => true,
         };
         if is_servo {
-            self.notes.remark(Remark::Servo, element.span(), owner.to_owned());
+            self.notes.remark(notes::SERVO, element.span(), owner.to_owned());
         }
         let gain = match element.tag() {
             "general" => self.find(placed, "gainprm").and_then(|given| self.numbers(given, "gainprm")),
@@ -194,7 +194,7 @@ impl<'a> Reader<'_, 'a> {
             let [low, high] = range.value;
             match low == -high && high * gain.abs() > 0.0 {
                 true => torque.nominal = Some(high * gain.abs()),
-                false => self.notes.remark(Remark::ActuatorRange, range.span, owner.to_owned()),
+                false => self.notes.remark(notes::ACTUATOR_RANGE, range.span, owner.to_owned()),
             }
         }
         let [rotor_inertia, damping] =
@@ -264,7 +264,7 @@ impl<'a> Reader<'_, 'a> {
         let mut wrench = [0.0; 6];
         wrench.iter_mut().zip(gear).for_each(|(entry, gear)| *entry = *gear);
         if element.attribute("refsite").is_some() || wrench == [0.0; 6] {
-            return self.notes.remark(Remark::Actuator, element.span(), owner);
+            return self.notes.remark(notes::ACTUATOR, element.span(), owner);
         }
         let range = self.range(placed, "ctrlrange", "ctrllimited");
         let limits = range.filter(|range| range.value[0] <= 0.0 && range.value[1] >= 0.0);

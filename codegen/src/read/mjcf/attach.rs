@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::files::Element;
+use super::files::{Element, Text};
 use super::{Part, Placed, Reader, WORLD, plain_path, read};
 use crate::description::{DriveChoice, DriveDescription, FollowsDescription, Name, RobotDescription};
 use crate::diagnostic::nearest;
@@ -32,7 +32,7 @@ impl<'a> Reader<'_, 'a> {
         let (name, root) = (first.name.value.clone(), first.child.clone());
         let whole = first.part_of.as_ref().map_or(&first.name, |part| &part.joint);
         match part.joints.get(&whole.value).filter(|joint| joint.is_free) {
-            Some(free) => self.require_world(&free.name, (link, &placed.pose), true),
+            Some(free) => self.require_world(&free.name, link, &placed.pose, true),
             None => {
                 first.origin = Some(placed.pose.then(&first.origin.take().unwrap_or_else(Pose::identity)));
             }
@@ -89,7 +89,7 @@ impl<'a> Reader<'_, 'a> {
                 let source = self.report.add_source(&name, &text);
                 let options = ReadOptions { body: None, ..self.options.clone() };
                 let (report, load) = (&mut *self.report, &mut *self.meshes.load);
-                read((report, self.angles), (&text, source), &path, &options, (load, &self.chain))
+                read(report, self.angles, Text::new(&path, source, &text), &options, load, &self.chain)
             }
             Err(wrong) => {
                 for entry in wrong.into_entries() {

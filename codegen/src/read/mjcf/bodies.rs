@@ -2,7 +2,7 @@
 
 use super::files::Element;
 use super::schema::{ORIENTATIONS, Place, tags};
-use super::{Placed, Reader, Remark, WORLD};
+use super::{Placed, Reader, WORLD, notes};
 use crate::description::{FrameDescription, JointDescription, Name};
 use crate::diagnostic::At;
 use crate::model::{JointKind, Pose};
@@ -70,7 +70,7 @@ impl<'a> Reader<'_, 'a> {
         let joints: Vec<&Placed<'a>> =
             contents.iter().filter(|placed| ["joint", "freejoint"].contains(&placed.element.tag())).collect();
         if let Some(given) = element.attribute("gravcomp").filter(|given| given.text.trim() != "0") {
-            self.notes.remark(Remark::GravityCompensation, given.span, name.quoted());
+            self.notes.remark(notes::GRAVITY_COMPENSATION, given.span, name.quoted());
         }
         self.bodies.insert(name.value.clone(), self.robot.joints.len());
         match joints.is_empty() {
@@ -104,7 +104,7 @@ impl<'a> Reader<'_, 'a> {
         if GENERATORS.contains(&tag) {
             self.refuse(placed.element);
         } else if tag == "plugin" {
-            self.notes.remark(Remark::Elastic, placed.element.span(), "`plugin`".to_owned());
+            self.notes.remark(notes::ELASTIC, placed.element.span(), "`plugin`".to_owned());
         } else if tags(Place::Body).contains(&tag) {
             self.notes.skip(format!("<{tag}>"), placed.element.span());
         }

@@ -140,7 +140,7 @@ impl<'a> Reader<'_, 'a> {
             if let Some(given) = element.attribute(key)
                 && given.text.trim().parse::<f64>() != Ok(0.0)
             {
-                self.notes.remark(super::Remark::Medium, given.span, format!("`{key}`"));
+                self.notes.remark(super::notes::MEDIUM, given.span, format!("`{key}`"));
             }
         }
         for flag in self.files.children(element).into_iter().filter(|inner| inner.tag() == "flag") {
@@ -149,7 +149,7 @@ impl<'a> Reader<'_, 'a> {
             }
             for key in DISABLING {
                 if let Some(given) = flag.attribute(key).filter(|given| given.text == "disable") {
-                    self.notes.remark(super::Remark::Flag, given.span, format!("`{key}`"));
+                    self.notes.remark(super::notes::FLAG, given.span, format!("`{key}`"));
                 }
             }
         }

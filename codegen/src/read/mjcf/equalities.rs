@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::actuators::Sums;
 use super::files::Element;
 use super::schema::Place;
-use super::{Placed, Reader, Remark};
+use super::{Placed, Reader, notes};
 use crate::description::FollowsDescription;
 use crate::diagnostic::{At, Span, nearest};
 use gelenk_formula::Formula;
@@ -32,7 +32,7 @@ impl<'a> Reader<'_, 'a> {
     fn opened(&mut self, element: Element<'a>) {
         let name = element.node.attribute("name");
         let name = name.map_or(format!("<{}>", element.tag()), |name| format!("`{name}`"));
-        self.notes.remark(Remark::Loop, element.span(), name);
+        self.notes.remark(notes::LOOP, element.span(), name);
     }
 
     /// Reads `length1 − length1₀ = a₀ + a₁ (length2 − length2₀)`. The length of a joint is its position.
@@ -63,7 +63,7 @@ impl<'a> Reader<'_, 'a> {
             }
             first => {
                 let owner = first.map_or(format!("<{}>", element.tag()), |(joint, _)| format!("`{joint}`"));
-                self.notes.remark(Remark::Equality, element.span(), owner);
+                self.notes.remark(notes::EQUALITY, element.span(), owner);
             }
         }
     }

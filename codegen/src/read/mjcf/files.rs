@@ -15,32 +15,35 @@ const MOST_FILES: usize = 100;
 
 /// A file of the model.
 pub(super) struct Text {
-    /// Path of the file, relative to the folder of the first description.
-    path: PathBuf,
+    /// Where it was found, from the folder of the first description.
+    pub(super) path: PathBuf,
     /// Index of the including file, and the name of this file there; `None` for the model itself.
     included: Option<(usize, String)>,
     source: usize,
     text: UrdfText,
 }
 
-/// Reads the model's text and its included files. After an error the result is `None`.
-///
-/// - `path`: path of the model; paths of included files are relative to its folder, or if that file does not
-///   exist, to the folder of the including file
-pub(super) fn gather(
-    (text, source): (&str, usize),
-    path: &Path,
-    load: &mut dyn Fetch,
-    report: &mut Report,
-) -> Option<Vec<Text>> {
+impl Text {
+    /// The text of a model.
+    ///
+    /// - `source`: its index in the report
+    pub(super) fn new(path: &Path, source: usize, text: &str) -> Self {
+        Self { path: path.to_owned(), included: None, source, text: UrdfText::new(text) }
+    }
+}
+
+/// Reads the includes of a model's text; `None` after reporting an error. Their paths are relative to that of the model, or
+/// else to the including file.
+pub(super) fn gather(model: Text, load: &mut dyn Fetch, report: &mut Report) -> Option<Vec<Text>> {
     let folder = |path: &Path| path.parent().map(Path::to_owned).unwrap_or_default();
-    let mut texts = vec![Text { path: path.to_owned(), included: None, source, text: UrdfText::new(text) }];
+    let path = model.path.clone();
+    let mut texts = vec![model];
     let mut next = 0;
     while next < texts.len() {
         for file in includes(&texts[next], report)? {
             let name = plain_path(&file.value);
             // As in MuJoCo: in the folder of the model, else in that of the file that includes it.
-            let [first, second] = [path, &texts[next].path].map(|from| folder(from).join(&name));
+            let [first, second] = [&path, &texts[next].path].map(|from| folder(from).join(&name));
             let mut read = |path: &Path| load.text(&path.to_string_lossy());
             let (path, found) = match read(&first) {
                 Err(wrong) => match read(&second) {

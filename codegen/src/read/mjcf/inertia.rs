@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use super::compiler::FromGeoms;
 use super::files::Element;
 use super::place::z_to;
-use super::{Placed, Reader, Remark, or};
+use super::{Placed, Reader, notes, or};
 use crate::description::{BodyDescription, Name};
 use crate::diagnostic::At;
 use crate::model::Pose;
@@ -102,7 +102,7 @@ impl<'a> Reader<'_, 'a> {
                 Share::Lump(lump) => lumps.push(lump),
                 Share::Unknown(why) => {
                     let of_body = format!("{} of {}", why, name.quoted());
-                    self.notes.remark(Remark::MeshInertia, geom.element.span(), of_body);
+                    self.notes.remark(notes::MESH_INERTIA, geom.element.span(), of_body);
                 }
             }
         }
@@ -138,7 +138,7 @@ impl<'a> Reader<'_, 'a> {
         }
         if let Some(mesh) = self.find(&geom, "mesh") {
             return match kind {
-                "mesh" => self.of_mesh(&geom, mesh.text, (mass, density), body),
+                "mesh" => self.of_mesh(&geom, mesh.text, mass, density, body),
                 _ => Share::Unknown(format!("`{}` as a {kind}", mesh.text)),
             };
         }
@@ -158,7 +158,8 @@ impl<'a> Reader<'_, 'a> {
         &mut self,
         geom: &Placed<'a>,
         mesh: &str,
-        (mass, density): (Option<f64>, f64),
+        mass: Option<f64>,
+        density: f64,
         body: &Name,
     ) -> Share {
         let integrals = match self.mesh(mesh) {

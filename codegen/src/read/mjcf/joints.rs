@@ -1,7 +1,7 @@
 //! Reading of joints. Several joints in one body become a chain.
 
 use super::place::by_axis;
-use super::{KnownJoint, Placed, Reader, Remark, or};
+use super::{KnownJoint, Placed, Reader, notes, or};
 use crate::description::{FrictionDescription, JointDescription, LimitsDescription, Name};
 use crate::diagnostic::At;
 use crate::model::pose::rotate_numbers;
@@ -115,7 +115,7 @@ impl<'a> Reader<'_, 'a> {
 
     /// Adds a free joint. Its body is in the world, at any pose that the file shows.
     fn free(&mut self, joint: &Placed<'a>, name: Name, between: Between, is_only: bool) {
-        self.require_world(&name, (&between.parent, &between.frame), is_only);
+        self.require_world(&name, &between.parent, &between.frame, is_only);
         let place = Place {
             parent: Some(between.parent),
             child: Some(between.child),
@@ -125,8 +125,8 @@ impl<'a> Reader<'_, 'a> {
         self.quaternion(joint, name, QuaternionKind::Floating, place, Pose::identity());
     }
 
-    /// Rejects a free joint outside of the world. Notes that the initial pose is ignored.
-    pub(super) fn require_world(&mut self, name: &Name, (parent, frame): (&Name, &Pose), is_only: bool) {
+    /// Rejects a free joint outside the world; notes that its initial pose is ignored.
+    pub(super) fn require_world(&mut self, name: &Name, parent: &Name, frame: &Pose, is_only: bool) {
         if parent.value != super::WORLD || !is_only {
             let message =
                 format!("free joint `{}` must be the only joint of a body in <worldbody>", name.value);
@@ -136,7 +136,7 @@ impl<'a> Reader<'_, 'a> {
             );
         }
         if !frame.is_identity() {
-            self.notes.remark(Remark::StartPose, name.span, name.quoted());
+            self.notes.remark(notes::START_POSE, name.span, name.quoted());
         }
     }
 
@@ -161,7 +161,7 @@ impl<'a> Reader<'_, 'a> {
             .filter_map(|key| self.find(joint, key))
             .find(|given| given.text.split_whitespace().any(|word| word.parse() != Ok(0.0)));
         if let Some(given) = given.filter(|_| !is_plain) {
-            self.notes.remark(Remark::QuaternionForce, given.span, name.quoted());
+            self.notes.remark(notes::QUATERNION_FORCE, given.span, name.quoted());
         }
         let friction = if is_plain { None } else { self.friction(joint, &name, false) };
         let is_free = kind == QuaternionKind::Floating;
@@ -186,11 +186,11 @@ impl<'a> Reader<'_, 'a> {
         let position = range.map(|range| At::new(range.value.map(|x| unit * x), range.span));
         let is_usable = |range: &At<[f64; 2]>| range.value[0] < range.value[1];
         if let Some(range) = position.as_ref().filter(|range| !is_usable(range)) {
-            self.notes.remark(Remark::Range, range.span, name.quoted());
+            self.notes.remark(notes::RANGE, range.span, name.quoted());
         }
         let force = self.range(joint, "actuatorfrcrange", "actuatorfrclimited");
         if let Some(range) = force.as_ref().filter(|range| range.value[0] != -range.value[1]) {
-            self.notes.remark(Remark::EffortRange, range.span, name.quoted());
+            self.notes.remark(notes::EFFORT_RANGE, range.span, name.quoted());
         }
         let effort = force.map(|range| At::new(range.value[1].min(-range.value[0]), range.span));
         LimitsDescription {
@@ -219,7 +219,7 @@ impl<'a> Reader<'_, 'a> {
     fn spring(&mut self, joint: &Placed<'a>, unit: f64) -> Option<At<Vec<Formula>>> {
         if let Some(given) = self.find(joint, "springdamper").filter(|given| !is_zero(given.text)) {
             let body = joint.element.node.attribute("name").unwrap_or("a joint");
-            self.notes.remark(Remark::SpringDamper, given.span, format!("`{body}`"));
+            self.notes.remark(notes::SPRING_DAMPER, given.span, format!("`{body}`"));
         }
         let stiffness = self.linear(joint, "stiffness")?;
         if stiffness.value < 0.0 {
@@ -239,7 +239,7 @@ impl<'a> Reader<'_, 'a> {
         let numbers = self.numbers(self.find(joint, key)?, key)?;
         if numbers.value.iter().skip(1).any(|number| *number != 0.0) {
             let name = joint.element.node.attribute("name").unwrap_or("a joint");
-            self.notes.remark(Remark::SpringDamper, numbers.span, format!("`{name}`"));
+            self.notes.remark(notes::SPRING_DAMPER, numbers.span, format!("`{name}`"));
         }
         let first = *numbers.value.first()?;
         (first != 0.0).then(|| At::new(first, numbers.span))

@@ -33,9 +33,8 @@ use crate::read::options::ReadOptions;
 use crate::read::skipped::Notes;
 use classes::Classes;
 use compiler::Compiler;
-use files::{Element, Files, Given, Meshes, plain_path};
+use files::{Element, Files, Given, Meshes, Text, plain_path};
 use gelenk_formula::{Formula, LARGEST_NUMBER, too_large};
-use notes::Remark;
 
 /// Name of the link of all parts that do not move.
 const WORLD: &str = "world";
@@ -64,7 +63,7 @@ pub(super) struct Reader<'r, 'a> {
     compiler: Compiler,
     meshes: Meshes<'a, 'r>,
     gravity: [f64; 3],
-    notes: Notes<Remark>,
+    notes: Notes,
     robot: RobotDescription,
     /// Joints by their names in the file.
     joints: BTreeMap<String, KnownJoint>,
@@ -111,13 +110,15 @@ struct Part {
 /// - `text`: the text, and its index in the report
 /// - `path`: path of the file; paths of included files are relative to its folder
 pub(super) fn description(
-    report: (&mut Report, &mut Angles),
-    text: (&str, usize),
+    report: &mut Report,
+    angles: &mut Angles,
+    text: &str,
+    source: usize,
     path: &Path,
     options: &ReadOptions,
     load: &mut dyn Fetch,
 ) -> Option<RobotDescription> {
-    read(report, text, path, options, (load, &[])).map(|part| part.robot)
+    read(report, angles, Text::new(path, source, text), options, load, &[]).map(|part| part.robot)
 }
 
 /// Reads a model, which may be attached to another model. Armatures and the sum of masses are applied to the
@@ -125,13 +126,15 @@ pub(super) fn description(
 ///
 /// - `before`: files of the models to which this model is attached
 fn read(
-    (report, angles): (&mut Report, &mut Angles),
-    text: (&str, usize),
-    path: &Path,
+    report: &mut Report,
+    angles: &mut Angles,
+    text: Text,
     options: &ReadOptions,
-    (load, before): (&mut dyn Fetch, &[PathBuf]),
+    load: &mut dyn Fetch,
+    before: &[PathBuf],
 ) -> Option<Part> {
-    let texts = files::gather(text, path, &mut *load, report)?;
+    let path = text.path.clone();
+    let texts = files::gather(text, &mut *load, report)?;
     let files = Files::parse(&texts);
     let root = files.root()?;
     if root.tag() != "mujoco" {
@@ -155,7 +158,7 @@ fn read(
         },
         meshes: Meshes { load, assets: BTreeMap::new(), known: BTreeMap::new() },
         gravity: [0.0, 0.0, -9.81],
-        notes: Notes::new(),
+        notes: Notes::default(),
         robot: RobotDescription {
             name: At::new(stem.to_owned(), root.span()),
             default_drive: DriveChoice::Passive,
@@ -168,7 +171,7 @@ fn read(
         bodies: BTreeMap::new(),
         models: Vec::new(),
         folder: path.parent().map(Path::to_owned).unwrap_or_default(),
-        chain: before.iter().cloned().chain([path.to_owned()]).collect(),
+        chain: before.iter().cloned().chain([path]).collect(),
         link_names: Distinct::from_iter([WORLD.to_owned()]),
         joint_names: Distinct::default(),
         drive_names: Distinct::default(),
@@ -180,7 +183,7 @@ fn read(
     }
     reader.notes.report(|_| true, reader.report);
     if let Some(body) = &options.body {
-        one_tree::keep(&mut reader.robot, WORLD, (body, root.span()), reader.report);
+        one_tree::keep(&mut reader.robot, WORLD, body, root.span(), reader.report);
     }
     let Reader { robot, joints, sites, bodies, .. } = reader;
     Some(Part { robot, joints, sites, bodies })
@@ -204,7 +207,7 @@ impl<'a> Reader<'_, 'a> {
         with("actuator").for_each(|section| self.actuators(section, &sums));
         for elastic in with("deformable").flat_map(|section| self.files.children(section)) {
             let name = elastic.node.attribute("name").unwrap_or(elastic.tag());
-            self.notes.remark(Remark::Elastic, elastic.span(), format!("`{name}`"));
+            self.notes.remark(notes::ELASTIC, elastic.span(), format!("`{name}`"));
         }
         for section in sections.iter().filter(|section| HARMLESS.contains(&section.tag())) {
             self.notes.skip(format!("<{}>", section.tag()), section.span());

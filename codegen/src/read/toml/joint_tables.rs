@@ -40,7 +40,8 @@ pub(crate) struct Extended {
 pub(crate) fn read_joints(
     reader: &mut Reader,
     top: &Table<'_>,
-    (base, frees): (Option<&Name>, bool),
+    base: Option<&Name>,
+    frees: bool,
     extended: Option<Extended>,
 ) -> Joints {
     let Some(item) = top.get("joints") else {
@@ -122,7 +123,7 @@ fn velocities_of(
     };
     let (joint, composite) = standing.iter().find(|joint| is_part(joint))?;
     let name = reader.name_of(table, "name")?;
-    refuse(reader, table, &PLACE, (joint, *composite));
+    refuse(reader, table, &PLACE, joint, *composite);
     Some(vec![single_joint(reader, table, name, None)])
 }
 
@@ -133,20 +134,20 @@ fn is_called(table: &Table<'_>, name: &str) -> bool {
 
 /// The velocities of a joint for which the table has values.
 fn whole(reader: &mut Reader, table: &Table<'_>, name: &Name, composite: Composite) -> Vec<JointDescription> {
-    refuse(reader, table, &PLACE, (&name.value, composite));
-    refuse(reader, table, &SINGLE, (&name.value, composite));
+    refuse(reader, table, &PLACE, &name.value, composite);
+    refuse(reader, table, &SINGLE, &name.value, composite);
     check_all_parts(reader, table, name, composite);
     let mut told = Vec::new();
     for part in composite.parts() {
-        if by_part(table).any(|item| of_part(table, (composite, part), item.key).is_some()) {
+        if by_part(table).any(|item| of_part(table, composite, part, item.key).is_some()) {
             let own = At::new(format!("{}_{}", name.value, part.name), name.span);
-            told.push(forces(reader, &|key| of_part(table, (composite, part), key), own));
+            told.push(forces(reader, &|key| of_part(table, composite, part, key), own));
         }
     }
     told
 }
 
-fn refuse(reader: &mut Reader, table: &Table<'_>, keys: &[&str], (joint, composite): (&str, Composite)) {
+fn refuse(reader: &mut Reader, table: &Table<'_>, keys: &[&str], joint: &str, composite: Composite) {
     for item in keys.iter().filter_map(|key| table.get(key)) {
         let message =
             format!("`{}` is given for {} joint `{joint}`, which already exists", item.key, composite.name());

@@ -164,14 +164,15 @@ fn read_composite(
         axis: table.get("axis").and_then(|item| reader.axis(item)).unwrap_or([0.0, 0.0, 1.0]),
     };
     composite::expand(composite, &name, place, |part, name| {
-        forces(reader, &|key| of_part(table, (composite, part), key), name)
+        forces(reader, &|key| of_part(table, composite, part, key), name)
     })
 }
 
 /// Value of a key for one part of a joint; `None` without a value for this part.
 pub(crate) fn of_part<'t>(
     table: &Table<'t>,
-    (composite, part): (Composite, &Part),
+    composite: Composite,
+    part: &Part,
     key: &str,
 ) -> Option<Item<'t>> {
     match table.get(key)? {

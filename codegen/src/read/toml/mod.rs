@@ -184,7 +184,7 @@ pub(super) fn description(
     let fallback = At::new(name.to_owned(), top.span);
     let (base, floating_base) = top.get("base").map_or((None, None), |item| read_base(reader, item));
     let Joints { joints, velocities } =
-        read_joints(reader, top, (base.as_ref(), floating_base.is_some()), extended);
+        read_joints(reader, top, base.as_ref(), floating_base.is_some(), extended);
     RobotDescription {
         name: top.get("name").and_then(|item| reader.name(item)).unwrap_or(fallback),
         description: top

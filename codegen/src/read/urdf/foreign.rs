@@ -85,20 +85,15 @@ pub(super) const ROTORS: [&str; 4] = ["rotorinertia", "motorinertia", "armature"
 /// Elements in which stiffness and damping are properties of contacts.
 pub(super) const CONTACTS: [&str; 3] = ["contact", "surface", "collision"];
 
-/// Text of the note about an effect, by the row of the effect.
-pub(super) fn text(row: usize) -> &'static str {
-    EFFECTS.get(row).map_or("", |effect| effect.text)
-}
-
 /// A name without the prefix of its tool: `drake:rotor_inertia` becomes `rotorinertia`.
 pub(super) fn plain(word: &str) -> String {
     let word = word.rsplit([':', '.']).next().unwrap_or(word);
     word.chars().filter(|c| *c != '_').flat_map(char::to_lowercase).collect()
 }
 
-/// Row of the effect that a name with this value has; `None` without an effect.
-pub(super) fn row(word: &str, value: &str) -> Option<usize> {
+/// Note about the effect of a name with this value.
+pub(super) fn effect(word: &str, value: &str) -> Option<&'static str> {
     let word = plain(word);
-    let found = EFFECTS.iter().position(|effect| effect.words.contains(&word.as_str()))?;
-    (!EFFECTS[found].idle.contains(&value.trim())).then_some(found)
+    let found = EFFECTS.iter().find(|effect| effect.words.contains(&word.as_str()))?;
+    (!found.idle.contains(&value.trim())).then_some(found.text)
 }

@@ -1,11 +1,12 @@
 //! Limits in URDFs. Limits that are 0, infinite or reversed are common. No limit affects the equations.
 
-use super::notes::Remark;
+use super::notes;
 use super::values::of_any_tool;
 use super::{Reader, XmlNode};
 use crate::description::{LimitsDescription, Name};
 use crate::diagnostic::At;
 use crate::model::JointKind;
+use crate::read::skipped::Remark;
 use gelenk_formula::LARGEST_NUMBER;
 
 /// A limit as the file gives it.
@@ -29,8 +30,8 @@ impl<T> Limit<T> {
 
     fn remark(&self) -> Option<Remark> {
         match self {
-            Self::Unset => Some(Remark::LimitUnset),
-            Self::Unusable => Some(Remark::LimitUnusable),
+            Self::Unset => Some(notes::LIMIT_UNSET),
+            Self::Unusable => Some(notes::LIMIT_UNUSABLE),
             Self::Given(_) | Self::Broken => None,
         }
     }
@@ -50,7 +51,7 @@ impl Reader<'_> {
         let turns_freely = kind == Some(JointKind::Continuous);
         let Some(node) = self.single(joint, "limit", &owner) else {
             if !turns_freely {
-                self.notes.remark(Remark::LimitMissing, name.span, owner);
+                self.notes.remark(notes::LIMIT_MISSING, name.span, owner);
             }
             return LimitsDescription::default();
         };
@@ -60,7 +61,7 @@ impl Reader<'_> {
         let of_position = match (&position, turns_freely) {
             (position, false) => position.remark(),
             (Limit::Unset | Limit::Broken, true) => None,
-            (_, true) => Some(Remark::ContinuousLimits),
+            (_, true) => Some(notes::CONTINUOUS_LIMITS),
         };
         // The last three are those of URDF 1.1: 0 or absent, they are not given.
         let of_amounts = amounts.iter().enumerate().filter_map(|(index, amount)| match amount {

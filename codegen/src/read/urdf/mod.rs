@@ -11,7 +11,7 @@ mod values;
 mod words;
 mod xacro;
 
-use self::notes::{HARMLESS, Remark};
+use self::notes::HARMLESS;
 use self::text::UrdfText;
 use crate::description::angles::Angles;
 use crate::description::{
@@ -58,8 +58,14 @@ pub(super) fn description(
         report.error(Span::new(source, robot.range()), "not-a-robot", message);
         return None;
     }
-    let mut reader =
-        Reader { report, angles, source, options: options.clone(), notes: Notes::new(), rotors: Vec::new() };
+    let mut reader = Reader {
+        report,
+        angles,
+        source,
+        options: options.clone(),
+        notes: Notes::default(),
+        rotors: Vec::new(),
+    };
     if let Some(macros) = xacro::first(robot) {
         let span = reader.span(macros);
         xacro::report(macros, span, file, reader.report);
@@ -100,7 +106,7 @@ struct Reader<'r> {
     angles: &'r mut Angles,
     pub(super) source: usize,
     options: ReadOptions,
-    pub(super) notes: Notes<Remark>,
+    pub(super) notes: Notes,
     /// Rotors of transmissions and attributes that are not assigned to joints yet.
     pub(super) rotors: Vec<SkippedRotor>,
 }
@@ -163,7 +169,7 @@ impl Reader<'_> {
             let span = self.span(node);
             let owner = format!("`{}`", name.value);
             match inertia {
-                None => self.notes.remark(Remark::EmptyInertial, span, owner),
+                None => self.notes.remark(notes::EMPTY_INERTIAL, span, owner),
                 Some(_) => {
                     let message = format!("link {owner} has an inertia but no <mass>");
                     self.report.error(span, "missing-element", message);
@@ -223,7 +229,7 @@ impl Reader<'_> {
         }
         if (size - 1.0).abs() > WRITTEN_DIGITS {
             let owner = format!("{owner} (length {} of the quaternion)", three_digits(size));
-            self.notes.remark(Remark::AxisNormalized, quaternion.span, owner);
+            self.notes.remark(notes::AXIS_NORMALIZED, quaternion.span, owner);
         }
         let [x, y, z, w] = quaternion.value.map(|part| part / size);
         Some(self.angles.quaternion([w, x, y, z]))
@@ -276,7 +282,7 @@ impl Reader<'_> {
         self.known_children(node, &["origin", "parent", "child", "axis", "limit", "dynamics", "mimic"]);
         self.refuse_in_composite(node, &name, composite);
         if composite.quaternion() == Some(QuaternionKind::Spherical) {
-            self.notes.remark(Remark::SphericalWithoutDrive, self.span(node), name.quoted());
+            self.notes.remark(notes::SPHERICAL_WITHOUT_DRIVE, self.span(node), name.quoted());
         }
         let has_axis = composite == Composite::Planar;
         let place = Place {
@@ -303,7 +309,7 @@ impl Reader<'_> {
             );
         }
         if let Some(limit) = self.single(node, "limit", &owner) {
-            self.notes.remark(Remark::PlanarLimits, self.span(limit), owner.clone());
+            self.notes.remark(notes::PLANAR_LIMITS, self.span(limit), owner.clone());
         }
         let dynamics = self
             .single(node, "dynamics", &owner)
@@ -368,7 +374,7 @@ impl Reader<'_> {
     fn axis(&mut self, joint: XmlNode<'_>, name: &Name) -> Option<[f64; 3]> {
         let node = self.single(joint, "axis", &name.quoted());
         if let Some(node) = node.filter(|node| !node.has_attribute("xyz")) {
-            self.notes.remark(Remark::AxisMissing, self.span(node), name.quoted());
+            self.notes.remark(notes::AXIS_MISSING, self.span(node), name.quoted());
         }
         let Some(axis) = node.and_then(|node| self.vector(node, "xyz")) else {
             return Some([1.0, 0.0, 0.0]);
@@ -382,7 +388,7 @@ impl Reader<'_> {
         if (length - 1.0).abs() > WRITTEN_DIGITS {
             let owner =
                 format!("`{}` [{}] of length {}", name.value, join(&axis.value), three_digits(length));
-            self.notes.remark(Remark::AxisNormalized, axis.span, owner);
+            self.notes.remark(notes::AXIS_NORMALIZED, axis.span, owner);
         }
         Some(axis.value.map(|x| x / length))
     }

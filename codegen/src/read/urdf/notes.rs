@@ -1,8 +1,6 @@
 //! Notes and warnings about skipped or changed parts of a URDF, with one note for each kind.
 
-use super::foreign as urdf_foreign;
-use crate::diagnostic::Severity;
-use crate::read::skipped as notes;
+use crate::read::skipped::Remark;
 
 /// Elements that do not affect the dynamics, unless [`urdf_foreign`] knows their content. All of them share
 /// one note.
@@ -23,82 +21,37 @@ pub(super) const HARMLESS: [&str; 14] = [
     "<self_collision_checking>",
 ];
 
-/// A kind of remark about a description. A kind gives one note for all its places.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Remark {
-    AxisMissing,
-    AxisNormalized,
-    ContinuousLimits,
-    DuplicateElement,
-    EmptyInertial,
-    Foreign(usize),
-    LimitMissing,
-    LimitUnset,
-    LimitUnusable,
-    PlanarLimits,
-    ReductionIgnored,
-    RotorRead,
-    SphericalWithoutDrive,
-    Unknown,
-}
-
-impl notes::Remark for Remark {
-    fn code(self) -> &'static str {
-        match self {
-            Self::AxisMissing => "axis-missing",
-            Self::AxisNormalized => "axis-normalized",
-            Self::ContinuousLimits => "continuous-limits",
-            Self::DuplicateElement => "duplicate-element",
-            Self::EmptyInertial => "empty-inertial",
-            Self::Foreign(_) => "dynamics-skipped",
-            Self::LimitMissing => "limit-missing",
-            Self::LimitUnset => "limit-unset",
-            Self::LimitUnusable => "limit-unusable",
-            Self::PlanarLimits => "planar-limits",
-            Self::ReductionIgnored => "transmission-ignored",
-            Self::RotorRead => "rotor-read",
-            Self::Unknown => "unknown-tag",
-            Self::SphericalWithoutDrive => "spherical-without-drive",
-        }
-    }
-
-    fn severity(self) -> Severity {
-        match self {
-            Self::AxisMissing
-            | Self::DuplicateElement
-            | Self::EmptyInertial
-            | Self::Foreign(_)
-            | Self::LimitUnusable
-            | Self::Unknown => Severity::Warning,
-            _ => Severity::Note,
-        }
-    }
-
-    fn text(self) -> &'static str {
-        match self {
-            Self::AxisMissing => "an <axis> without `xyz` was taken as x",
-            Self::AxisNormalized => "axes and quaternions were normalized",
-            Self::ContinuousLimits => "continuous joints have no position limits; those given were ignored",
-            Self::DuplicateElement => "only the first of several elements of the same kind was used",
-            Self::Foreign(row) => urdf_foreign::text(row),
-            Self::EmptyInertial => "links with an empty <inertial> have no mass",
-            Self::LimitMissing => {
-                "joints without <limit> have no limits here; ROS rejects such revolute and prismatic joints"
-            }
-            Self::LimitUnset => "limits that are 0 or infinite were ignored",
-            Self::LimitUnusable => "limits that are reversed, equal or negative were ignored",
-            Self::PlanarLimits => {
-                "limits of joints with several degrees of freedom were ignored, because they do not name a \
-                 motion; describe them in a TOML file for each part"
-            }
-            Self::ReductionIgnored => "mechanical reductions were ignored; inputs act at the joints",
-            Self::RotorRead => {
-                "rotors of transmissions were read as i² J at their joints, where the inputs act"
-            }
-            Self::Unknown => "unknown elements of the dynamics were skipped",
-            Self::SphericalWithoutDrive => {
-                "spherical joints of a URDF have no drive and no input; add inputs in a TOML file (`drive = \"ideal\"`)"
-            }
-        }
-    }
-}
+pub(super) const AXIS_MISSING: Remark =
+    Remark::warning("axis-missing", "an <axis> without `xyz` was taken as x");
+pub(super) const AXIS_NORMALIZED: Remark =
+    Remark::note("axis-normalized", "axes and quaternions were normalized");
+pub(super) const CONTINUOUS_LIMITS: Remark =
+    Remark::note("continuous-limits", "continuous joints have no position limits; those given were ignored");
+pub(super) const DUPLICATE_ELEMENT: Remark =
+    Remark::warning("duplicate-element", "only the first of several elements of the same kind was used");
+pub(super) const EMPTY_INERTIAL: Remark =
+    Remark::warning("empty-inertial", "links with an empty <inertial> have no mass");
+pub(super) const LIMIT_MISSING: Remark = Remark::note(
+    "limit-missing",
+    "joints without <limit> have no limits here; ROS rejects such revolute and prismatic joints",
+);
+pub(super) const LIMIT_UNSET: Remark =
+    Remark::note("limit-unset", "limits that are 0 or infinite were ignored");
+pub(super) const LIMIT_UNUSABLE: Remark =
+    Remark::warning("limit-unusable", "limits that are reversed, equal or negative were ignored");
+pub(super) const PLANAR_LIMITS: Remark = Remark::note(
+    "planar-limits",
+    "limits of joints with several degrees of freedom were ignored, because they do not name a motion; describe them in a TOML file for each part",
+);
+pub(super) const REDUCTION_IGNORED: Remark =
+    Remark::note("transmission-ignored", "mechanical reductions were ignored; inputs act at the joints");
+pub(super) const ROTOR_READ: Remark = Remark::note(
+    "rotor-read",
+    "rotors of transmissions were read as i² J at their joints, where the inputs act",
+);
+pub(super) const SPHERICAL_WITHOUT_DRIVE: Remark = Remark::note(
+    "spherical-without-drive",
+    "spherical joints of a URDF have no drive and no input; add inputs in a TOML file (`drive = \"ideal\"`)",
+);
+pub(super) const UNKNOWN: Remark =
+    Remark::warning("unknown-tag", "unknown elements of the dynamics were skipped");

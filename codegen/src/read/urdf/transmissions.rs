@@ -1,7 +1,7 @@
 //! Transmissions of a URDF: gear reductions, and rotors in the notation of Drake and other tools.
 
 use super::foreign::{ROTORS, plain};
-use super::notes::Remark;
+use super::notes;
 use super::words::value_of;
 use super::{Reader, XmlNode};
 use crate::description::{DriveChoice, DriveDescription, RobotDescription, SkippedRotor};
@@ -74,7 +74,7 @@ impl Reader<'_> {
                 }),
                 _ => {
                     let what = format!("<{}> {:?}", rotor.tag_name().name(), value_of(rotor));
-                    self.notes.remark(Remark::Unknown, self.span(rotor), what);
+                    self.notes.remark(notes::UNKNOWN, self.span(rotor), what);
                 }
             }
         }
@@ -83,7 +83,7 @@ impl Reader<'_> {
             if text.parse() != Ok(1.0) {
                 let owner =
                     joint_of(reduction).map_or(text.to_owned(), |joint| format!("{text} of `{joint}`"));
-                self.notes.remark(Remark::ReductionIgnored, self.span(reduction), owner);
+                self.notes.remark(notes::REDUCTION_IGNORED, self.span(reduction), owner);
             }
         }
     }
@@ -111,7 +111,7 @@ impl Reader<'_> {
             let motor = DriveDescription::at_joint(At::new(inertia, span));
             joint.drive = Some(At::new(DriveChoice::Motor(Box::new(motor)), span));
             let owner = format!("{} kg m² at `{name}`", three_digits(added));
-            self.notes.remark(Remark::RotorRead, span, owner);
+            self.notes.remark(notes::ROTOR_READ, span, owner);
         }
     }
 }

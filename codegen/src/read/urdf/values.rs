@@ -1,6 +1,6 @@
 //! Names, numbers and elements of a URDF, with their places.
 
-use super::notes::Remark;
+use super::notes;
 use super::text::opening_tag;
 use super::{Reader, XmlNode};
 use crate::description::Name;
@@ -34,7 +34,7 @@ impl Reader<'_> {
         if let Some(second) = found.next() {
             let span = self.span(second);
             let owner = format!("<{tag}> of {owner}");
-            self.notes.remark(Remark::DuplicateElement, span, owner);
+            self.notes.remark(notes::DUPLICATE_ELEMENT, span, owner);
         }
         Some(first)
     }

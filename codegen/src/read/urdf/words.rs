@@ -1,9 +1,10 @@
 //! Unknown names in a URDF, with the names that were probably intended.
 
-use super::foreign::{CONTACTS, plain, row};
-use super::notes::{HARMLESS, Remark};
+use super::foreign::{CONTACTS, effect, plain};
+use super::notes::{self, HARMLESS};
 use super::{Reader, XmlNode};
 use crate::diagnostic::{Span, nearest};
+use crate::read::skipped::Remark;
 use crate::wording::as_written;
 use roxmltree::Node;
 
@@ -31,7 +32,7 @@ impl Reader<'_> {
             let is_foreign = self.foreign_word(node, name, unknown.value(), span);
             if !is_foreign && unknown.namespace().is_none() && !name.contains('.') {
                 let absent = known.iter().copied().filter(|key| !node.has_attribute(*key));
-                self.notes.remark(Remark::Unknown, span, format!("<{tag} {name}>{}", meant(name, absent)));
+                self.notes.remark(notes::UNKNOWN, span, format!("<{tag} {name}>{}", meant(name, absent)));
             }
         }
     }
@@ -60,7 +61,7 @@ impl Reader<'_> {
 
     /// Whether the name has an effect on the dynamics in other tools. If it has, a remark is added.
     pub(super) fn foreign_word(&mut self, node: XmlNode<'_>, word: &str, value: &str, span: Span) -> bool {
-        let Some(row) = row(word, value) else { return false };
+        let Some(text) = effect(word, value) else { return false };
         let is_contact = |node: XmlNode<'_>| CONTACTS.contains(&node.tag_name().name());
         let is_of_contact = ["stiffness", "damping"].contains(&word) && node.ancestors().any(is_contact);
         if is_of_contact || (plain(word) == "mimicjoint" && is_coupled(node, value)) {
@@ -68,7 +69,11 @@ impl Reader<'_> {
         }
         let of = owner(node).map_or(String::new(), |owner| format!(" of `{owner}`"));
         let value = value.parse().map_or(String::new(), |number| format!(" {}", as_written(number)));
-        self.notes.remark(Remark::Foreign(row), span, format!("`{}`{value}{of}", word.replace('.', ":")));
+        self.notes.remark(
+            Remark::warning("dynamics-skipped", text),
+            span,
+            format!("`{}`{value}{of}", word.replace('.', ":")),
+        );
         true
     }
 
@@ -83,7 +88,7 @@ impl Reader<'_> {
         let parent = node.parent_element().map_or("", |parent| parent.tag_name().name());
         match ["joint", "inertial"].contains(&parent) && !is_harmless {
             _ if is_foreign => {}
-            true => self.notes.remark(Remark::Unknown, self.span(node), format!("{tag}{meant}")),
+            true => self.notes.remark(notes::UNKNOWN, self.span(node), format!("{tag}{meant}")),
             false => self.notes.skip(format!("{tag}{meant}"), self.span(node)),
         }
     }

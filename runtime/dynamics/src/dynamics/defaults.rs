@@ -220,7 +220,9 @@ pub fn midpoint_step<
     const NY: usize,
 >(
     robot: &D,
-    (y, v, a): (&[f64; NY], &[f64; N], &[f64; N]),
+    y: &[f64; NY],
+    v: &[f64; N],
+    a: &[f64; N],
     u: &[f64; M],
     period: f64,
 ) -> Step<N, M, NY> {
@@ -257,14 +259,16 @@ pub fn midpoint_step<
         columns.rest[i] = period * (columns.rest[i] - forces.forces[i]);
     }
     solve(&mut matrix, &mut columns);
-    stepped(robot, (y, v, a), &mean, &columns, period)
+    stepped(robot, y, v, a, &mean, &columns, period)
 }
 
 /// Returns the step whose changes of the velocities are in `columns`.
 #[inline]
 fn stepped<D: Differentiable<N, M, NY> + ?Sized, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
-    (y, v, a): (&[f64; NY], &[f64; N], &[f64; N]),
+    y: &[f64; NY],
+    v: &[f64; N],
+    a: &[f64; N],
     mean: &[f64; N],
     columns: &Columns<N, M>,
     period: f64,
@@ -318,7 +322,9 @@ fn stepped<D: Differentiable<N, M, NY> + ?Sized, const N: usize, const M: usize,
 pub fn step_from<D: Discretizable<N, M>, const N: usize, const M: usize>(
     robot: &D,
     time: f64,
-    (y, v, u): (&[f64; N], &[f64; N], &[f64; M]),
+    y: &[f64; N],
+    v: &[f64; N],
+    u: &[f64; M],
     period: f64,
 ) -> ([f64; N], [f64; N]) {
     let stages = StageTimes::new(time, period / D::SUBSTEPS as f64);
@@ -332,7 +338,9 @@ pub fn step_from<D: Discretizable<N, M>, const N: usize, const M: usize>(
 pub fn step_derivatives_from<D: Discretizable<N, M>, const N: usize, const M: usize>(
     robot: &D,
     time: f64,
-    (y, v, u): (&[f64; N], &[f64; N], &[f64; M]),
+    y: &[f64; N],
+    v: &[f64; N],
+    u: &[f64; M],
     period: f64,
 ) -> Step<N, M> {
     let stages = StageTimes::new(time, period / D::SUBSTEPS as f64);

@@ -139,7 +139,8 @@ pub const fn dependent_joints<const N: usize, const K: usize>(
     names: &[&'static str],
     [ratios, driven_ratios]: [&'static [f64]; 2],
     offsets: &[f64],
-    (positions, velocities): (&[[f64; 2]], &[f64]),
+    positions: &[[f64; 2]],
+    velocities: &[f64],
 ) -> [DependentJoint<N>; K] {
     const { assert!(N > 0 || K == 0, "a joint that follows has something to follow") }
     let mut joints = [DependentJoint {
@@ -189,7 +190,8 @@ mod tests {
             &["sum", "alone"],
             [&[1.0, -1.0, 0.0, 2.0], &[]],
             &[0.1, 0.2],
-            (&[[-1.0, 1.0], [-2.0, 2.0]], &[3.0, 4.0]),
+            &[[-1.0, 1.0], [-2.0, 2.0]],
+            &[3.0, 4.0],
         );
         assert!(joints[0].has_position_limit() && joints[0].has_velocity_limit() && joints[0].is_sum());
         assert_eq!((joints[1].followed_alone(), joints[1].name), (Some(1), "alone"));

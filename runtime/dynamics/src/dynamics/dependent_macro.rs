@@ -19,7 +19,8 @@ macro_rules! dependent_joints_of {
                     &DEPENDENT_JOINT_NAMES,
                     [DEPENDENT_JOINT_RATIOS.as_flattened(), DEPENDENT_DRIVEN_RATIOS.as_flattened()],
                     &DEPENDENT_JOINT_OFFSETS,
-                    (&DEPENDENT_POSITION_LIMITS, &DEPENDENT_VELOCITY_LIMITS),
+                    &DEPENDENT_POSITION_LIMITS,
+                    &DEPENDENT_VELOCITY_LIMITS,
                 );
             &JOINTS
         }

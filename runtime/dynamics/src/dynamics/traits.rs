@@ -417,6 +417,6 @@ pub trait Discretizable<const N: usize, const M: usize, const NY: usize = N>:
         u: &[f64; M],
         period: f64,
     ) -> Step<N, M, NY> {
-        defaults::midpoint_step(self, (y, v, a), u, period)
+        defaults::midpoint_step(self, y, v, a, u, period)
     }
 }

@@ -5,7 +5,7 @@ use super::functions;
 use super::python::{array, number, string, strings};
 use crate::emit::header;
 use crate::functions::function::{Constant, ConstantValue};
-use crate::program::interpret::{Functions, interpret};
+use crate::program::interpret::interpret;
 
 /// The file without the constants and without the code for the parameters of a stage.
 const TEXT: &str = include_str!("setup.py");
@@ -53,8 +53,7 @@ impl<'a> Robot<'a> {
         let described: Vec<f64> = module.parameters.iter().map(|parameter| parameter.default).collect();
         let function = module.functions.iter().find(|function| function.name == "input_matrix");
         let program = function.map(|function| &function.program).filter(|program| program.inputs.is_empty());
-        let results =
-            program.and_then(|program| interpret(program, &[], &described, &Functions::EMBEDDED).ok());
+        let results = program.and_then(|program| interpret(program, &[], &described).ok());
         let input_matrix = results.and_then(|results| results.into_iter().next());
         Self { context, n: module.coordinates, m: module.inputs, input_matrix }
     }

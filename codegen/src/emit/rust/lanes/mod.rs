@@ -16,7 +16,6 @@ use super::body::Body;
 use super::context::Context;
 use super::signature::Signature;
 use super::{parts, straight};
-use crate::emit::options::Math;
 use crate::functions::function::Function;
 use crate::program::Operand;
 use crate::program::flow::{Flow, operands};
@@ -71,8 +70,7 @@ pub(super) fn types(context: &Context<'_>) -> Vec<TokenStream> {
 /// Division of a function into loops over lanes; `None` if no version over lanes is requested or elementary
 /// functions are those of std.
 pub(super) fn plan(context: &Context<'_>, function: &Function) -> Option<Plan> {
-    let is_asked = context.module.lanes.contains(&function.name);
-    if !is_asked || context.options.math == Math::Std {
+    if !context.module.lanes.contains(&function.name) {
         return None;
     }
     let longest = context.options.longest_function.min(LONGEST_LOOP);

@@ -1,16 +1,14 @@
 //! Proposes propellers as commented lines of `robot.toml`, for links that turn on a floating body or are
 //! fixed to it.
 
-use super::new_feet;
-use crate::model::{Joint, JointKind, Model, Motion, Pose};
-use crate::numeric::atan2;
-use crate::wording::{as_written, toml_text};
+use super::{legs, toml_text};
+use gelenk_codegen::model::{Joint, JointKind, Model, Motion, Pose};
 
 /// Proposes an input for each joint that may carry a propeller. The text is empty if there are no propellers
 /// to propose.
 ///
 /// - `joints`: joints that may carry a propeller, with their links
-pub(super) fn description(model: &Model, joints: &[(&Joint, usize)]) -> String {
+pub fn description(model: &Model, joints: &[(&Joint, usize)]) -> String {
     let carries = |link: usize| joints.iter().any(|(joint, _)| joint.parent == link);
     let ends = joints.iter().filter(|(_, link)| !carries(*link));
     let ends: Vec<_> = ends.filter_map(|(joint, link)| Some((joint, *link, upward(model, joint)?))).collect();
@@ -35,13 +33,13 @@ pub(super) fn description(model: &Model, joints: &[(&Joint, usize)]) -> String {
     text
 }
 
-/// Proposes an input for each leaf with mass that is fixed to a floating body, or for the body itself if
-/// there are none. The robot has no moving joints, so it has no other inputs.
-pub(super) fn of_fixed_links(model: &Model) -> String {
+/// Proposes an input for each link with mass that is fixed to a floating body and carries nothing, or for the
+/// body itself. Robots without moving joints have no other inputs.
+pub fn of_fixed_links(model: &Model) -> String {
     let carries =
         |link: usize| model.links.iter().filter_map(|of| of.joint.as_ref()).any(|joint| joint.parent == link);
     let is_end = |link: &usize| !model.links[*link].bodies.is_empty() && !carries(*link);
-    let Some(base) = new_feet::base(model) else { return String::new() };
+    let Some(base) = legs::base(model) else { return String::new() };
     let ends: Vec<usize> = (0..model.links.len()).filter(|link| *link != base).filter(is_end).collect();
     let ends = if ends.is_empty() { vec![base] } else { ends };
     let mut text = String::from(
@@ -77,7 +75,8 @@ const DRAG: f64 = 0.016;
 /// Thrust along the axis, then drag about the axis, for an input of 1, as text.
 fn wrench(axis: [f64; 3], sign: f64) -> String {
     // A sum with 0 has no negative zero.
-    let entries = axis.into_iter().chain(axis.map(|a| sign * DRAG * a)).map(|entry| as_written(entry + 0.0));
+    let entries =
+        axis.into_iter().chain(axis.map(|a| sign * DRAG * a)).map(|entry| (entry + 0.0).to_string());
     entries.collect::<Vec<_>>().join(", ")
 }
 
@@ -87,7 +86,7 @@ fn upward(model: &Model, joint: &Joint) -> Option<[f64; 3]> {
     if !matches!(joint.kind, JointKind::Revolute | JointKind::Continuous) {
         return None;
     }
-    let base = new_feet::base(model);
+    let base = legs::base(model);
     let (mut pose, mut at) = (joint.origin.clone(), joint.parent);
     while Some(at) != base {
         match &model.links[at].joint {
@@ -122,7 +121,7 @@ fn pose(model: &Model, link: usize) -> Pose {
 /// Signs that alternate from place to place around the mean of all places.
 fn signs(places: &[[f64; 2]]) -> Vec<f64> {
     let middle = [0, 1].map(|axis| places.iter().map(|place| place[axis]).sum::<f64>() / places.len() as f64);
-    let angle = |place: &[f64; 2]| atan2(place[1] - middle[1], place[0] - middle[0]);
+    let angle = |place: &[f64; 2]| (place[1] - middle[1]).atan2(place[0] - middle[0]);
     let mut around: Vec<usize> = (0..places.len()).collect();
     around.sort_by(|&a, &b| angle(&places[a]).total_cmp(&angle(&places[b])));
     let mut signs = vec![1.0; places.len()];
@@ -133,8 +132,8 @@ fn signs(places: &[[f64; 2]]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnostic::Diagnostic;
-    use crate::read::{ReadOptions, from_toml};
+    use gelenk_codegen::diagnostic::Diagnostic;
+    use gelenk_codegen::read::{ReadOptions, from_toml};
 
     /// Thrust is up whatever the frame of a propeller is, and whichever way its axis is counted.
     #[test]

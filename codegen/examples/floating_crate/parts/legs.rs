@@ -1,13 +1,12 @@
 //! Finds the feet of a legged robot by a rule, or takes the links that the user names.
 
-use super::failure::Failure;
-use crate::diagnostic::nearest;
-use crate::model::{Model, Motion, Pose};
-use crate::wording::toml_text;
+use super::toml_text;
+use gelenk_codegen::formula::nearest;
+use gelenk_codegen::model::{Model, Motion, Pose};
 
 /// A foot and its leg, as names of links.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Foot {
+pub struct Foot {
     /// First link of the leg that a joint moves.
     hip: String,
     /// Link whose origin is on the ground.
@@ -22,12 +21,10 @@ const JOINTS: usize = 3;
 
 /// Feet of a robot with a floating base; empty if the rule finds none.
 ///
-/// Legs are branches of the base that do not branch further. They have the same number of joints, at least
-/// three. The largest group of legs with equal numbers is used if it has at least three legs. The foot is the
-/// link that is fixed to the leg's last moving link and whose origin is farthest from it.
-///
-/// - `named`: names of the feet; if empty, the rule is used
-pub(super) fn feet(model: &Model, named: &[String]) -> Result<Vec<Foot>, Failure> {
+/// Legs are branches of the base without further branching, with the same number of joints (at least three).
+/// The largest group of such legs is used if it has at least three. The foot is the last link of a leg,
+/// farthest from its last joint.
+pub fn feet(model: &Model, named: &[String]) -> Result<Vec<Foot>, String> {
     let legs = Legs { model, base: base(model) };
     if !named.is_empty() {
         return legs.named(named);
@@ -39,9 +36,8 @@ pub(super) fn feet(model: &Model, named: &[String]) -> Result<Vec<Foot>, Failure
     Ok(all.into_iter().filter(|(count, _)| *count == joints).map(|(_, foot)| foot).collect())
 }
 
-/// The link that the first joint with a quaternion carries, usually the floating base; `None` if there is no
-/// such joint.
-pub(super) fn base(model: &Model) -> Option<usize> {
+/// The floating link.
+pub fn base(model: &Model) -> Option<usize> {
     let joint = model.quaternion_joints.first()?;
     model.coordinates.get(joint.coordinates().end - 1).copied()
 }
@@ -116,52 +112,50 @@ impl Legs<'_> {
         Foot { hip: name(hip), foot: name(foot) }
     }
 
-    fn named(&self, names: &[String]) -> Result<Vec<Foot>, Failure> {
-        let feet: Result<Vec<(usize, Foot)>, Failure> = names.iter().map(|name| self.of(name)).collect();
+    fn named(&self, names: &[String]) -> Result<Vec<Foot>, String> {
+        let feet: Result<Vec<(usize, Foot)>, String> = names.iter().map(|name| self.of(name)).collect();
         let feet = feet?;
         for (k, (hip, foot)) in feet.iter().enumerate() {
             if let Some((_, other)) = feet[..k].iter().find(|(other, _)| other == hip) {
-                return Err(Failure::Usage(format!(
-                    "`{}` and `{}` are on the same leg\n  = help: name one foot per leg with --feet",
+                return Err(format!(
+                    "`{}` and `{}` are on the same leg\n  = help: name one foot per leg",
                     other.foot, foot.foot
-                )));
+                ));
             }
         }
         if feet.len() < FEWEST {
-            return Err(Failure::Usage(format!(
-                "--feet names {} feet\n  = help: forces at the feet alone can carry a robot with {FEWEST} \
-                 feet or more; without --feet the new program lets it fall",
+            return Err(format!(
+                "only {} feet are named\n  = help: forces at the feet alone can carry a robot with {FEWEST} \
+                 feet or more",
                 feet.len()
-            )));
+            ));
         }
         Ok(feet.into_iter().map(|(_, foot)| foot).collect())
     }
 
-    /// The first link of a foot's leg, and the foot, from the name of the foot's link.
-    fn of(&self, name: &str) -> Result<(usize, Foot), Failure> {
+    /// The leg of a foot, and the foot.
+    fn of(&self, name: &str) -> Result<(usize, Foot), String> {
         let links = || self.model.links.iter().map(|link| link.name.as_str());
         let Some(link) = links().position(|link| link == name) else {
             let near = nearest(name, links()).unwrap_or_default();
-            return Err(Failure::Usage(format!(
-                "--feet names `{name}`, which is not a link of the robot\n  = help: {near}"
-            )));
+            return Err(format!("`{name}` is not a link of the robot\n  = help: {near}"));
         };
         match self.way(link).as_deref() {
             Some(way @ [.., hip]) if way.len() >= JOINTS => Ok((*hip, self.foot(*hip, link))),
-            Some(way) => Err(Failure::Usage(format!(
+            Some(way) => Err(format!(
                 "the leg of `{name}` has {} of the {JOINTS} joints that it needs\n  = help: name the last link \
                  of a leg that begins at the base",
                 way.len()
-            ))),
-            None => Err(Failure::Usage(format!(
-                "the base does not carry `{name}`\n  = help: name the last links of the legs"
-            ))),
+            )),
+            None => {
+                Err(format!("the base does not carry `{name}`\n  = help: name the last links of the legs"))
+            }
         }
     }
 }
 
 /// Entries of `robot.toml` for the feet: frames, and wrenches of the ground.
-pub(super) fn description(feet: &[Foot]) -> String {
+pub fn description(feet: &[Foot]) -> String {
     let mut text = String::from(
         "\n# The feet, and what the ground exerts on them. Contact is not simulated: src/main.rs chooses these forces, in the axes of the\n\
          # world.\n",
@@ -177,8 +171,8 @@ pub(super) fn description(feet: &[Foot]) -> String {
     text
 }
 
-/// Text of `main.rs` with a list of `count` feet.
-pub(super) fn program(count: usize) -> String {
+/// Text of the program with its list of feet.
+pub fn program(count: usize) -> String {
     let foot = |k: usize| {
         format!(
             "    foot!(\n        frame_hip_{k}_pose,\n        frame_foot_{k}_pose,\n        frame_foot_{k}_jacobian,\n        \
@@ -186,5 +180,5 @@ pub(super) fn program(count: usize) -> String {
         )
     };
     let feet = Vec::from_iter((0..count).map(foot)).join("\n");
-    include_str!("template/main_legs.rs").replace("    // FEET", &feet)
+    include_str!("on_legs.rs").replace("    // FEET", &feet)
 }

@@ -1,0 +1,242 @@
+//! Robot of a new project: an example, or the robot of a URDF or MJCF.
+
+use std::path::{Component, Path};
+
+use super::super::choices::Reading;
+use super::super::failure::Failure;
+use super::project::filled;
+use crate::diagnostic::Diagnostics;
+use crate::model::{Joint, Model, QuaternionKind};
+use crate::read::DescriptionFiles;
+use crate::wording::{quoted, toml_text};
+
+/// Description of a new project, and the files it uses.
+pub(super) struct Robot {
+    /// Text of `robot.toml`.
+    pub(super) description: String,
+    /// Whether its friction is discontinuous at rest.
+    pub(super) has_dry_friction: bool,
+    /// Files that the description extends: paths in the project, and contents.
+    pub(super) copies: Vec<(String, Vec<u8>)>,
+    /// Whether the base is floating.
+    pub(super) floats: bool,
+    /// Names of the joints, without followers.
+    pub(super) joints: Vec<String>,
+    /// Joints without a motor.
+    passive: Vec<String>,
+    /// Notes of the description, for example about legs with a fixed base.
+    pub(super) notes: Diagnostics,
+}
+
+impl Robot {
+    /// Fails if an effort cannot be commanded for each coordinate.
+    ///
+    /// - `who`: subject and verb of the message
+    pub(super) fn require_efforts(&self, who: &str) -> Result<(), Failure> {
+        let (fault, remedy) = match (self.floats, self.joints.is_empty(), self.passive.first()) {
+            (true, ..) => (
+                "its base floats, or it has a spherical joint".to_owned(),
+                "use a robot with a fixed base and one coordinate per joint",
+            ),
+            (_, true, _) => ("use a robot with joints".to_owned(), "take a robot with joints"),
+            (.., Some(joint)) => {
+                (format!("no motor moves {}", quoted(joint)), "add a motor, or `--hold` the joint")
+            }
+            _ => return Ok(()),
+        };
+        Err(Failure::Usage(format!("{who} an effort for each joint, but {fault}\n  = help: {remedy}")))
+    }
+}
+
+/// Robot of the URDF or MJCF, or an example: an arm or a quadrotor.
+pub(super) fn robot(xml: Option<&Path>, reading: &Reading) -> Result<Robot, Failure> {
+    if let Some(path) = xml {
+        return from_xml(path, reading);
+    }
+    let floats = reading.floats();
+    let (description, joints) = match floats {
+        true => (include_str!("../template/robot/quadrotor.toml"), vec![]),
+        false => {
+            (include_str!("../template/robot/arm.toml"), vec!["shoulder".to_owned(), "elbow".to_owned()])
+        }
+    };
+    Ok(Robot {
+        description: description.to_owned(),
+        has_dry_friction: false,
+        copies: vec![],
+        floats,
+        joints,
+        passive: vec![],
+        notes: Diagnostics::default(),
+    })
+}
+
+/// The file must be one that can be generated: half a crate helps nobody.
+fn from_xml(path: &Path, reading: &Reading) -> Result<Robot, Failure> {
+    let wrong = |why| Failure::Descriptions(vec![why]);
+    let mut files = DescriptionFiles::of(path);
+    let loaded = files.load(&reading.options()).map_err(wrong)?;
+    let model = &loaded.model;
+    require_base(path, model)?;
+    let kind = match (files.is_xml().map_err(wrong)?, files.is_mjcf().map_err(wrong)?) {
+        (_, true) => &MJCF,
+        (true, false) => &URDF,
+        (false, false) => {
+            return Err(Failure::Usage(format!(
+                "{} is neither URDF nor MJCF\n  = help: make the crate without --urdf, and replace its \
+                 robot.toml by your description",
+                path.display()
+            )));
+        }
+    };
+    let passive: Vec<String> = without_motor(model).map(str::to_owned).collect();
+    if kind.has_motors {
+        require_motors(path, model, &passive)?;
+    }
+    let notes = loaded.notes.entries().iter().filter(|note| note.code == "legs-on-fixed-base");
+    Ok(Robot {
+        description: kind.description(path, model, reading),
+        has_dry_friction: model.has_dry_friction(),
+        copies: kind.copies(path, &files)?,
+        floats: !model.quaternion_joints.is_empty(),
+        joints: described_joints(model).map(|(joint, _)| joint.name.clone()).collect(),
+        passive,
+        notes: Diagnostics::new(notes.cloned().collect()),
+    })
+}
+
+/// Format of the robot's file.
+struct Kind {
+    /// Name of the copy in the project.
+    file: &'static str,
+    /// Key of the description that names the copy.
+    key: &'static str,
+    /// Whether the file has motors. Otherwise every joint is an input.
+    has_motors: bool,
+    /// Comment on drives and friction, which the file may leave open.
+    drives: &'static str,
+    /// Comment on one joint.
+    joint: &'static str,
+}
+
+const URDF: Kind = Kind {
+    file: "robot.urdf",
+    key: "urdf",
+    has_motors: false,
+    drives: include_str!("../template/robot/drives_urdf.toml"),
+    joint: include_str!("../template/robot/joint_urdf.toml"),
+};
+
+const MJCF: Kind = Kind {
+    file: "robot.xml",
+    key: "extends",
+    has_motors: true,
+    drives: include_str!("../template/robot/drives_mjcf.toml"),
+    joint: include_str!("../template/robot/joint_mjcf.toml"),
+};
+
+impl Kind {
+    fn description(&self, path: &Path, model: &Model, reading: &Reading) -> String {
+        let file = path.file_name().unwrap_or_default().to_string_lossy();
+        let head = [
+            ("FILE", self.file.to_owned()),
+            ("SOURCE", file.replace(char::is_control, " ")),
+            ("KEY", self.key.to_owned()),
+        ];
+        let mut text = filled(include_str!("../template/robot/head.toml"), &head);
+        if reading.floats() {
+            text.push_str("# Legs and propellers: codegen/docs/floating.md of gelenk.\n");
+        }
+        text.extend(reading.keys().into_iter().map(|key| key + "\n"));
+        if !model.followers.is_empty() {
+            text.push_str(include_str!("../template/robot/mimic.toml"));
+        }
+        let joint = |(joint, _): (&Joint, usize)| filled(self.joint, &[("JOINT", toml_text(&joint.name))]);
+        let joints: String = described_joints(model).map(joint).collect();
+        let drives = if joints.is_empty() { "" } else { self.drives };
+        text + drives + &joints
+    }
+
+    /// The file and those that it includes, in their places relative to it.
+    fn copies(&self, path: &Path, files: &DescriptionFiles) -> Result<Vec<(String, Vec<u8>)>, Failure> {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let copy = |(file, bytes): (&Path, &[u8])| {
+            if file == path {
+                return Ok((self.file.to_owned(), bytes.to_vec()));
+            }
+            let place = file
+                .strip_prefix(folder)
+                .ok()
+                .filter(|place| is_inside(place) && *place != Path::new(self.file));
+            match place.and_then(Path::to_str) {
+                Some(place) => Ok((place.to_owned(), bytes.to_vec())),
+                None => Err(Failure::Usage(format!(
+                    "{} includes {}, which cannot have the same relative path in the new crate\n  = help: \
+                     include only files of its own folder, by relative paths, and give none of them the \
+                     name {}",
+                    path.display(),
+                    file.display(),
+                    self.file
+                ))),
+            }
+        };
+        files.contents().map(copy).collect()
+    }
+}
+
+fn is_inside(place: &Path) -> bool {
+    place.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
+}
+
+/// The program of a new crate does not control a robot that nothing moves, or a floating one with passive joints.
+fn require_motors(path: &Path, model: &Model, passive: &[String]) -> Result<(), Failure> {
+    let floats = !model.quaternion_joints.is_empty();
+    let enough = !floats && passive.len() < described_joints(model).count();
+    if enough || passive.is_empty() {
+        return Ok(());
+    }
+    Err(Failure::Usage(format!(
+        "{} has no motor at {}; the program of a new crate moves {}\n  = help: add `<motor joint=\"{}\"/>` to its <actuator>",
+        path.display(),
+        passive.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "),
+        if floats { "each joint of a robot with a floating base" } else { "at least one joint" },
+        passive[0],
+    )))
+}
+
+/// The program of a robot that moves freely takes its first position and velocity entries for those of the base.
+fn require_base(path: &Path, model: &Model) -> Result<(), Failure> {
+    let Some(joint) = model.quaternion_joints.first() else {
+        return Ok(());
+    };
+    let is_base = joint.kind == QuaternionKind::Floating && joint.first == 0;
+    if is_base && model.quaternion_joints.len() == 1 {
+        return Ok(());
+    }
+    Err(Failure::Usage(format!(
+        "joint `{}` of {} is {}; the program of a new crate supports a floating base and joints with one \
+         position and one velocity\n  = help: first make it a fixed joint, or call `gelenk generate` and \
+         write the program yourself: the example `satellite` of gelenk-runtime moves a robot with a \
+         spherical joint",
+        joint.name,
+        path.display(),
+        joint.kind.name()
+    )))
+}
+
+/// The joints that the description may say more of, with their links; not those that the base floats by.
+fn described_joints(model: &Model) -> impl Iterator<Item = (&Joint, usize)> {
+    let moves = model.coordinates.iter().enumerate();
+    let plain = moves.filter(|(coordinate, _)| model.position_of(*coordinate).is_some());
+    plain.filter_map(|(_, &link)| Some((model.links.get(link)?.joint.as_ref()?, link)))
+}
+
+/// Joints that no drive moves.
+fn without_motor(model: &Model) -> impl Iterator<Item = &str> {
+    let driven = |coordinate: usize| {
+        model.drives.iter().any(|drive| drive.acts_on.iter().any(|of| of.coordinate == coordinate))
+    };
+    let still =
+        move |link: &usize| model.coordinates.iter().position(|of| of == link).is_some_and(|c| !driven(c));
+    described_joints(model).filter(move |(_, link)| still(link)).map(|(joint, _)| joint.name.as_str())
+}
