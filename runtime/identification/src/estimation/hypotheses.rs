@@ -11,7 +11,7 @@ use super::fit::{HeldOut, held_out};
 use super::layout::{ARMATURE, LOAD, Layout};
 use super::levels;
 use super::normal::{Centred, Model};
-use super::offer::{FALL, gain, offered};
+use super::offer::{FALL, gain, harms, offered};
 use super::prior::Prior;
 use super::result::Gravity;
 use super::springs::spring;
@@ -114,7 +114,7 @@ pub(super) fn other_explanations(
     (chosen, own): (&Chosen, &HeldOut),
     ratio: Option<f64>,
 ) -> Result<Doubts> {
-    let of_all = gravity(task, chosen, ratio)?.into_iter().collect();
+    let of_all = gravity(task, (chosen, own), ratio)?.into_iter().collect();
     let mut of_joints = signs(task.robot, chosen, own, task.prior)?;
     if let Some(short) = too_short(task) {
         of_joints
@@ -326,13 +326,22 @@ fn too_short(task: &Task) -> Option<Finding> {
     })
 }
 
-fn gravity(task: &Task, chosen: &Chosen, ratio: Option<f64>) -> Result<Option<Finding>> {
+/// The other setting of gravity, if it explains the described bodies better, and bodies that may change at least as well: what they
+/// explain is no fault of gravity.
+fn gravity(
+    task: &Task,
+    (chosen, fitted): (&Chosen, &HeldOut),
+    ratio: Option<f64>,
+) -> Result<Option<Finding>> {
     let compensated = task.settings.gravity_compensated;
     let mut rows = task.rows_where(Gravity::of(!compensated));
     let sums = sum(&mut rows, task.layout, task.runs, &task.pieces, &moving);
     let own = as_described(chosen.over(chosen.centred.sums), task.prior)?;
     let other = as_described(chosen.over(&sums), task.prior)?;
     let Some(share) = gain(&own, &other) else { return Ok(None) };
+    if harms(fitted, &chosen.over(&sums).held_out(task.prior)?) {
+        return Ok(None);
+    }
     // Bodies that are described too heavy, and efforts in a larger unit, are better explained without gravity, too.
     if let Some(ratio) = ratio {
         let mut scaled = chosen.over(chosen.centred.sums);
