@@ -40,7 +40,7 @@ pub(super) struct Layout {
     /// Number of the delay of each effort, if delays are not known; empty otherwise.
     pub(super) delays: Vec<usize>,
     /// Delays with entries in the joint's equation.
-    pub(super) late: Vec<Vec<usize>>,
+    pub(super) delays_of: Vec<Vec<usize>>,
     /// Factors k of the terms tanh(k v), for each joint.
     pub(super) steepness: Vec<[f64; WIDTHS.len()]>,
     /// Whether the joint moves and its force was measured.
@@ -115,7 +115,7 @@ impl Layout {
             terms,
             local: local(robot, joints, parameters, terms),
             delays: Vec::new(),
-            late: vec![Vec::new(); joints],
+            delays_of: vec![Vec::new(); joints],
             steepness,
             moves,
             exact: rows_of(&robot.quaternion_joints(), joints),
@@ -135,12 +135,12 @@ impl Layout {
         require_length("delays of the efforts", efforts, delays.len())?;
         self.delays = delays.to_vec();
         for joint in 0..self.joints {
-            let mut late: Vec<usize> = self.acting(joint).map(|(effort, _)| delays[effort]).collect();
-            late.sort_unstable();
-            late.dedup();
-            let globals: Vec<usize> = late.iter().map(|delay| self.delay(*delay)).collect();
+            let mut own: Vec<usize> = self.acting(joint).map(|(effort, _)| delays[effort]).collect();
+            own.sort_unstable();
+            own.dedup();
+            let globals: Vec<usize> = own.iter().map(|delay| self.delay(*delay)).collect();
             self.local[joint].extend(globals);
-            self.late[joint] = late;
+            self.delays_of[joint] = own;
         }
         Ok(self)
     }
@@ -243,7 +243,7 @@ impl Layout {
 
     /// Place of a joint's first candidate term among its columns.
     pub(super) fn first_term(&self, joint: usize) -> usize {
-        self.local[joint].len() - self.late[joint].len() - self.terms
+        self.local[joint].len() - self.delays_of[joint].len() - self.terms
     }
 
     /// Columns of a joint's sums of products: its unknowns, the rigid force, the measured force.

@@ -22,14 +22,14 @@ const NO_HELD_OUT: Rule = Rule::warning("no-held-out-error");
 
 /// Errors on folds that were left out.
 #[derive(Debug, Clone)]
-pub(super) struct Unseen {
+pub(super) struct HeldOutErrors {
     /// `Σ r²` of each fold and its number of samples.
     pub(super) folds: Vec<[f64; 2]>,
     /// `Σ (τ − τ̄)²` over the folds.
     pub(super) total: f64,
 }
 
-impl Unseen {
+impl HeldOutErrors {
     /// `1 − RSS / Σ (τ − τ̄)²` with more of both sums; `None` if the torque never changes.
     pub(super) fn r_squared(&self, more: f64) -> Option<f64> {
         let residual: f64 = self.folds.iter().map(|[residual, _]| residual).sum();
@@ -55,9 +55,9 @@ pub(super) fn held_out(
     total: f64,
     (selection, rows): (&Selection, Option<&DMatrix<f64>>),
     findings: &mut Findings,
-) -> Option<Unseen> {
+) -> Option<HeldOutErrors> {
     match folds.and_then(|folds| by_folds(&folds, selection, rows)) {
-        Ok(folds) => Some(Unseen { folds, total }),
+        Ok(folds) => Some(HeldOutErrors { folds, total }),
         Err(reason) => {
             findings.add(NO_HELD_OUT.found(format!("no R² on left-out data: {reason}")));
             None

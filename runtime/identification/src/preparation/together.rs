@@ -26,7 +26,7 @@ pub(super) fn together(
 ) -> Vec<f64> {
     let targets = efforts.filtered.iter().zip(&efforts.measured);
     let all = Equations::of_efforts(columns, runs, samples).into_iter().zip(targets);
-    let mut all: Vec<Weighed> = all.filter_map(|(of, (f, m))| Weighed::new(of, f, m)).collect();
+    let mut all: Vec<EffortFit> = all.filter_map(|(of, (f, m))| EffortFit::new(of, f, m)).collect();
     for _ in 0..levels::FITS.get() {
         let Some(parameters) = fitted(&all) else { return Vec::new() };
         all.iter_mut().for_each(|effort| effort.judge(&parameters));
@@ -35,7 +35,7 @@ pub(super) fn together(
 }
 
 /// One effort's part of the fit of all.
-struct Weighed<'a> {
+struct EffortFit<'a> {
     equations: Equations,
     filtered: &'a DVector<f64>,
     measured: &'a DVector<f64>,
@@ -47,7 +47,7 @@ struct Weighed<'a> {
     score: f64,
 }
 
-impl<'a> Weighed<'a> {
+impl<'a> EffortFit<'a> {
     /// `None` if the effort is not finite or does not vary.
     fn new(equations: Equations, filtered: &'a DVector<f64>, measured: &'a DVector<f64>) -> Option<Self> {
         let variation = variation(&equations.moving, measured);
@@ -76,7 +76,7 @@ impl<'a> Weighed<'a> {
 }
 
 /// Parameters by weighted least squares on the filtered efforts; `None` if the columns have no factor.
-fn fitted(efforts: &[Weighed]) -> Option<DVector<f64>> {
+fn fitted(efforts: &[EffortFit]) -> Option<DVector<f64>> {
     let size = efforts.first()?.products.len();
     let (mut gram, mut products) = (DMatrix::zeros(size, size), DVector::zeros(size));
     for effort in efforts {
