@@ -11,7 +11,7 @@ use super::fit::{HeldOut, held_out};
 use super::layout::{ARMATURE, LOAD, Layout};
 use super::levels;
 use super::normal::{Centred, Model};
-use super::offer::{FALL, gain, harms, offered};
+use super::offer::{FALL, as_described, gain, gain_for_both, offered};
 use super::prior::Prior;
 use super::result::Gravity;
 use super::springs::spring;
@@ -74,9 +74,6 @@ fn driving() -> Finding {
     DRIVING.found(message).help(remedy)
 }
 
-/// Weight of the description with which nothing changes its bodies.
-const AS_DESCRIBED: f64 = 1e12;
-
 /// Doubts about all joints, and those that refuse single ones.
 pub(super) struct Doubts {
     pub(super) of_all: Vec<Finding>,
@@ -107,14 +104,8 @@ impl Doubts {
 
 /// Tries the other setting of gravity, and the other sign of the efforts of joints that are hardly explained or
 /// whose friction drives them.
-///
-/// - `ratio`: estimated over described forces of the robot as a whole
-pub(super) fn other_explanations(
-    task: &Task,
-    (chosen, own): (&Chosen, &HeldOut),
-    ratio: Option<f64>,
-) -> Result<Doubts> {
-    let of_all = gravity(task, (chosen, own), ratio)?.into_iter().collect();
+pub(super) fn other_explanations(task: &Task, (chosen, own): (&Chosen, &HeldOut)) -> Result<Doubts> {
+    let of_all = gravity(task, (chosen, own))?.into_iter().collect();
     let mut of_joints = signs(task.robot, chosen, own, task.prior)?;
     if let Some(short) = too_short(task) {
         of_joints
@@ -327,29 +318,15 @@ fn too_short(task: &Task) -> Option<Finding> {
 }
 
 /// The other setting of gravity, if it explains the described bodies better, and bodies that may change at least as well: what they
-/// explain is no fault of gravity.
-fn gravity(
-    task: &Task,
-    (chosen, fitted): (&Chosen, &HeldOut),
-    ratio: Option<f64>,
-) -> Result<Option<Finding>> {
+/// explain, as described masses that are too large and efforts in another unit, is no fault of gravity.
+fn gravity(task: &Task, (chosen, fitted): (&Chosen, &HeldOut)) -> Result<Option<Finding>> {
     let compensated = task.settings.gravity_compensated;
     let mut rows = task.rows_where(Gravity::of(!compensated));
     let sums = sum(&mut rows, task.layout, task.runs, &task.pieces, &moving);
     let own = as_described(chosen.over(chosen.centred.sums), task.prior)?;
     let other = as_described(chosen.over(&sums), task.prior)?;
-    let Some(share) = gain(&own, &other) else { return Ok(None) };
-    if harms(fitted, &chosen.over(&sums).held_out(task.prior)?) {
-        return Ok(None);
-    }
-    // Bodies that are described too heavy, and efforts in a larger unit, are better explained without gravity, too.
-    if let Some(ratio) = ratio {
-        let mut scaled = chosen.over(chosen.centred.sums);
-        scaled.values.gains.iter_mut().for_each(|gain| *gain /= ratio);
-        if as_described(scaled, task.prior)?.total() < other.total() {
-            return Ok(None);
-        }
-    }
+    let refitted = chosen.over(&sums).held_out(task.prior)?;
+    let Some(share) = gain_for_both([&own, &other], [fitted, &refitted]) else { return Ok(None) };
     let (what, remedy) = if task.layout.exact.contains(&true) {
         (
             "without",
@@ -366,15 +343,6 @@ fn gravity(
     };
     let finding = GRAVITY.found(format!("the data are explained better {what} gravity")).help(remedy);
     Ok(Some(offered(finding, share)))
-}
-
-/// Held-out error of the described bodies as they are, with friction and offsets fitted: free bodies would take up
-/// much of a gravity that is not there.
-pub(super) fn as_described(mut chosen: Chosen, prior: &Prior) -> Result<HeldOut> {
-    chosen.model.consistent = false;
-    chosen.weighting.trust.fill(1.0);
-    chosen.weighting.description = AS_DESCRIBED;
-    chosen.held_out(prior)
 }
 
 /// Share by which the rigid body fits better with the other sign of a joint's effort.

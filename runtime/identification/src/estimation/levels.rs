@@ -109,15 +109,6 @@ levels! {
     /// Angle from which a tilt matters [rad]: 2°.
     LEAST_TILT: f64 = 0.035;
 
-    /// Samples by which weights are compared.
-    COMPARED_WEIGHTS: usize = 50;
-
-    /// Level of the test of a tilt.
-    TILT_LEVEL: f64 = 0.01;
-
-    /// Level of the interval of a tilt.
-    TILT_CONFIDENCE: f64 = 0.95;
-
     /// Weight of the description that leaves bodies practically free and keeps all equations regular.
     FREE_BODIES: f64 = 1e-3;
 
