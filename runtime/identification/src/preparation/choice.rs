@@ -147,10 +147,14 @@ impl<'a> Recorded<'a> {
         bandwidth
     }
 
-    /// The highest bandwidth that the slowest channel's samples allow.
+    /// The highest bandwidth that the samples of the slowest channels allow: positions have to give accelerations, and efforts
+    /// have to be sampled twice in a period. The rigid forces have higher frequencies than the positions that they follow from.
     pub(super) fn highest(&self) -> f64 {
-        let channels = self.signals.iter().flat_map(|s| s.positions.iter().chain(&s.efforts));
-        levels::HIGHEST_BANDWIDTH.get() / channels.map(Channel::step).fold(self.step, f64::max)
+        let slowest = |channels: fn(&Signals) -> &Vec<Channel>| {
+            self.signals.iter().flat_map(channels).map(Channel::step).fold(self.step, f64::max)
+        };
+        let [positions, efforts] = [slowest(|s| &s.positions), slowest(|s| &s.efforts)];
+        (levels::HIGHEST_BANDWIDTH.get() / positions).min(0.5 / efforts)
     }
 
     /// The bandwidth by the setting, or by positions alone.
