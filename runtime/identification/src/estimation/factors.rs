@@ -8,6 +8,7 @@ use super::super::error::Result;
 use super::super::run::Effort;
 use super::choice::Chosen;
 use super::fit::HeldOut;
+use super::levels;
 use super::offer::{as_described, gain_for_both, offered};
 use super::prior::Prior;
 use gelenk_findings::digits::plain;
@@ -60,6 +61,12 @@ impl Factors<'_> {
     }
 }
 
+/// Whether no joint is hardly explained.
+fn explains(chosen: &Chosen, errors: &HeldOut) -> bool {
+    let r_squared = chosen.centred_r_squared(&errors.rss);
+    chosen.centred.layout.rubbing().all(|joint| r_squared[joint] >= levels::POOR.get())
+}
+
 /// The joint whose effort explains the data most clearly better with another factor, and a finding; `None` if none does.
 pub(super) fn factor(chosen: &Chosen, prior: &Prior) -> Result<Option<(usize, Finding)>> {
     let layout = chosen.centred.layout;
@@ -73,7 +80,8 @@ pub(super) fn factor(chosen: &Chosen, prior: &Prior) -> Result<Option<(usize, Fi
         let Some((factor, other)) = factors.best(joint, TRIED.into_iter())? else { continue };
         let described = |factor: f64| factors.error_of(joint, factor, as_described);
         let of_described = [described(1.0)?, described(factor)?];
-        let Some(share) = gain_for_both([&own, &other], of_described.each_ref()) else { continue };
+        let share = gain_for_both([&own, &other], of_described.each_ref());
+        let Some(share) = share.filter(|_| explains(chosen, &other)) else { continue };
         if clearest.is_none_or(|(.., most)| share > most) {
             clearest = Some((joint, factor, share));
         }

@@ -11,7 +11,7 @@ use super::fit::{HeldOut, held_out};
 use super::layout::{ARMATURE, LOAD, Layout};
 use super::levels;
 use super::normal::{Centred, Model};
-use super::offer::{FALL, as_described, gain, gain_for_both, offered};
+use super::offer::{FALL, as_described, gain, offered};
 use super::prior::Prior;
 use super::result::Gravity;
 use super::springs::spring;
@@ -317,16 +317,18 @@ fn too_short(task: &Task) -> Option<Finding> {
     })
 }
 
-/// The other setting of gravity, if it explains the described bodies better, and bodies that may change at least as well: what they
-/// explain, as described masses that are too large and efforts in another unit, is no fault of gravity.
+/// The other setting of gravity, if it explains the described bodies better, unless bodies that may change are explained better with the
+/// present one: then the described masses are too large, or the efforts are in another unit.
 fn gravity(task: &Task, (chosen, fitted): (&Chosen, &HeldOut)) -> Result<Option<Finding>> {
     let compensated = task.settings.gravity_compensated;
     let mut rows = task.rows_where(Gravity::of(!compensated));
     let sums = sum(&mut rows, task.layout, task.runs, &task.pieces, &moving);
     let own = as_described(chosen.over(chosen.centred.sums), task.prior)?;
     let other = as_described(chosen.over(&sums), task.prior)?;
-    let refitted = chosen.over(&sums).held_out(task.prior)?;
-    let Some(share) = gain_for_both([&own, &other], [fitted, &refitted]) else { return Ok(None) };
+    let Some(share) = gain(&own, &other) else { return Ok(None) };
+    if gain(&chosen.over(&sums).held_out(task.prior)?, fitted).is_some() {
+        return Ok(None);
+    }
     let (what, remedy) = if task.layout.exact.contains(&true) {
         (
             "without",

@@ -7,6 +7,7 @@
 use super::super::error::Result;
 use super::super::numeric::spectrum::symmetric_eigen;
 use super::super::robot::Robot;
+use super::super::run::PreparedRun;
 use super::choice::Chosen;
 use super::fit::{HeldOut, fit};
 use super::levels;
@@ -35,10 +36,11 @@ pub(super) fn tilt(task: &Task, (last, own): (&Chosen, &HeldOut)) -> Result<Opti
         let angles;
         (angles, changes) = turning.angles(task, last)?;
         gravity = turning.turned(&angles);
-        if gravity.angle(&described) < levels::LEAST_TILT.get() {
+        if turning.weighs_less_than_nothing(task.runs, &changes) {
+            (gravity, changes) = (-gravity, changes * 0.0);
+        } else if gravity.angle(&described) < levels::LEAST_TILT.get() {
             break;
-        }
-        if angles.norm() < STAYS {
+        } else if angles.norm() < STAYS {
             let of_described = as_described(last.over(last.centred.sums), task.prior)?;
             let [turned, turned_described] = Turning { gravity, ..turning }.errors(task, last)?;
             let share = gain_for_both([own, &turned], [&of_described, &turned_described]);
@@ -88,6 +90,23 @@ impl Turning<'_> {
             self.robot.regressor_at_rest(y, gravity.into(), &mut regressor);
         }
         regressor
+    }
+
+    /// Whether bodies that differ by these changes have weights against those of the described ones: gravity is upside down then.
+    fn weighs_less_than_nothing(&self, runs: &[PreparedRun], changes: &DVector<f64>) -> bool {
+        let described = self.robot.parameters();
+        let of_sample = |run: &PreparedRun, i: usize| -> f64 {
+            let y: Vec<f64> = run.coordinates().iter().map(|column| column[i]).collect();
+            let weights = self.at_rest(&y, run.velocities.len(), self.gravity);
+            let rows = weights.chunks_exact(described.len().max(1)).map(|row| {
+                let dot = |pi: &[f64]| row.iter().zip(pi).map(|(w, pi)| w * pi).sum::<f64>();
+                let own = dot(&described);
+                own * (own + dot(changes.as_slice()))
+            });
+            rows.sum()
+        };
+        let of_run = |run: &PreparedRun| (0..run.times.len()).map(|i| of_sample(run, i)).sum::<f64>();
+        runs.iter().map(of_run).sum::<f64>() < 0.0
     }
 
     /// Gravity turned by angles.

@@ -22,14 +22,18 @@ impl<'a> Recorded<'a> {
     pub(super) fn confirmed(&self, robot: &'a dyn Robot, widest: f64, delays: &[Delay]) -> Result<f64> {
         let tried = candidates(self.lowest(widest).min(widest), widest, 2.0);
         let cut = self.settings.cut.unwrap_or(1.0 / tried[0]);
-        let mut scores = Vec::new();
+        let (mut least, mut scores) = (f64::INFINITY, Vec::new());
         for bandwidth in tried.iter().rev() {
             let mut how = self.smoothing(*bandwidth, None, delays.iter().map(|d| d.removed).collect());
             // The same samples for all, so that their residuals compare.
             (how.cut, how.step, how.lowest) = (cut, self.output_step(widest), tried[0]);
-            scores.push(self.unexplained(robot, &how, widest)?);
+            let unexplained = self.unexplained(robot, &how, widest)?;
+            least = least.min(unexplained);
+            scores.push(unexplained);
+            if unexplained > least + levels::HOPELESS_BANDWIDTH.get() {
+                break;
+            }
         }
-        let least = scores.iter().copied().fold(f64::INFINITY, f64::min);
         let chosen = tried.iter().rev().zip(scores).find(|(_, score)| *score <= least + levels::LOSS.get());
         Ok(chosen.map_or(widest, |(bandwidth, _)| *bandwidth))
     }
@@ -39,7 +43,7 @@ impl<'a> Recorded<'a> {
     fn unexplained(&self, robot: &'a dyn Robot, how: &Smoothing, split: f64) -> Result<f64> {
         let smoothed = self.smooth(how, split)?;
         let runs: Vec<&PreparedRun> = smoothed.iter().map(|s| &s.run).collect();
-        let samples = spread(&runs, levels::SAMPLES.get(), 0);
+        let samples = spread(&runs, levels::BANDWIDTH_SAMPLES.get(), 0);
         let column = |of: &dyn Fn(&Smoothed) -> &Vec<f64>| {
             DVector::from_iterator(samples.len(), samples.iter().map(|(r, i)| of(&smoothed[*r])[*i]))
         };

@@ -45,7 +45,7 @@ const AT_END: f64 = 1e-4;
 /// over blocks (the sandwich form; Newey and West 1987 with blocks).
 pub(super) fn estimate(columns: &Columns, runs: &[&PreparedRun], step: f64) -> Option<Delays> {
     let margin = (levels::DELAYS.get()[1] / step).ceil() as usize + 2;
-    let samples = spread(runs, levels::SAMPLES.get(), margin);
+    let samples = spread(runs, levels::DELAY_SAMPLES.get(), margin);
     if samples.len() < 4 * levels::DELAY_BLOCKS.get() {
         return None;
     }
@@ -127,7 +127,7 @@ impl Search<'_> {
     fn held_out_drop(&self, m: usize, from: f64, to: f64) -> f64 {
         let Some(problem) = &self.problems[m] else { return 0.0 };
         let targets = [from, to].map(|delay| self.effort(m, delay).0);
-        let Some(errors) = problem.held_out(&DMatrix::from_columns(&targets), levels::DELAY_BLOCKS.get())
+        let Some(errors) = problem.held_out(&DMatrix::from_columns(&targets), levels::DELAY_FOLDS.get())
         else {
             return 0.0;
         };

@@ -55,11 +55,20 @@ levels! {
     /// Relative growth of what the motion leaves unexplained of the efforts that a lower bandwidth may cost.
     LOSS: f64 = 0.02;
 
+    /// Growth after which still lower bandwidths are not tried.
+    HOPELESS_BANDWIDTH: f64 = 0.5;
+
+    /// Samples in the regressions that compare bandwidths.
+    BANDWIDTH_SAMPLES: usize = 1500;
+
     /// Fits of one set of parameters to all efforts, each with the weights that follow from the one before.
     FITS: usize = 3;
 
     /// Samples in the regressions that compare bands.
     BAND_SAMPLES: usize = 400;
+
+    /// Rise of the misfit, as a mean over the efforts of ln RSS, after which lower frequencies are not tried.
+    HOPELESS_BAND: f64 = 0.1;
 
     /// Highest candidate frequency of a band, as a share of the bandwidth. Friction that does not depend on speed alone where a joint
     /// reverses, and a delay that is not known exactly, look like a band: simulated arms that stick, and logs with jitter, have the
@@ -87,11 +96,14 @@ levels! {
     /// Step of the coarse grid [s].
     COARSE_DELAYS: f64 = 4e-3;
 
-    /// Samples in the regressions that find delays and compare bandwidths, at most.
-    SAMPLES: usize = 2000;
+    /// Samples in the regressions that find delays, at most.
+    DELAY_SAMPLES: usize = 2000;
 
-    /// Blocks of consecutive samples, for standard errors that hold under correlated residuals.
+    /// Blocks of consecutive samples, for a standard error that holds under correlated residuals.
     DELAY_BLOCKS: usize = 16;
+
+    /// Folds on which a delay of an effort's own is compared with the common one.
+    DELAY_FOLDS: usize = 8;
 
     /// Least standard deviation of the delays of one robot's efforts [s].
     DELAY_SPREAD: f64 = 1e-3;
