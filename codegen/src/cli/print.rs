@@ -81,7 +81,22 @@ pub(super) fn lines(all: &[Diagnostic]) -> String {
     shown.sort_unstable();
     let more = all.len() - shown.len();
     let shown: String = shown.into_iter().map(|i| texts[i].as_str()).collect();
-    format!("{shown}… and {more} more findings; --format json prints all\n")
+    shown + &left_out(more, "findings")
+}
+
+/// At most [`ROOM`] lines.
+///
+/// - `kind`: the things that have a line each
+pub(super) fn few(lines: &[String], kind: &str) -> String {
+    let shown = lines.len().min(ROOM);
+    lines[..shown].concat() + &left_out(lines.len() - shown, kind)
+}
+
+fn left_out(count: usize, kind: &str) -> String {
+    match count {
+        0 => String::new(),
+        _ => format!("… and {count} more {kind}; --format json prints all\n"),
+    }
 }
 
 /// Returns the result. If it is an error, the findings so far are printed to standard error, because they may

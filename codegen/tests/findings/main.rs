@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail with the test")]
 
 mod arm;
+mod lines;
 mod online;
 mod shared;
 
@@ -10,17 +11,28 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::process::Command;
 
+/// Most lines that a command prints, whatever its logs hold.
+const MOST_LINES: usize = 120;
+
+/// Exit code, standard output and standard error of `gelenk identify`, which are short enough to be read.
+fn run(folder: &Path, arguments: &[&str]) -> (i32, [String; 2]) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_gelenk"));
+    let output = command.arg("identify").args(arguments).current_dir(folder).output().unwrap();
+    let printed = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap());
+    let lines: usize = printed.iter().map(|text| text.lines().count()).sum();
+    let [out, err] = &printed;
+    assert!(lines <= MOST_LINES, "{lines} lines of identify {arguments:?}:\n{err}{out}");
+    (output.status.code().unwrap(), printed)
+}
+
 /// The commands with what they say: standard error, and standard output up to the table.
 fn said(folder: &Path, commands: &[(&str, Vec<&str>)]) -> String {
     let mut text = String::new();
     for (name, arguments) in commands {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_gelenk"));
-        let output = command.arg("identify").args(arguments).current_dir(folder).output().unwrap();
-        let [printed, progress] =
-            [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap());
+        let (code, [printed, progress]) = run(folder, arguments);
         let notices = printed.split("\n\n").next().unwrap_or_default().lines();
         let progress = progress.lines().filter(|line| !is_progress(line));
-        writeln!(text, "== {name}, exit {}", output.status.code().unwrap()).unwrap();
+        writeln!(text, "== {name}, exit {code}").unwrap();
         progress.chain(notices).for_each(|line| writeln!(text, "{line}").unwrap());
     }
     text

@@ -27,7 +27,9 @@ pub(super) fn print(arguments: &Identify, format: Format) -> Result<ExitCode, Fa
     let mut text = format!("--columns '{}'\n", guess.line);
     if !guess.faults.is_empty() {
         let headers = guess.columns.iter().zip(1..);
-        text.extend(headers.map(|(header, number)| format!("{number:5}  {header}\n")));
+        let headers: Vec<String> =
+            headers.map(|(header, number)| format!("{number:5}  {header}\n")).collect();
+        text.push_str(&print::few(&headers, "columns"));
     }
     print::out(&text)?;
     Ok(code)

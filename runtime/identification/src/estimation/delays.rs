@@ -43,7 +43,7 @@ pub(super) fn rates(
     forces: &Forces,
 ) -> Vec<Vec<Vec<f64>>> {
     let of_joint = |number: usize, joint: usize| -> Vec<f64> {
-        if layout.late[joint].len() != 1 {
+        if layout.delays_of[joint].len() != 1 {
             return Vec::new();
         }
         let pairs = forces.measured[number][joint].iter().zip(&forces.residual[number][joint]);

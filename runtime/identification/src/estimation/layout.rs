@@ -40,8 +40,8 @@ pub(super) struct Layout {
     pub(super) local: Vec<Vec<usize>>,
     /// For each effort, the index of its delay. Efforts with the same index share a delay. Empty if the delays are known.
     pub(super) delays: Vec<usize>,
-    /// For each joint, the indices of the delays in its equation.
-    pub(super) late: Vec<Vec<usize>>,
+    /// Delays with entries in the joint's equation.
+    pub(super) delays_of: Vec<Vec<usize>>,
     /// Factors k of the terms tanh(k v), for each joint.
     pub(super) steepness: Vec<[f64; WIDTHS.len()]>,
     /// Whether each joint moves and its force was measured.
@@ -117,7 +117,7 @@ impl Layout {
             terms,
             local: local(robot, joints, parameters, terms),
             delays: Vec::new(),
-            late: vec![Vec::new(); joints],
+            delays_of: vec![Vec::new(); joints],
             steepness,
             moves,
             exact: rows_of(&robot.quaternion_joints(), joints),
@@ -137,12 +137,12 @@ impl Layout {
         require_length("delays of the efforts", efforts, delays.len())?;
         self.delays = delays.to_vec();
         for joint in 0..self.joints {
-            let mut late: Vec<usize> = self.acting(joint).map(|(effort, _)| delays[effort]).collect();
-            late.sort_unstable();
-            late.dedup();
-            let globals: Vec<usize> = late.iter().map(|delay| self.delay(*delay)).collect();
+            let mut own: Vec<usize> = self.acting(joint).map(|(effort, _)| delays[effort]).collect();
+            own.sort_unstable();
+            own.dedup();
+            let globals: Vec<usize> = own.iter().map(|delay| self.delay(*delay)).collect();
             self.local[joint].extend(globals);
-            self.late[joint] = late;
+            self.delays_of[joint] = own;
         }
         Ok(self)
     }
@@ -246,7 +246,7 @@ impl Layout {
 
     /// Index of a joint's first candidate term among its columns.
     pub(super) fn first_term(&self, joint: usize) -> usize {
-        self.local[joint].len() - self.late[joint].len() - self.terms
+        self.local[joint].len() - self.delays_of[joint].len() - self.terms
     }
 
     /// Number of columns of a joint's sums of products: its unknowns, the rigid force, the measured force.

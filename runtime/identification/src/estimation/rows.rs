@@ -209,7 +209,7 @@ impl<'a> Rows<'a> {
             // Loads change little within the length of the filter. The filter rounds only the jump of the direction.
             set(LOAD, self.load[joint] * direction);
         }
-        let behind = self.layout.terms + self.layout.late[joint].len();
+        let behind = self.layout.terms + self.layout.delays_of[joint].len();
         set(behind, last[0]);
         set(behind + 1, last[1]);
     }
@@ -224,7 +224,7 @@ impl<'a> Rows<'a> {
     ) {
         let layout = self.layout;
         let first = layout.first_term(joint) + layout.terms;
-        for (k, delay) in layout.late[joint].iter().enumerate() {
+        for (k, delay) in layout.delays_of[joint].iter().enumerate() {
             let acting = layout.acting(joint).filter(|(effort, _)| layout.delays[*effort] == *delay);
             let measured = || acting.map(|(effort, factor)| factor * run.effort_rate(effort, sample)).sum();
             let of_joint = self.rates.map(|rates| &rates[number][joint]);

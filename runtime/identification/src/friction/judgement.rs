@@ -6,15 +6,15 @@ use super::super::methods::stribeck::StribeckWords;
 use super::super::result::{FrictionLaw, FrictionResult};
 use super::drift::drift;
 use super::findings::Findings;
-use super::held_out::{Unseen, variation};
+use super::held_out::{HeldOutErrors, variation};
 use super::report::FrictionReport;
 use super::task::FrictionIdentification;
 
 /// A law and its residual.
-pub(super) struct Judged {
+pub(super) struct LawFit {
     pub(super) law: FrictionLaw,
     pub(super) offsets: Vec<Offset>,
-    pub(super) unseen: Option<Unseen>,
+    pub(super) unseen: Option<HeldOutErrors>,
     /// Torque minus offset minus law.
     pub(super) residuals: Vec<f64>,
     /// Degrees of freedom of the standard errors.
@@ -27,7 +27,7 @@ impl Findings<'_> {
     pub(super) fn report(
         mut self,
         settings: &FrictionIdentification,
-        judged: Judged,
+        judged: LawFit,
     ) -> Result<FrictionReport> {
         let data = self.data;
         let separate = !judged.offsets.is_empty();
@@ -63,7 +63,7 @@ impl Findings<'_> {
             settings,
             findings,
         };
-        let unseen_error = judged.unseen.as_ref().map(Unseen::error);
+        let unseen_error = judged.unseen.as_ref().map(HeldOutErrors::error);
         Ok(FrictionReport { unseen_error, ..FrictionReport::alone(result, judged.residuals) })
     }
 }

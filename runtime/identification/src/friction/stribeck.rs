@@ -11,8 +11,8 @@ use super::super::result::FrictionLaw;
 use super::design::{folds, offsets, runs};
 use super::errors::Errors;
 use super::findings::Findings;
-use super::held_out::{Unseen, variation};
-use super::judgement::Judged;
+use super::held_out::{HeldOutErrors, variation};
+use super::judgement::LawFit;
 use super::levels;
 use super::passivity::beyond;
 use super::report::FrictionReport;
@@ -131,7 +131,7 @@ impl<'a> Attempt<'a> {
             residuals[run.clone()].iter_mut().for_each(|r| *r -= offset);
         }
         let separate = !fit.offsets.is_empty();
-        let judged = Judged {
+        let judged = LawFit {
             law,
             offsets: if separate { offsets(data, samples.runs, &torques, &residuals) } else { Vec::new() },
             unseen: Some(unseen),
@@ -170,8 +170,8 @@ impl<'a> Attempt<'a> {
         own.with_biases(common.transpose()?, changes.unwrap_or_else(|| DVector::zeros(5)))
     }
 
-    /// The fit is repeated without each fold in turn, starting at the law of all samples. Weights of zero leave a fold out.
-    fn held_out(&self, settings: &FrictionIdentification) -> Result<Unseen> {
+    /// The fit repeated without each fold in turn, from the law of all samples. A fold is left out by weights of zero.
+    fn held_out(&self, settings: &FrictionIdentification) -> Result<HeldOutErrors> {
         let Self { regression, samples, fit, findings, .. } = self;
         let data = findings.data;
         let folds = folds(data, settings.folds);
@@ -191,7 +191,7 @@ impl<'a> Attempt<'a> {
             let squares = fold.iter().cloned().flatten().map(|i| residuals[i] * residuals[i]);
             Ok([squares.clone().sum(), squares.count() as f64])
         };
-        Ok(Unseen { folds: folds.iter().map(error).collect::<Result<_>>()?, total })
+        Ok(HeldOutErrors { folds: folds.iter().map(error).collect::<Result<_>>()?, total })
     }
 }
 

@@ -10,7 +10,7 @@ use super::design::{Design, folds};
 use super::errors::Errors;
 use super::findings::Findings;
 use super::held_out::{held_out, variation};
-use super::judgement::{Judged, velocity_range};
+use super::judgement::{LawFit, velocity_range};
 use super::passivity::{doubt, passive, restrict};
 use super::report::FrictionReport;
 use super::selection::{Chosen, Selection, choose};
@@ -45,7 +45,7 @@ pub(super) fn identify(settings: &FrictionIdentification, data: &FrictionData) -
     let offsets = design.offsets(&data.torques_of(&law)?, &residuals);
     let total = variation(data, design.separate, &folds(data, settings.folds).concat());
     let unseen = held_out((candidates.folds)(), total, fitted.way(), &mut findings);
-    let judged = Judged { law, offsets, unseen, residuals, freedom: errors.freedom, stribeck: None };
+    let judged = LawFit { law, offsets, unseen, residuals, freedom: errors.freedom, stribeck: None };
     let report = findings.report(settings, judged)?;
     fitted.complete(report, &candidates, errors, probable)
 }

@@ -50,12 +50,6 @@ pub(super) const UNIT_ASSUMED: Rule = Rule::note("unit-assumed");
 /// Fixture: `spikes` in `codegen/tests/findings/arm.rs`.
 pub(super) const OUTLIER: Rule = Rule::note("outliers");
 
-/// Sees: efforts that carry the described weight only if a gear's ratio is applied, or is not.
-/// Matters: every result would be wrong by the ratio.
-/// Example: a column `u1` with torques behind a gear of 100.
-/// Fixture: `joints_that_look_wrong_are_named` in `log/tests/styles.rs`.
-pub(crate) const GEAR_DOUBTFUL: Rule = Rule::note("gear-doubtful");
-
 /// Sees: a column of velocities that is not the slope of the positions.
 /// Matters: a sign, a unit or the order of columns may be wrong. The velocities themselves are not used.
 /// Example: velocities in deg/s next to positions in rad.

@@ -2,8 +2,8 @@
 
 use super::super::numeric::statistics::span;
 use super::super::robot::Robot;
-use super::super::run::{Effort, Run};
-use super::finding::{GEAR_DOUBTFUL, TURNS, VELOCITY_DISAGREES};
+use super::super::run::Run;
+use super::finding::{TURNS, VELOCITY_DISAGREES};
 use super::levels;
 use gelenk_findings::Finding;
 use gelenk_findings::digits::plain;
@@ -14,21 +14,16 @@ pub(super) fn findings(runs: &[Run], robot: &dyn Robot) -> Vec<Finding> {
     let (names, units) = (robot.joint_names(), robot.position_units());
     let unit = |joint: usize| units.get(joint).copied().unwrap_or("rad");
     let moving = (0..names.len()).filter(|joint| !stands_still(runs, *joint, unit(*joint)));
-    let disagree = moving.filter_map(|joint| {
-        velocity(runs, joint).map(|message| VELOCITY_DISAGREES.found(message).joint(&names[joint]))
-    });
-    disagree.chain(gears(runs, robot)).collect()
-}
-
-/// Travel below which a joint is at rest [rad or m].
-fn least_travel(unit: &str) -> f64 {
-    if unit == "m" { 0.1 * levels::TRAVEL.get() } else { levels::TRAVEL.get() }
+    let disagrees =
+        |joint: usize| Some(VELOCITY_DISAGREES.found(velocity(runs, joint)?).joint(&names[joint]));
+    moving.filter_map(disagrees).collect()
 }
 
 /// Whether a joint is at rest in all runs, without outliers.
 fn stands_still(runs: &[Run], joint: usize, unit: &str) -> bool {
+    let least = if unit == "m" { 0.1 * levels::TRAVEL.get() } else { levels::TRAVEL.get() };
     let travel = |run: &Run| span(run.positions[joint].clone()).map_or(0.0, |[low, high]| high - low);
-    runs.iter().all(|run| travel(run) < least_travel(unit))
+    runs.iter().all(|run| travel(run) < least)
 }
 
 /// Units in which a column of velocities may be instead of rad/s or m/s: factors and names.
@@ -89,64 +84,6 @@ fn travels<'a>(run: &'a Run, joint: usize, v: &'a [f64]) -> impl Iterator<Item =
         let trapezoid = |i: usize| 0.5 * (v[i] + v[i - 1]) * (t[i] - t[i - 1]);
         (q[end] - q[start], (start + 1..=end).map(trapezoid).sum())
     })
-}
-
-/// The finding that efforts at the joints seem to be those of the motors, or the other way round. It is decided at the joint
-/// that carries the largest weight, if there is a gear between motor and joint.
-fn gears(runs: &[Run], robot: &dyn Robot) -> Option<Finding> {
-    let (n, m, matrix) = (robot.joint_names().len(), robot.input_names().len(), robot.input_matrix());
-    let effort = runs.first()?.effort;
-    if n != m || effort == Effort::Current || !robot.quaternion_joints().is_empty() {
-        return None;
-    }
-    let weights = weights(runs, robot, n);
-    let joint = (0..n).max_by(|a, b| weights[*a].total_cmp(&weights[*b]))?;
-    let (weight, gear) = (weights[joint], matrix.get(joint * m + joint)?.abs());
-    let recorded = root_mean_square(runs.iter().filter_map(|r| r.efforts.get(joint)).flatten().copied());
-    if !(weight > 0.0 && recorded > 0.0 && (gear > 4.0 || gear < 0.25 && gear > 0.0)) {
-        return None;
-    }
-    let ratio = if effort == Effort::Input { recorded * gear / weight } else { recorded / weight };
-    // The limit is half of the gear's logarithm. Friction and motion change the effort by less.
-    let is_doubtful = match effort {
-        Effort::Input => ratio.ln() / gear.ln() > 0.5,
-        _ => -ratio.ln() / gear.ln() > 0.5,
-    };
-    let (taken, other, key) = match effort {
-        Effort::Input => ("efforts of the motors", "forces at the joints", "torque"),
-        _ => ("forces at the joints", "efforts of the motors", "input"),
-    };
-    is_doubtful.then(|| {
-        let message = format!(
-            "its efforts are taken as {taken} and are then {} times the forces that carry the described weight (rms), with \
-             {} between motor and joint: they look like {other} (--columns '{key}=…')",
-            plain(ratio, 3),
-            plain(gear, 6)
-        );
-        GEAR_DOUBTFUL.found(message).joint(robot.joint_names().swap_remove(joint))
-    })
-}
-
-/// Root mean squares of the forces that hold the described robot, over some of the samples.
-fn weights(runs: &[Run], robot: &dyn Robot, n: usize) -> Vec<f64> {
-    const SAMPLES: usize = 20;
-    let zero = vec![0.0; n];
-    let mut forces = vec![vec![]; n];
-    for run in runs.iter().step_by((runs.len() / SAMPLES).max(1)) {
-        for i in (0..run.times.len()).step_by((run.times.len() / SAMPLES).max(1)) {
-            let y: Vec<f64> = run.positions.iter().map(|q| q[i]).collect();
-            let mut force = zero.clone();
-            robot.rigid_forces(&y, &zero, &zero, &mut force);
-            forces.iter_mut().zip(force).for_each(|(column, f)| column.push(f));
-        }
-    }
-    forces.into_iter().map(|column| root_mean_square(column.into_iter())).collect()
-}
-
-fn root_mean_square(values: impl Iterator<Item = f64>) -> f64 {
-    let (count, sum) =
-        values.filter(|v| v.is_finite()).fold((0.0, 0.0), |(n, sum), v| (n + 1.0, sum + v * v));
-    if count > 0.0 { f64::sqrt(sum / count) } else { 0.0 }
 }
 
 /// Removes jumps by a full turn, as of an encoder that counts one turn only, or that was reset. Returns findings about the

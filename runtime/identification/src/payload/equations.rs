@@ -1,5 +1,6 @@
 //! Equations of the logs without and with the load, reduced to sums of products for each joint and each block of time.
 
+use super::levels;
 use super::settings::PayloadSettings;
 use crate::error::{IdentificationError, Result, require_finite, require_length, require_samples};
 use crate::estimation::distance;
@@ -15,16 +16,6 @@ const WIDTHS: [f64; 3] = [0.005, 0.03, 0.15];
 
 /// Number of friction columns of a joint: constant, viscous, and the smoothed signs.
 const TERMS: usize = 2 + WIDTHS.len();
-
-/// Number of blocks of time over all logs, for errors that are correlated within a block.
-const BLOCKS: usize = 24;
-
-/// Share of a joint's largest speed below which the joint sticks or reverses. Its dry friction then takes any value up to
-/// the static one, so its effort contains no information on the load.
-const STICKING: f64 = 0.01;
-
-/// Share of the fastest joint's speed below which the largest speed of a joint counts as rest.
-const STILL: f64 = 1e-3;
 
 /// Least standard deviation of a residual, as a share of the effort. Simulated logs have no noise.
 const QUIETEST: f64 = 1e-9;
@@ -85,8 +76,8 @@ impl Equations {
         let columns = Columns::new(robot, without.iter().chain(with), body)?;
         let count = |runs: &[PreparedRun]| runs.iter().map(|run| run.times.len()).sum::<usize>();
         let samples = count(without) + count(with);
-        require_samples("a payload, samples of both logs", BLOCKS * PER_BODY, samples)?;
-        let length = samples.div_ceil(BLOCKS);
+        require_samples("a payload, samples of both logs", levels::BLOCKS.get() * PER_BODY, samples)?;
+        let length = samples.div_ceil(levels::BLOCKS.get());
         let mut blocks = Vec::new();
         columns.add_blocks(without, false, length, &mut blocks);
         let loaded_from = blocks.len();
@@ -323,13 +314,14 @@ impl<'a> Columns<'a> {
     /// Whether a sample of a joint contains information on the load: the joint moves so that static friction does not hold
     /// it.
     fn tells(&self, joint: usize, velocity: f64) -> bool {
-        let slides = !self.stands_still(joint) && velocity.abs() > STICKING * self.speeds[joint];
+        let slides =
+            !self.stands_still(joint) && velocity.abs() > levels::STICKING.get() * self.speeds[joint];
         self.known[joint] && (self.exact[joint] || slides)
     }
 
     fn stands_still(&self, joint: usize) -> bool {
         let fastest = self.speeds.iter().copied().fold(0.0, f64::max);
-        self.speeds[joint] <= STILL * fastest
+        self.speeds[joint] <= levels::STILL.get() * fastest
     }
 
     /// Writes one row without its target.

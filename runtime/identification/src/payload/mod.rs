@@ -14,6 +14,7 @@
 
 mod equations;
 mod identify;
+mod levels;
 mod report;
 mod result;
 mod settings;
@@ -31,17 +32,6 @@ use crate::robot::{Robot, require_no_driven};
 use crate::run::PreparedRun;
 use equations::{Equations, Reduced, singular};
 use nalgebra::{DMatrix, DVector, Matrix4};
-
-/// Density of the reference ball for the parameters of a load that the motion does not determine [kg/m³]. It is that of
-/// plastics, or of half metal and half air.
-const DENSITY: f64 = 1500.0;
-
-/// Distance of a load's mass from the frame's origin in the first reference [m].
-const REACH: f64 = 0.3;
-
-/// Weight of the reference ball as a share of [`PayloadSettings::weight`]. The spread of a load's mass is known within a
-/// factor of about three.
-const BALL: f64 = 0.1;
 
 /// Estimates a load from runs without and with the load.
 ///
@@ -119,7 +109,7 @@ impl Found {
         reduced: &Reduced,
         settings: &PayloadSettings,
     ) -> Result<Self> {
-        let weight = BALL * settings.weight;
+        let weight = levels::BALL.get() * settings.weight;
         // The objective of the program has half of the squares, so the distance has the factor two.
         let held = distance(&reference, 1).0 * (2.0 * weight);
         let load = solve(&ConsistentProblem {
@@ -140,14 +130,14 @@ fn anything(robot: &dyn Robot) -> [f64; PER_BODY] {
     let mut masses: Vec<f64> = bodies.map(|pi| pi[0]).filter(|&m| m > 0.0).collect();
     masses.sort_by(f64::total_cmp);
     let mass = masses.get(masses.len() / 2).copied().unwrap_or(1.0);
-    let spread = mass * REACH * REACH;
+    let spread = mass * levels::REACH.get().powi(2);
     from_pseudo_inertia(&Matrix4::from_diagonal(&[spread, spread, spread, mass].into()))
 }
 
 /// A ball with the mass and centre of a body.
 fn ball(pi: &[f64]) -> [f64; PER_BODY] {
     let mass = pi[0];
-    let radius = (mass * 3.0 / (4.0 * std::f64::consts::PI * DENSITY)).cbrt();
+    let radius = (mass * 3.0 / (4.0 * std::f64::consts::PI * levels::DENSITY.get())).cbrt();
     let mut j = Matrix4::from_diagonal_element(mass * radius * radius / 5.0);
     for r in 0..3 {
         for c in 0..3 {

@@ -3,6 +3,7 @@
 use super::*;
 use crate::inertial::bodies::body;
 use crate::inertial::pseudo_inertia;
+use crate::numeric::levels::varied::{Outcomes, page};
 use crate::numeric::random::SplitMix64;
 use crate::robot::JointLimits;
 use crate::run::Effort;
@@ -269,4 +270,48 @@ fn intervals_hold_the_truth_as_often_as_they_say() {
     println!("{counts:?} of {PAIRS}");
     let share = counts.iter().sum::<usize>() as f64 / (PER_BODY as f64 * PAIRS as f64);
     assert!((0.82..0.97).contains(&share), "{share}");
+}
+
+/// Loads with little and much data: what is found to three digits, and how well.
+fn outcomes() -> Outcomes {
+    let creeping = |mut run: PreparedRun| {
+        // The first joint creeps at a five-hundredth of the others' speed.
+        for columns in [&mut run.positions, &mut run.velocities, &mut run.accelerations] {
+            columns[0].iter_mut().for_each(|x| *x *= 2e-3);
+        }
+        run
+    };
+    let load = of(2.5, 0.15, [0.02, -0.03, 0.09]);
+    let few = Simulation { samples: 300, moving: 3, ..LOG };
+    let runs = [
+        ("six joints", LOG.run(&NOTHING), Simulation { seed: 2, ..LOG }.run(&load)),
+        ("three joints", few.run(&NOTHING), Simulation { seed: 2, ..few }.run(&load)),
+        ("a creeping joint", creeping(LOG.run(&NOTHING)), creeping(Simulation { seed: 2, ..LOG }.run(&load))),
+    ];
+    let outcome = |(name, without, with): (&str, PreparedRun, PreparedRun)| {
+        let found =
+            estimate(&UR5, slice::from_ref(&without), slice::from_ref(&with), &PayloadSettings::default());
+        let said = found.map_or_else(
+            |error| error.to_string(),
+            |found| {
+                let half = |e: &crate::estimation::Uncertain| 0.5 * (e.interval[1] - e.interval[0]);
+                let shown = found.shown.iter().filter(|shown| **shown).count();
+                let [mass, moment] = [&found.mass, &found.moments[0]];
+                format!(
+                    "mass {:.2} ± {:.1e}, Ixx {:.1e} ± {:.0e}, {shown} shown",
+                    mass.value,
+                    half(mass),
+                    moment.value,
+                    half(moment)
+                )
+            },
+        );
+        (name.to_owned(), said)
+    };
+    runs.into_iter().map(outcome).collect()
+}
+
+#[test]
+fn each_number_of_a_load_is_halved_and_doubled() {
+    insta::assert_snapshot!("numbers_of_a_load", page(levels::NAMES.iter(), &outcomes));
 }

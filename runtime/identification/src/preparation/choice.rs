@@ -154,8 +154,11 @@ impl<'a> Recorded<'a> {
 
     /// The highest bandwidth [Hz] that the sample rate of the slowest channel allows.
     pub(super) fn highest(&self) -> f64 {
-        let channels = self.signals.iter().flat_map(|s| s.positions.iter().chain(&s.efforts));
-        levels::HIGHEST_BANDWIDTH.get() / channels.map(Channel::step).fold(self.step, f64::max)
+        let slowest = |channels: fn(&Signals) -> &Vec<Channel>| {
+            self.signals.iter().flat_map(channels).map(Channel::step).fold(self.step, f64::max)
+        };
+        let [positions, efforts] = [slowest(|s| &s.positions), slowest(|s| &s.efforts)];
+        (levels::HIGHEST_BANDWIDTH.get() / positions).min(0.5 / efforts)
     }
 
     /// The bandwidth of the settings, or the one that the positions alone ask for [Hz].

@@ -26,11 +26,8 @@ levels! {
     /// computed from this speed and pass the filter again.
     REACH: f64 = 1.0;
 
-    /// Number of bands of a spectrum in each octave.
-    BANDS_PER_OCTAVE: f64 = 6.0;
-
-    /// Number of candidate bandwidths in each octave.
-    BANDWIDTHS_PER_OCTAVE: f64 = 6.0;
+    /// Bands of a spectrum, and candidate bandwidths, for each octave.
+    PER_OCTAVE: f64 = 6.0;
 
     /// Share of the acceleration's power by which the error of a bandwidth may exceed the least error for the bandwidth to
     /// be equally good. The widest of the equally good bandwidths is taken, which leaves the choice among them to the

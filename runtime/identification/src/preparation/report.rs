@@ -249,8 +249,9 @@ fn noisy(joint: &JointPreparation) -> Option<Finding> {
 /// - `is_significant`: whether the delay of the joint with this index differs from zero significantly
 fn delay_findings(joints: &[JointPreparation], is_significant: impl Fn(usize) -> bool) -> Vec<Finding> {
     let mut groups: Vec<(String, f64, Vec<&str>)> = Vec::new();
-    for (_, joint) in joints.iter().enumerate().filter(|(j, joint)| joint.delay != 0.0 && is_significant(*j))
-    {
+    // Findings count tenths of a millisecond.
+    let is_found = |(j, joint): &(usize, &JointPreparation)| joint.delay.abs() >= 5e-5 && is_significant(*j);
+    for (_, joint) in joints.iter().enumerate().filter(is_found) {
         let seconds = format!("{:.4}", joint.delay);
         match groups.iter_mut().find(|group| group.0 == seconds) {
             Some((.., names)) => names.push(&joint.name),

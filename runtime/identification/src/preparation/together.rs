@@ -26,7 +26,7 @@ pub(super) fn together(
 ) -> Vec<f64> {
     let targets = efforts.filtered.iter().zip(&efforts.measured);
     let all = Equations::of_efforts(columns, runs, samples).into_iter().zip(targets);
-    let mut all: Vec<Weighed> = all.filter_map(|(of, (f, m))| Weighed::new(of, f, m)).collect();
+    let mut all: Vec<EffortFit> = all.filter_map(|(of, (f, m))| EffortFit::new(of, f, m)).collect();
     for _ in 0..levels::FITS.get() {
         let Some(parameters) = fitted(&all) else { return Vec::new() };
         all.iter_mut().for_each(|effort| effort.judge(&parameters));
@@ -34,8 +34,8 @@ pub(super) fn together(
     all.iter().map(|effort| effort.score).collect()
 }
 
-/// One effort in the fit of all efforts.
-struct Weighed<'a> {
+/// One effort's part of the fit of all.
+struct EffortFit<'a> {
     equations: Equations,
     filtered: &'a DVector<f64>,
     measured: &'a DVector<f64>,
@@ -47,7 +47,7 @@ struct Weighed<'a> {
     score: f64,
 }
 
-impl<'a> Weighed<'a> {
+impl<'a> EffortFit<'a> {
     /// Returns `None` if the effort is not finite or does not vary.
     fn new(equations: Equations, filtered: &'a DVector<f64>, measured: &'a DVector<f64>) -> Option<Self> {
         let variation = variation(&equations.moving, measured);
@@ -75,8 +75,8 @@ impl<'a> Weighed<'a> {
     }
 }
 
-/// Parameters by weighted least squares on the filtered efforts; `None` if the normal equations have no Cholesky factor.
-fn fitted(efforts: &[Weighed]) -> Option<DVector<f64>> {
+/// Parameters by weighted least squares on the filtered efforts; `None` if the columns have no factor.
+fn fitted(efforts: &[EffortFit]) -> Option<DVector<f64>> {
     let size = efforts.first()?.products.len();
     let (mut gram, mut products) = (DMatrix::zeros(size, size), DVector::zeros(size));
     for effort in efforts {

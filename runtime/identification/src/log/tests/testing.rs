@@ -12,8 +12,6 @@ pub(super) struct Fake {
     pub limits: Vec<JointLimits>,
     pub followers: Vec<FollowerLimits>,
     pub gear: f64,
-    /// Torque that carries the first joint's weight [N·m].
-    pub weight: f64,
     pub quaternions: Vec<QuaternionJoint>,
 }
 
@@ -27,7 +25,6 @@ impl Fake {
             limits: vec![JointLimits { position: [-3.0, 3.0], velocity: 4.0, effort: 100.0 }; joints.len()],
             followers: vec![],
             gear: 1.0,
-            weight: 0.0,
             quaternions: vec![],
             joints,
         }
@@ -83,7 +80,6 @@ impl Robot for Fake {
     fn inertial_regressor(&self, _: &[f64], _: &[f64], _: &[f64], _: &mut [f64]) {}
     fn rigid_forces(&self, _: &[f64], _: &[f64], _: &[f64], forces: &mut [f64]) {
         forces.fill(0.0);
-        forces[0] = self.weight;
     }
 }
 

@@ -17,7 +17,7 @@ import sys
 from stick import KINDS, Simulator, numbers, simulate, write_urdf
 
 FALL = "fall of the held-out error"
-SAID = "the error on held-out data falls"
+REFUSED = "refused"
 # The code of the remedy for what a kind has and the description lacks.
 FAULTS = dict(delay={"other-delay"}, spring={"spring"})
 MOST = 0.01
@@ -34,7 +34,7 @@ def remedies(job):
     found = json.loads(run.stdout) if run.stdout.strip() else {}
     offered = [x for x in found.get("findings", found.get("diagnostics", [])) if any(v["name"] == FALL for v in x.get("values") or [])]
     if run.returncode and not offered:
-        offered = [dict(code="refused", text=run.stderr)]
+        offered = [dict(code=REFUSED, text=run.stderr)]
     return kind, name, offered
 
 
@@ -59,8 +59,8 @@ def main():
             wrong = [x for x in offered if x["code"] not in FAULTS.get(kind, ())]
             for x in wrong:
                 print(f"{name}: {x['text']}", flush=True)
-            is_tried = any(SAID in x["text"] for x in wrong)
-            (false if is_tried else refused).extend([name] if wrong else [])
+            is_refused = [x["code"] for x in wrong] == [REFUSED]
+            (refused if is_refused else false).extend([name] if wrong else [])
     print(f"{len(jobs)} logs: false remedies in {len(false)} {false}, right ones in {right}, refused without one {refused}")
     sys.exit(len(false) > MOST * len(jobs))
 
