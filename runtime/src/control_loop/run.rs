@@ -1,6 +1,6 @@
 //! The control loop: timing and order of its steps.
 
-use super::controller::Controller;
+use super::controller::{Controller, LearnedJoint};
 use super::guard::EncoderGuard;
 use super::law::JointLaw;
 use super::log::{LogRecord, LogSink};
@@ -178,7 +178,7 @@ where
     }
 
     /// Starts, runs all periods, brakes, and reports the run.
-    pub fn run(&mut self) -> LoopReport {
+    pub fn run(&mut self) -> LoopReport<N> {
         if self.start().is_ok() {
             while self.period() {}
         }
@@ -187,12 +187,14 @@ where
 
     /// Counts so far.
     #[must_use]
-    pub fn report(&self) -> LoopReport {
+    pub fn report(&self) -> LoopReport<N> {
         let end = match self.state.phase {
             Phase::Idle | Phase::Running | Phase::Stopping(_) => End::Running,
             Phase::Braking { end, .. } | Phase::Ended(end) => end,
         };
-        LoopReport { end, brakes: self.state.brakes, counts: self.state.counts }
+        let learned = self.learned().map(|joint| joint.map(|joint| joint.state));
+        let (brakes, counts) = (self.state.brakes, self.state.counts);
+        LoopReport { end, brakes, counts, joints: self.joints, learned }
     }
 
     /// Sleeps until the next period and runs it. Returns false after the end.
@@ -217,8 +219,10 @@ where
             Phase::Braking { end, left } => self.brake_again(end, left),
             _ => self.drive(skipped, &mut watch),
         };
+        let learned = self.learned().map(|joint| joint.map(|joint| (joint.friction, joint.state.trust)));
         if let Some(log) = &mut self.log {
             log.push(LogRecord {
+                learned,
                 lateness: nanoseconds(lateness),
                 stages: core::array::from_fn(|i| nanoseconds(watch.stages[i])),
                 ..record
@@ -280,6 +284,7 @@ where
             iterations: proposal.iterations,
             lateness: 0,
             stages: [0; 4],
+            learned: [None; N],
         }
     }
 
@@ -359,7 +364,13 @@ where
             iterations: 0,
             lateness: 0,
             stages: [0; 4],
+            learned: [None; N],
         }
+    }
+
+    /// Learned friction at the last positions and velocities.
+    fn learned(&self) -> [Option<LearnedJoint>; N] {
+        self.controller.learned(&self.state.believed.positions, &self.velocities())
     }
 
     /// Logged value of quantity 0 (velocities) or 1 (torques): one in every period, if the robot measures it.
