@@ -150,6 +150,7 @@ fn log_record<const N: usize, const M: usize, const NY: usize>(
         iterations: 0,
         lateness: 0,
         stages: [0; 4],
+        learned: [None; N],
     }
 }
 

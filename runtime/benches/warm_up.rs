@@ -110,7 +110,7 @@ fn run<D, C, const N: usize, const M: usize>(
     controller: C,
     warm_up: f64,
     crowded: bool,
-) -> Result<([f64; 3], LoopReport), Box<dyn Error>>
+) -> Result<([f64; 3], LoopReport<N>), Box<dyn Error>>
 where
     D: Dynamics<N, M> + Copy,
     C: Controller<N, M>,

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "test code")]
 
 use crate::allocations;
+use crate::support::learning;
 use crate::support::robot::{END, PowerCube, START, law, plant_at, plant_options, settings};
 use gelenk_runtime::control_loop::{
     Clock, ControlLoop, Controller, FeedForwardPd, LoopSettings, MonotonicClock, VirtualClock, log_to,
@@ -22,16 +23,27 @@ fn controller() -> impl Controller<2, 2> {
     FeedForwardPd::new(law(), motion(), 1.0 / RATE, 0.01).unwrap()
 }
 
+/// Plain, and learning friction and a load.
+fn controllers() -> [Box<dyn Controller<2, 2>>; 3] {
+    [Box::new(controller()), Box::new(learning::pd(RATE)), Box::new(learning::carrying(RATE))]
+}
+
 /// Allocations in `periods` periods, and records written and dropped.
-fn allocations_of(transport: impl Transport<2, 2>, clock: VirtualClock, periods: u64) -> (u64, u64) {
+fn allocations_of(
+    mut controller: Box<dyn Controller<2, 2>>,
+    transport: impl Transport<2, 2>,
+    clock: VirtualClock,
+    periods: u64,
+) -> (u64, u64) {
     let (sink, writer) = log_to(std::io::sink(), &PowerCube, 20_000).unwrap();
     let settings = LoopSettings {
         // A machine that stalls the server for long shall not end this.
         hold_periods: 1_000_000,
         ..settings(RATE)
     };
-    let mut control =
-        ControlLoop::new(settings, law(), motion(), controller(), transport, clock).unwrap().with_log(sink);
+    let mut control = ControlLoop::new(settings, law(), motion(), &mut *controller, transport, clock)
+        .unwrap()
+        .with_log(sink);
     let before = allocations::count();
     control.start().unwrap();
     for _ in 0..periods {
@@ -45,10 +57,12 @@ fn allocations_of(transport: impl Transport<2, 2>, clock: VirtualClock, periods:
 
 #[test]
 fn ten_thousand_periods_in_process_do_not_allocate() {
-    let clock = VirtualClock::new();
-    let plant = plant_at(START, plant_options());
-    let robot = InProcess::new(plant, clock.clone(), Duration::from_millis(1));
-    assert_eq!(allocations_of(robot, clock, 10_000), (0, 10_000));
+    for controller in controllers() {
+        let clock = VirtualClock::new();
+        let plant = plant_at(START, plant_options());
+        let robot = InProcess::new(plant, clock.clone(), Duration::from_millis(1));
+        assert_eq!(allocations_of(controller, robot, clock, 10_000), (0, 10_000));
+    }
 }
 
 #[test]
@@ -59,7 +73,7 @@ fn two_thousand_periods_over_udp_do_not_allocate() {
     let address = server.local_address().unwrap();
     let serving = std::thread::spawn(move || server.serve(Duration::from_secs(1)));
     let link: UdpTransport<2, 2> = UdpTransport::connect(address, Duration::from_secs(30)).unwrap();
-    assert_eq!(allocations_of(link, VirtualClock::new(), 2000), (0, 2000));
+    assert_eq!(allocations_of(Box::new(controller()), link, VirtualClock::new(), 2000), (0, 2000));
     serving.join().unwrap().unwrap();
 }
 

@@ -3,9 +3,10 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
+use super::pd;
 use crate::support::named_robot::NamedRobot;
 use crate::support::robot::{
-    DURATION, PowerCube, START, Watched, loop_with, motion, pd, plant_at, plant_options, settings,
+    DURATION, PowerCube, START, Watched, loop_with, motion, plant_at, plant_options, settings,
 };
 use gelenk_identification::log::{ColumnOptions, runs};
 use gelenk_identification::run::Effort;
@@ -27,7 +28,7 @@ fn robot(options: PlantOptions<2, 2>) -> Watched {
     Watched::new(RATE, plant_at(START, options))
 }
 
-fn run(robot: &mut Watched) -> LoopReport {
+fn run(robot: &mut Watched) -> LoopReport<2> {
     loop_with(settings(RATE), pd(RATE), robot).run()
 }
 

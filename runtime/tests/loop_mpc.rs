@@ -3,6 +3,7 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
+use super::made;
 use crate::support::robot::{
     LIMITS, PowerCube, START, Watched, loop_with, lossy, motion, plant_at, plant_options, run_oversleeping,
 };
@@ -39,14 +40,13 @@ impl Kind {
     }
 
     fn with(self, options: MpcOptions<2, 2>) -> Box<dyn Controller<2, 2>> {
-        let model = PowerCube;
         match self {
-            Self::Linear => Box::new(LtvMpc::new(model, motion(), options).unwrap()),
-            Self::Nonlinear => Box::new(Nmpc::new(model, motion(), options).unwrap()),
+            Self::Linear => Box::new(made(RATE, |model| LtvMpc::new(model, motion(), options).unwrap())),
+            Self::Nonlinear => Box::new(made(RATE, |model| Nmpc::new(model, motion(), options).unwrap())),
         }
     }
 
-    fn run(self, settings: LoopSettings<2, 2>, robot: &mut Watched) -> LoopReport {
+    fn run(self, settings: LoopSettings<2, 2>, robot: &mut Watched) -> LoopReport<2> {
         loop_with(settings, &mut *self.with(self.options()), robot).run()
     }
 }

@@ -8,11 +8,12 @@ use gelenk_runtime::control_loop::{
     Command, ControlLoop, Controller, ControllerFault, Cycle, End, LoopReport, StopReason, StopRequest,
 };
 use gelenk_runtime::transport::Brakes;
-use support::robot::{Pd, Watched, law, motion, pd, settings};
+use support::learning;
+use support::robot::{Watched, law, motion, pd, settings};
 
 /// Sends the signal to its own process in the middle of the motion, twice, as impatient people do.
 struct Interrupting {
-    sound: Pd,
+    sound: Box<dyn Controller<2, 2>>,
     step: u32,
     signal: i32,
 }
@@ -35,15 +36,20 @@ impl Controller<2, 2> for Interrupting {
 #[test]
 fn signals_stop_the_arm_and_engage_the_brakes() {
     for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
-        let mut robot = Watched::at_start(50.0);
-        let controller = Interrupting { sound: pd(50.0), step: 0, signal };
-        let clock = robot.clock.clone();
-        let control =
-            ControlLoop::new(settings(50.0), law(), motion(), controller, &mut robot, clock).unwrap();
-        let report: LoopReport = control.with_stop_request(StopRequest::on_signals().unwrap()).run();
-        assert_eq!(report.end, End::Stopped(StopReason::Requested), "{report}");
-        assert_eq!(report.brakes, Brakes::Engaged);
-        assert_eq!(report.counts.controller, 100);
-        robot.assert_stopped_safely();
+        for sound in [Box::new(pd(50.0)) as Box<dyn Controller<2, 2>>, Box::new(learning::pd(50.0))] {
+            interrupt(sound, signal);
+        }
     }
+}
+
+fn interrupt(sound: Box<dyn Controller<2, 2>>, signal: i32) {
+    let mut robot = Watched::at_start(50.0);
+    let controller = Interrupting { sound, step: 0, signal };
+    let clock = robot.clock.clone();
+    let control = ControlLoop::new(settings(50.0), law(), motion(), controller, &mut robot, clock).unwrap();
+    let report: LoopReport<2> = control.with_stop_request(StopRequest::on_signals().unwrap()).run();
+    assert_eq!(report.end, End::Stopped(StopReason::Requested), "{report}");
+    assert_eq!(report.brakes, Brakes::Engaged);
+    assert_eq!(report.counts.controller, 100);
+    robot.assert_stopped_safely();
 }

@@ -3,10 +3,11 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
+use super::{Pd, pd};
 use crate::support::named_robot::NamedRobot;
 use crate::support::robot::{
-    END, LIMITS, Law, START, Watched, WatchedLoop, law, loop_with, lossy, motion, pd, plant_at,
-    plant_options, run_oversleeping, settings,
+    END, LIMITS, Law, START, Watched, WatchedLoop, law, loop_with, lossy, motion, plant_at, plant_options,
+    run_oversleeping, settings,
 };
 use gelenk_identification::log::{ColumnOptions, runs};
 use gelenk_runtime::control_loop::{
@@ -20,14 +21,14 @@ use std::time::Duration;
 
 const RATE: f64 = 50.0;
 
-fn run(settings: LoopSettings<2, 2>, robot: &mut Watched) -> LoopReport {
+fn run(settings: LoopSettings<2, 2>, robot: &mut Watched) -> LoopReport<2> {
     let rate = settings.rate;
     loop_with(settings, pd(rate), robot).run()
 }
 
 /// A controller that misbehaves: what `act` returns is used, or else the feed-forward with PD beneath.
 struct Troubled<F> {
-    sound: crate::support::robot::Pd,
+    sound: Pd,
     last: [f64; 2],
     step: u64,
     act: F,

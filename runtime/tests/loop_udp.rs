@@ -4,9 +4,10 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
+use super::{Pd, pd};
 use crate::support::example::program;
 use crate::support::plant_process::PlantProcess;
-use crate::support::robot::{END, LIMITS, PowerCube, START, Watched, law, motion, pd, settings};
+use crate::support::robot::{END, LIMITS, PowerCube, START, Watched, law, motion, settings};
 use gelenk_runtime::control_loop::{
     ControlLoop, End, FeedForwardPd, LoopReport, LoopSettings, MonotonicClock, Refusal, StopReason,
     VirtualClock,
@@ -27,7 +28,7 @@ type Link = UdpTransport<2, 2>;
 type Loop<'a> = ControlLoop<
     crate::support::robot::Law,
     gelenk_runtime::trajectory::RestToRest<2>,
-    crate::support::robot::Pd,
+    Pd,
     &'a mut Link,
     VirtualClock,
     2,
@@ -49,7 +50,7 @@ fn control(link: &mut Link, settings: LoopSettings<2, 2>) -> Loop<'_> {
     ControlLoop::new(settings, law(), motion(), pd(RATE), link, clock).unwrap()
 }
 
-fn run(link: &mut Link) -> LoopReport {
+fn run(link: &mut Link) -> LoopReport<2> {
     control(link, settings(RATE)).run()
 }
 
@@ -82,7 +83,7 @@ fn over_udp_the_motion_is_the_same_as_in_process() {
     // pass.
     robot.brake().unwrap();
     clock.advance(Duration::from_millis(20));
-    let here: LoopReport =
+    let here: LoopReport<2> =
         ControlLoop::new(settings(RATE), law(), motion(), pd(RATE), &mut robot, clock).unwrap().run();
     robot.assert_stopped_safely();
     assert_eq!(report, here);
@@ -373,7 +374,7 @@ fn inputs_that_no_simulation_bears_do_not_end_the_server() {
 fn a_robot_that_breaks_down_stops_the_loop() {
     use gelenk_runtime::control_loop::{Command, Controller, ControllerFault, Cycle};
     use gelenk_runtime::transport::{Pace, ServerOptions};
-    struct Wild(crate::support::robot::Pd);
+    struct Wild(Pd);
     impl Controller<2, 2> for Wild {
         fn reset(&mut self, positions: &[f64; 2], inputs: &[f64; 2]) {
             self.0.reset(positions, inputs);

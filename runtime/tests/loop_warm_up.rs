@@ -2,7 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
-use crate::support::robot::{Pd, Watched, loop_with, pd, settings};
+use super::{Pd, pd};
+use crate::support::robot::{Watched, loop_with, settings};
 use gelenk_runtime::control_loop::{
     Clock, Command, Controller, ControllerFault, Cycle, End, LoopReport, LoopSettings, VirtualClock,
 };
@@ -43,7 +44,7 @@ impl<F: FnMut(u64) -> Duration> Controller<2, 2> for Slow<F> {
 
 type Seen = Vec<(char, Duration)>;
 
-fn run(warm_up: f64, takes: impl FnMut(u64) -> Duration) -> (LoopReport, Seen) {
+fn run(warm_up: f64, takes: impl FnMut(u64) -> Duration) -> (LoopReport<2>, Seen) {
     let mut robot = Watched::at_start(RATE);
     let seen = Arc::default();
     let controller =

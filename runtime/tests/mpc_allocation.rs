@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "test code")]
 
 use crate::allocations;
+use crate::support::learning;
 use crate::support::tracking::{PERIOD, PowerCube, options};
 use gelenk_runtime::control_loop::{Controller, Cycle};
 use gelenk_runtime::lqr::{Lqr, TimeVaryingLqr};
@@ -44,7 +45,11 @@ fn drive(steps: u32, controller: &mut impl Controller<2, 2>, motion: &RestToRest
             }
             Err(_) => faults += 1,
         }
-        std::hint::black_box((controller.planned(1), controller.estimate()));
+        std::hint::black_box((
+            controller.planned(1),
+            controller.estimate(),
+            controller.learned(&positions, &[0.1; 2]),
+        ));
     }
     assert_eq!(allocations::count(), before);
     assert!(solved > steps - 200 && iterated > 100 && faults > 0, "{solved} {iterated} {faults}");
@@ -75,6 +80,15 @@ fn nonlinear_predictive_control_allocates_nothing() {
     options.observer.disturbance_noise = [1e-3; 2];
     let mut mpc = Nmpc::new(PowerCube, motion(), options).unwrap();
     drive(STEPS, &mut mpc, &motion());
+}
+
+#[test]
+fn controllers_that_learn_friction_allocate_nothing() {
+    let options = options(&PowerCube, PERIOD, 3);
+    let linear = |model| LtvMpc::new(model, motion(), options.clone()).unwrap();
+    let nonlinear = |model| Nmpc::new(model, motion(), options.clone()).unwrap();
+    drive(1000, &mut learning::made(1.0 / PERIOD, linear), &motion());
+    drive(1000, &mut learning::made(1.0 / PERIOD, nonlinear), &motion());
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::controller::{Adaptive, TakesModel};
 use super::model::LearnedFriction;
-use crate::control_loop::{Command, Controller, ControllerFault, Cycle, Estimate};
+use crate::control_loop::{Command, Controller, ControllerFault, Cycle, Estimate, LearnedJoint};
 use crate::dynamics::Dynamics;
 use gelenk_adaptation::{AdaptationError, LoadEstimator};
 
@@ -78,6 +78,10 @@ where
 
     fn estimate(&self) -> Option<Estimate<N>> {
         self.adaptive.estimate()
+    }
+
+    fn learned(&self, y: &[f64; N], v: &[f64; N]) -> [Option<LearnedJoint>; N] {
+        self.adaptive.learned(y, v)
     }
 
     fn warm_up(&mut self, next: &Cycle<N, M>) {

@@ -1,7 +1,9 @@
 //! A controller whose model includes the learned friction.
 
 use super::model::LearnedFriction;
-use crate::control_loop::{Command, Controller, ControllerFault, Cycle, Estimate, FeedForwardPd};
+use crate::control_loop::{
+    Command, Controller, ControllerFault, Cycle, Estimate, FeedForwardPd, LearnedJoint,
+};
 use crate::dynamics::Dynamics;
 use crate::feed_forward::FeedForwardError;
 #[cfg(feature = "std")]
@@ -218,6 +220,12 @@ where
 
     fn estimate(&self) -> Option<Estimate<N>> {
         self.inner.estimate()
+    }
+
+    fn learned(&self, y: &[f64; N], v: &[f64; N]) -> [Option<LearnedJoint>; N] {
+        let (described, states) = (self.robot.robot().friction_torques(y, v), self.adaptation.states());
+        let friction = |i: usize| self.adaptation.friction(i, described[i], v[i]);
+        core::array::from_fn(|i| Some(LearnedJoint { friction: friction(i)?, state: states[i]? }))
     }
 
     fn warm_up(&mut self, next: &Cycle<N, M>) {

@@ -1,5 +1,6 @@
 //! Interface between control loop and controller.
 
+use crate::adaptation::JointState;
 use crate::dynamics::{AttitudeError, Named};
 use thiserror::Error;
 
@@ -107,6 +108,15 @@ pub struct Estimate<const N: usize, const NY: usize = N> {
     pub velocities: [f64; N],
 }
 
+/// Learned friction of a joint, for log and report.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LearnedJoint {
+    /// Learned friction at a velocity, and half of its 90 % interval [N m or N].
+    pub friction: [f64; 2],
+    /// Learned terms with their intervals, and the acting law.
+    pub state: JointState,
+}
+
 /// A controller of a robot with `N` coordinates and `M` inputs. The controller has the model and the
 /// trajectory. The loop handles clock, transport, limits and faults.
 ///
@@ -134,6 +144,13 @@ pub trait Controller<const N: usize, const M: usize, const NY: usize = N> {
     /// State estimate after the last step, for the log; `None` for a controller without an estimator.
     fn estimate(&self) -> Option<Estimate<N, NY>> {
         None
+    }
+
+    /// Learned friction at positions `y` and velocities `v`, for log and report; `None` for joints whose friction is not
+    /// learned.
+    fn learned(&self, y: &[f64; NY], v: &[f64; N]) -> [Option<LearnedJoint>; N] {
+        let _ = (y, v);
+        [None; N]
     }
 
     /// Warms up the caches: computes the next step at the expected state `next`, and discards the result. The
@@ -164,6 +181,10 @@ impl<const N: usize, const M: usize, const NY: usize, C: Controller<N, M, NY> + 
 
     fn estimate(&self) -> Option<Estimate<N, NY>> {
         (**self).estimate()
+    }
+
+    fn learned(&self, y: &[f64; NY], v: &[f64; N]) -> [Option<LearnedJoint>; N] {
+        (**self).learned(y, v)
     }
 
     fn warm_up(&mut self, next: &Cycle<N, M, NY>) {

@@ -1,6 +1,7 @@
 //! The log: a lock-free queue from the control loop to a thread that writes CSV.
 
 use super::report::Source;
+use crate::adaptation::Trust;
 use crate::dynamics::Dynamics;
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::fs::File;
@@ -46,6 +47,9 @@ pub struct LogRecord<const N: usize, const M: usize, const NY: usize = N> {
     pub lateness: u64,
     /// Times for reading, control, check and writing (ns).
     pub stages: [u64; 4],
+    /// Learned friction at `velocities` with half of its 90 % interval [N m or N], and the acting law; `None` for joints whose friction is
+    /// not learned.
+    pub learned: [Option<([f64; 2], Trust)>; N],
 }
 
 /// End of the queue at which the loop adds records.
@@ -106,6 +110,8 @@ pub const MAX_LOG_CAPACITY: usize = 1 << 20;
 /// - `measured_dq_NAME` …, `measured_tau_NAME` …: velocities and forces that the drives measure, if they do
 /// - `desired_NAME` …: desired positions
 /// - `u_NAME` …: inputs
+/// - `learned_NAME` …, `half_width_NAME` …, `trust_NAME` …: learned friction at the estimated velocity, half of its 90 % interval, and the
+///   acting law, if any friction is learned
 /// - `source`, `believed`, `iterations`, `lateness_ns`, `read_ns`, `control_ns`, `check_ns`, `write_ns`
 ///
 /// `q` and `desired` have one column for each position entry. Robots with quaternions have more positions
@@ -200,11 +206,16 @@ fn write_all<const N: usize, const M: usize, const NY: usize>(
 struct Measures {
     velocities: bool,
     torques: bool,
+    learned: bool,
 }
 
 impl Measures {
     fn of<const N: usize, const M: usize, const NY: usize>(record: &LogRecord<N, M, NY>) -> Self {
-        Self { velocities: record.measured_velocities.is_some(), torques: record.measured_torques.is_some() }
+        Self {
+            velocities: record.measured_velocities.is_some(),
+            torques: record.measured_torques.is_some(),
+            learned: record.learned.iter().any(Option::is_some),
+        }
     }
 }
 
@@ -228,6 +239,9 @@ fn header<const N: usize, const M: usize, const NY: usize>(
     }
     add("desired", positions);
     add("u", inputs);
+    if measures.learned {
+        ["learned", "half_width", "trust"].into_iter().for_each(|prefix| add(prefix, joints));
+    }
     header.extend(rest.map(str::to_owned));
     header
 }
@@ -240,15 +254,20 @@ fn fields<const N: usize, const M: usize, const NY: usize>(
     let column = |measured: bool, values: Option<[f64; N]>| {
         measured.then(|| values.unwrap_or([f64::NAN; N])).into_iter().flatten()
     };
+    let learned = |k: usize| record.learned.map(|joint| joint.map_or(f64::NAN, |(friction, _)| friction[k]));
+    let trust = record.learned.map(|joint| joint.map_or("", |(_, trust)| trust.name()).to_owned());
     let numbers = std::iter::once(record.time)
         .chain(record.positions)
         .chain(record.velocities)
         .chain(column(measures.velocities, record.measured_velocities))
         .chain(column(measures.torques, record.measured_torques))
         .chain(record.desired)
-        .chain(record.inputs);
+        .chain(record.inputs)
+        .chain(column(measures.learned, Some(learned(0))))
+        .chain(column(measures.learned, Some(learned(1))));
     numbers
         .map(|x| x.to_string())
+        .chain(measures.learned.then_some(trust).into_iter().flatten())
         .chain([
             record.source.name().to_owned(),
             u8::from(record.believed).to_string(),
@@ -294,6 +313,7 @@ mod tests {
             iterations: 7,
             lateness: 1,
             stages: [2, 3, 4, 5],
+            learned: [None; 2],
         }
     }
 
@@ -337,6 +357,18 @@ mod tests {
         assert!(rows[0].contains(",measured_tau_beta,"), "{text}");
         assert!(rows[1].starts_with("0,0.25,NaN,0,-1.5,0.1,0.2,3,NaN,0.5,"));
         assert!(rows[2].starts_with("0.02,0.25,NaN,0,-1.5,NaN,NaN,NaN,NaN,0.5,"));
+    }
+
+    #[test]
+    fn learned_friction_has_columns() {
+        let learned = [Some(([12.5, 0.5], Trust::Learned)), None];
+        let text = written(&[LogRecord { learned, ..record(0.0) }, record(0.02)]);
+        let rows: Vec<&str> = text.lines().collect();
+        let names = ["learned_", "half_width_", "trust_"]
+            .map(|prefix| format!("{prefix}beta,\"{prefix}left \"\"arm\"\", upper\""));
+        assert!(rows[0].contains(&format!(",u_1,{},source,", names.join(","))), "{text}");
+        assert!(rows[1].contains(",0.125,12.5,NaN,0.5,NaN,learned,,held,"), "{text}");
+        assert!(rows[2].contains(",0.125,NaN,NaN,NaN,NaN,,,held,"), "{text}");
     }
 
     #[test]

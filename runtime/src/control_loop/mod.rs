@@ -91,7 +91,7 @@ pub mod write_a_controller {}
 #[cfg(feature = "std")]
 pub use crate::clock::{Clock, MonotonicClock, VirtualClock};
 pub use computed_torque::{AccelerationGains, ComputedTorque, ComputedTorqueError};
-pub use controller::{Command, Controller, ControllerFault, Cycle, Estimate, TooFast};
+pub use controller::{Command, Controller, ControllerFault, Cycle, Estimate, LearnedJoint, TooFast};
 pub use guard::{EncoderFault, EncoderGuard, GuardSettings};
 pub use joint_lqr::{JointLqr, JointLqrError, LqrWeights};
 pub use joint_pd::{JointGains, JointPd, JointPdError};

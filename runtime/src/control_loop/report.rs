@@ -5,6 +5,7 @@ use super::guard::EncoderFault;
 use super::lateness::Lateness;
 use super::monitor::LimitFault;
 use super::stage::STAGES;
+use crate::adaptation::{JointState, TERM_NAMES};
 use crate::dynamics::Named;
 use crate::transport::{Brakes, TransportError};
 use std::fmt;
@@ -201,7 +202,7 @@ pub struct Counts {
 
 /// Result of [`ControlLoop::run`](super::ControlLoop::run), or the counts so far.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LoopReport {
+pub struct LoopReport<const N: usize> {
     /// End of the run.
     pub end: End,
     /// State of the brakes that the robot reported after the last brake command of the loop. If they are not
@@ -209,9 +210,13 @@ pub struct LoopReport {
     pub brakes: Brakes,
     /// Counts of the run.
     pub counts: Counts,
+    /// Names of the joints.
+    pub joints: [&'static str; N],
+    /// Learned friction of each joint at the end; `None` for joints whose friction is not learned.
+    pub learned: [Option<JointState>; N],
 }
 
-impl fmt::Display for LoopReport {
+impl<const N: usize> fmt::Display for LoopReport<N> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let c = &self.counts;
         let is_sure = self.brakes == Brakes::Engaged || self.end == End::Running;
@@ -235,6 +240,13 @@ impl fmt::Display for LoopReport {
             c.controller_faults,
             c.transport_errors
         )?;
+        for (name, state) in self.joints.iter().zip(&self.learned) {
+            let Some(JointState { learned, half_widths, trust, since, .. }) = state else { continue };
+            write!(f, "\nfriction of joint {}: {} since {since:.2} s; learned:", Named(name), trust.name())?;
+            for (k, term) in TERM_NAMES.iter().enumerate() {
+                write!(f, " {term} {:.3} ± {:.3}", learned[k], half_widths[k])?;
+            }
+        }
         if c.late_warm_ups > 0 {
             write!(
                 f,

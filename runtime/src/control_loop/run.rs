@@ -1,6 +1,6 @@
 //! The control loop: timing and order of its steps.
 
-use super::controller::Controller;
+use super::controller::{Controller, LearnedJoint};
 use super::guard::EncoderGuard;
 use super::law::JointLaw;
 use super::log::{LogRecord, LogSink};
@@ -179,8 +179,8 @@ where
         &self.controller
     }
 
-    /// Starts the robot, runs all periods, engages the brakes, and reports the run.
-    pub fn run(&mut self) -> LoopReport {
+    /// Starts, runs all periods, brakes, and reports the run.
+    pub fn run(&mut self) -> LoopReport<N> {
         if self.start().is_ok() {
             while self.period() {}
         }
@@ -189,12 +189,14 @@ where
 
     /// Report with the counts so far.
     #[must_use]
-    pub fn report(&self) -> LoopReport {
+    pub fn report(&self) -> LoopReport<N> {
         let end = match self.state.phase {
             Phase::Idle | Phase::Running | Phase::Stopping(_) => End::Running,
             Phase::Braking { end, .. } | Phase::Ended(end) => end,
         };
-        LoopReport { end, brakes: self.state.brakes, counts: self.state.counts }
+        let learned = self.learned().map(|joint| joint.map(|joint| joint.state));
+        let (brakes, counts) = (self.state.brakes, self.state.counts);
+        LoopReport { end, brakes, counts, joints: self.joints, learned }
     }
 
     /// Sleeps until the next period and runs it. Returns false after the end of the run.
@@ -219,8 +221,10 @@ where
             Phase::Braking { end, left } => self.brake_again(end, left),
             _ => self.drive(skipped, &mut watch),
         };
+        let learned = self.learned().map(|joint| joint.map(|joint| (joint.friction, joint.state.trust)));
         if let Some(log) = &mut self.log {
             log.push(LogRecord {
+                learned,
                 lateness: nanoseconds(lateness),
                 stages: core::array::from_fn(|i| nanoseconds(watch.stages[i])),
                 ..record
@@ -282,6 +286,7 @@ where
             iterations: proposal.iterations,
             lateness: 0,
             stages: [0; 4],
+            learned: [None; N],
         }
     }
 
@@ -362,7 +367,13 @@ where
             iterations: 0,
             lateness: 0,
             stages: [0; 4],
+            learned: [None; N],
         }
+    }
+
+    /// Learned friction at the last positions and velocities.
+    fn learned(&self) -> [Option<LearnedJoint>; N] {
+        self.controller.learned(&self.state.believed.positions, &self.velocities())
     }
 
     /// Logged value of quantity 0 (velocities) or 1 (torques), in every period if the robot measures the

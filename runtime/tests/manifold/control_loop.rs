@@ -89,7 +89,7 @@ impl Transport<6, 4, 7> for Spoilt {
     }
 }
 
-fn run_spoilt(from: usize, quaternion: [f64; 4]) -> LoopReport {
+fn run_spoilt(from: usize, quaternion: [f64; 4]) -> LoopReport<6> {
     let clock = VirtualClock::new();
     let robot = Spoilt { robot: robot(&clock, START), reads: 0, from, quaternion };
     ControlLoop::new(settings(), law(), motion(), follower(), robot, clock).unwrap().run()

@@ -80,7 +80,7 @@ fn spoilt(quaternion: [f64; 4], from: u32, is_over: Arc<AtomicBool>) -> (SocketA
     (address, thread::spawn(answer))
 }
 
-fn run_spoilt(quaternion: [f64; 4], from: u32) -> LoopReport {
+fn run_spoilt(quaternion: [f64; 4], from: u32) -> LoopReport<6> {
     let over = Arc::new(AtomicBool::new(false));
     let (address, process) = spoilt(quaternion, from, Arc::clone(&over));
     let link: Link = UdpTransport::connect(address, PATIENCE).unwrap();

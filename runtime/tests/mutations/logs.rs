@@ -32,6 +32,7 @@ fn loop_log() -> Vec<u8> {
             iterations: k,
             lateness: 100,
             stages: [1, 2, 3, 4],
+            learned: [None; 2],
         });
     }
     drop(sink);

@@ -6,6 +6,7 @@
 pub mod data;
 pub mod example;
 pub mod kkt;
+pub mod learning;
 pub mod mixed;
 pub mod named_robot;
 pub mod oracle;

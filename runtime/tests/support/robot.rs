@@ -22,7 +22,9 @@ pub const END: [f64; 2] = [0.8, -0.5];
 pub const DURATION: f64 = 5.0;
 
 pub type Law = JointPd<PowerCube, 2, 2>;
-pub type Pd = FeedForwardPd<PowerCube, RestToRest<2>, 2, 2>;
+/// Feed-forward with joint PD of a model of the arm.
+pub type PdOf<D> = FeedForwardPd<D, RestToRest<2>, 2, 2>;
+pub type Pd = PdOf<PowerCube>;
 pub type Simulated = InProcess<PowerCube, VirtualClock, 2, 2>;
 
 pub fn motion() -> RestToRest<2> {
@@ -34,12 +36,24 @@ pub fn settings(rate: f64) -> LoopSettings<2, 2> {
 }
 
 pub fn law() -> Law {
-    let gains = JointGains::from_bandwidth(&PowerCube, &START, 10.0, 0.7);
-    JointPd::new(PowerCube, gains).unwrap()
+    law_of(PowerCube)
+}
+
+fn law_of<D: Dynamics<2, 2>>(model: D) -> JointPd<D, 2, 2> {
+    JointPd::new(model, JointGains::from_bandwidth(&PowerCube, &START, 10.0, 0.7)).unwrap()
+}
+
+pub fn pd_of<D: Dynamics<2, 2>>(model: D, rate: f64) -> PdOf<D> {
+    FeedForwardPd::new(law_of(model), motion(), 1.0 / rate, 0.01).unwrap()
 }
 
 pub fn pd(rate: f64) -> Pd {
-    FeedForwardPd::new(law(), motion(), 1.0 / rate, 0.01).unwrap()
+    made(rate, |model| pd_of(model, rate))
+}
+
+/// A controller with the described model, like [`super::learning::made`].
+pub fn made<C>(_rate: f64, make: impl FnOnce(PowerCube) -> C) -> C {
+    make(PowerCube)
 }
 
 pub fn plant_options() -> PlantOptions<2, 2> {
@@ -233,7 +247,7 @@ pub fn run_oversleeping<C: Controller<2, 2>>(
     controller: C,
     robot: &mut Watched,
     [at, by]: [Duration; 2],
-) -> LoopReport {
+) -> LoopReport<2> {
     let clock = Oversleeping { clock: robot.clock.clone(), at, by };
     let control: WatchedLoop<'_, _, _> =
         ControlLoop::new(settings, law(), motion(), controller, robot, clock).unwrap();
