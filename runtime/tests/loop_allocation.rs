@@ -4,9 +4,9 @@
 
 use crate::allocations;
 use crate::support::learning;
-use crate::support::robot::{END, PowerCube, START, law, plant_at, plant_options, settings};
+use crate::support::robot::{END, PowerCube, START, law, pd_of, plant_at, plant_options, settings};
 use gelenk_runtime::control_loop::{
-    Clock, ControlLoop, Controller, FeedForwardPd, LoopSettings, MonotonicClock, VirtualClock, log_to,
+    Clock, ControlLoop, Controller, LoopSettings, MonotonicClock, VirtualClock, log_to,
 };
 use gelenk_runtime::trajectory::RestToRest;
 use gelenk_runtime::transport::{InProcess, Pace, PlantServer, ServerOptions, Transport, UdpTransport};
@@ -20,12 +20,13 @@ fn motion() -> RestToRest<2> {
 }
 
 fn controller() -> impl Controller<2, 2> {
-    FeedForwardPd::new(law(), motion(), 1.0 / RATE, 0.01).unwrap()
+    pd_of(PowerCube, motion(), RATE)
 }
 
 /// Plain, and learning friction and a load.
 fn controllers() -> [Box<dyn Controller<2, 2>>; 3] {
-    [Box::new(controller()), Box::new(learning::pd(RATE)), Box::new(learning::carrying(RATE))]
+    let friction = || learning::made(RATE, |model| pd_of(model, motion(), RATE));
+    [Box::new(controller()), Box::new(friction()), Box::new(learning::carrying(friction()))]
 }
 
 /// Allocations in `periods` periods, and records written and dropped.

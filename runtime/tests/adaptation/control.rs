@@ -18,6 +18,7 @@ gelenk_runtime::dynamics!(struct PowerCube = gelenk_generated::powercube);
 gelenk_runtime::dynamics!(struct Free { parameters } = gelenk_generated::powercube_parameters);
 
 const PERIOD: f64 = 0.01;
+const GEAR: f64 = 161.0;
 
 /// The arm with other friction: factors of the viscous and the dry terms of both joints.
 fn warm(viscous: f64, dry: f64) -> Free {
@@ -53,8 +54,9 @@ fn settings() -> AdaptationSettings {
 
 type Model = LearnedFriction<PowerCube, 2, 2>;
 
-/// Root mean square of the position errors from 20 s on [rad], and the controller.
-fn run<C: Controller<2, 2> + TakesModel<Model>>(
+/// Root mean square of the position errors from 20 s on [rad], and the controller. A change of the law changes the input of its period by
+/// at most the share of the learned friction that [`AdaptationSettings::blending`] passes on in a period.
+fn run<C: Controller<2, 2> + TakesModel<Model> + Clone>(
     plant: Free,
     motion: &Sampled<2>,
     make: impl FnOnce(Model) -> C,
@@ -67,17 +69,26 @@ fn run<C: Controller<2, 2> + TakesModel<Model>>(
     let start = motion.sample(0.0);
     plant.reset(start.positions, start.velocities).unwrap();
     controller.reset(&start.positions, &[0.0; 2]);
-    let (mut last, mut sums, mut count, mut jump) = ([0.0; 2], [0.0; 2], 0.0, 0.0_f64);
+    let (mut last, mut sums, mut count) = ([0.0; 2], [0.0; 2], 0.0);
+    let (mut jump, mut learned) = ([0.0_f64; 2], [0.0_f64; 2]);
     for k in 0..(motion.duration() / PERIOD) as u32 {
         let time = f64::from(k) * PERIOD;
         let positions = Some(plant.measure().positions);
         let cycle = Cycle { time, positions, last_inputs: last, ..Cycle::default() };
+        // The same step with the law of the last period.
+        let kept = controller.inner().clone().step(&cycle).unwrap();
         let step = if learns { controller.step(&cycle) } else { controller.inner_mut().step(&cycle) };
-        let inputs = step.unwrap().inputs;
-        if k > 10 {
-            jump = (0..2).fold(jump, |jump, i| jump.max((inputs[i] - last[i]).abs()));
+        last = step.unwrap().inputs;
+        if learns {
+            let (_, v) = plant.state();
+            let (with, without) = (controller.robot(), PowerCube);
+            let [with, without] =
+                [with.friction_torques(&[0.0; 2], &v), without.friction_torques(&[0.0; 2], &v)];
+            for i in 0..2 {
+                jump[i] = jump[i].max((last[i] - kept.inputs[i]).abs());
+                learned[i] = learned[i].max((with[i] - without[i]).abs() / GEAR);
+            }
         }
-        last = inputs;
         plant.apply(&last, PERIOD).unwrap();
         if time > 20.0 {
             let (y, _) = plant.state();
@@ -86,7 +97,9 @@ fn run<C: Controller<2, 2> + TakesModel<Model>>(
             count += 1.0;
         }
     }
-    println!("largest change of an input {jump:.4} N m");
+    println!("largest change of the inputs by the law {jump:?} N m, of a learned torque of {learned:?} N m");
+    let share = PERIOD / (PERIOD + settings().blending);
+    (0..2).for_each(|i| assert!(jump[i] <= share * learned[i], "{jump:?} {learned:?}"));
     (sums.map(|sum: f64| (sum / count).sqrt()), controller)
 }
 

@@ -1,9 +1,14 @@
 //! Limits of learning, on simulated joints.
 
+use super::random::SplitMix64;
 use super::warming::{Drift, PERIOD, Simulated, coverage};
 use gelenk_runtime::adaptation::{
-    Adaptation, AdaptationError, AdaptationSettings, JointState, LoadEstimator, Measured, TERMS, Trust,
+    Adaptation, AdaptationError, AdaptationSettings, DescribedForces, JointState, LoadEstimator, Measured,
+    TERMS, Trust,
 };
+use gelenk_runtime::dynamics::Dynamics;
+
+gelenk_runtime::dynamics!(struct Panda = gelenk_generated::panda);
 
 fn settings() -> AdaptationSettings {
     AdaptationSettings::new(PERIOD)
@@ -259,6 +264,112 @@ fn a_load_is_learned_and_forgotten() {
     }
     let error = LoadEstimator::<1, 1>::new([[1.0, 2.0]]).unwrap_err();
     assert_eq!(error, AdaptationError::Load(0));
+}
+
+/// Torques at the joints of a unit of mass, of first moments and of moments of inertia `xx, yy, zz, xy, xz, yz` about the tool.
+fn columns_of_a_body([y, v, a]: &[[f64; 7]; 3]) -> [[f64; 10]; 7] {
+    const H: f64 = 1e-5;
+    use gelenk_generated::panda::{frame_tool_jacobian, frame_tool_pose};
+    let turned = |sign: f64| frame_tool_jacobian(&core::array::from_fn(|i| y[i] + sign * H * v[i]));
+    let (jacobian, [ahead, behind]) = (frame_tool_jacobian(y), [turned(1.0), turned(-1.0)]);
+    let sum = |row: &[f64; 7], x: &[f64; 7]| row.iter().zip(x).map(|(j, x)| j * x).sum::<f64>();
+    let spatial: [f64; 6] =
+        core::array::from_fn(|k| sum(&jacobian[k], a) + (sum(&ahead[k], v) - sum(&behind[k], v)) / (2.0 * H));
+    let axes = frame_tool_pose(y).1;
+    // In the axes of the tool; gravity is an acceleration upwards.
+    let inside =
+        |x: [f64; 3]| -> [f64; 3] { core::array::from_fn(|i| (0..3).map(|k| axes[k][i] * x[k]).sum()) };
+    let up = inside([spatial[0], spatial[1], spatial[2] + 9.80665]);
+    let alpha = inside([spatial[3], spatial[4], spatial[5]]);
+    let omega = inside(core::array::from_fn(|k| sum(&jacobian[3 + k], v)));
+    let cross = |a: &[f64; 3], b: &[f64; 3]| {
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    };
+    let wrench = |k: usize| -> [[f64; 3]; 2] {
+        let zero = [0.0; 3];
+        match k {
+            0 => [up, zero],
+            1..4 => {
+                let unit = core::array::from_fn(|i| f64::from(u8::from(i == k - 1)));
+                let (tangential, inwards) = (cross(&alpha, &unit), cross(&omega, &cross(&omega, &unit)));
+                [core::array::from_fn(|i| tangential[i] + inwards[i]), cross(&unit, &up)]
+            }
+            _ => {
+                let (i, j) = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)][k - 4];
+                let times = |x: &[f64; 3]| {
+                    let mut product = zero;
+                    product[i] = x[j];
+                    product[j] = x[i];
+                    product
+                };
+                let (of_alpha, of_omega) = (times(&alpha), cross(&omega, &times(&omega)));
+                [zero, core::array::from_fn(|i| of_alpha[i] + of_omega[i])]
+            }
+        }
+    };
+    let of_parameter: [[f64; 7]; 10] = core::array::from_fn(|k| {
+        let [force, moment] = wrench(k)
+            .map(|x| -> [f64; 3] { core::array::from_fn(|i| (0..3).map(|k| axes[i][k] * x[k]).sum()) });
+        core::array::from_fn(|i| {
+            (0..3).map(|r| jacobian[r][i] * force[r] + jacobian[3 + r][i] * moment[r]).sum()
+        })
+    });
+    core::array::from_fn(|i| core::array::from_fn(|k| of_parameter[k][i]))
+}
+
+/// A body at the tool of a seven-axis arm, with noisy torques: the ten parameters are within their intervals, and explain its torques.
+#[test]
+fn the_ten_parameters_of_a_body_are_learned() {
+    const TRUTH: [f64; 10] = [2.0, 0.1, -0.06, 0.3, 0.08, 0.085, 0.02, 0.003, -0.015, 0.009];
+    let most = [4.0, 1.0, 1.0, 1.0, 0.2, 0.2, 0.2, 0.1, 0.1, 0.1];
+    let mut load = LoadEstimator::<7, 10>::new(most.map(|most| [-most, most])).unwrap();
+    let mut adaptation = Adaptation::for_robot(&Panda, settings()).unwrap();
+    let mut random = SplitMix64::new(3);
+    let with = |columns: &[[f64; 10]; 7], load: &[f64; 10]| {
+        columns.map(|row| row.iter().zip(load).map(|(column, value)| column * value).sum::<f64>())
+    };
+    let (mut of_load, mut left) = (0.0, 0.0);
+    for k in 0..6000 {
+        let t = PERIOD * f64::from(k);
+        let rates: [f64; 7] = core::array::from_fn(|i| 0.9 + 0.17 * i as f64);
+        let center = [0.0, 0.0, 0.0, -1.5, 0.0, 1.5, 0.0];
+        let [y, v, a]: [[f64; 7]; 3] = [
+            core::array::from_fn(|i| center[i] + 0.5 * (rates[i] * t).sin()),
+            rates.map(|rate| 0.5 * rate * (rate * t).cos()),
+            rates.map(|rate| -0.5 * rate * rate * (rate * t).sin()),
+        ];
+        let columns = columns_of_a_body(&[y, v, a]);
+        let (forces, more) = (Panda.inverse_dynamics(&y, &v, &a), with(&columns, &TRUTH));
+        let torques = core::array::from_fn(|i| forces[i] + more[i] + 0.05 * random.normal());
+        let measured = Measured { positions: Some(y), torques, saturated: [false; 7], periods: 1 };
+        let (acting, mut at) = (*load.acting(), None);
+        adaptation.step(&measured, |y, v, a| {
+            let columns = columns_of_a_body(&[*y, *v, *a]);
+            at = Some(columns);
+            let mut described = DescribedForces::of(&Panda, y, v, a);
+            described.forces.iter_mut().zip(with(&columns, &acting)).for_each(|(force, more)| *force += more);
+            described
+        });
+        load.step(at.as_ref(), &adaptation);
+        if k > 5000 {
+            for (truth, acting) in more.iter().zip(with(&columns, load.acting())) {
+                of_load += truth * truth;
+                left += (truth - acting).powi(2);
+            }
+        }
+    }
+    let state = load.state();
+    println!("{state:?}, error {:.4} of the load's torques", f64::sqrt(left / of_load));
+    assert_eq!(state.trust, Trust::Learned);
+    for k in 0..10 {
+        let (learned, half) = (state.learned[k], state.half_widths[k]);
+        assert!(
+            (learned - TRUTH[k]).abs() < 2.0 * half && half < 0.5 * most[k],
+            "{k}: {learned} ± {half}, {}",
+            TRUTH[k]
+        );
+    }
+    assert!(left < 0.05 * 0.05 * of_load, "{left} {of_load}");
 }
 
 #[test]

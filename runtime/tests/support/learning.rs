@@ -1,7 +1,7 @@
 //! Controllers of the PowerCube that learn its friction. The described friction is a quarter too large; the learned law, from an earlier
 //! motion, acts from the first period on.
 
-use super::robot::{PdOf, PowerCube, pd_of};
+use super::robot::{PdOf, PowerCube, motion, pd_of};
 use gelenk_runtime::adaptation::{
     Adaptation, AdaptationSettings, Adaptive, Carrying, DescribedForces, LearnedFriction, Measured, Trust,
 };
@@ -17,12 +17,12 @@ pub type Made<C> = Adaptive<C, Described, 2, 2>;
 pub type Pd = Made<PdOf<Model>>;
 
 pub fn pd(rate: f64) -> Pd {
-    made(rate, |model| pd_of(model, rate))
+    made(rate, |model| pd_of(model, motion(), rate))
 }
 
 /// A controller that also learns the mass of a load.
-pub fn carrying(rate: f64) -> Carrying<PdOf<Model>, Described, 2, 2, 1> {
-    Carrying::new(pd(rate), [[0.0, 2.0]], |arm, [mass]| {
+pub fn carrying(friction: Pd) -> Carrying<PdOf<Model>, Described, 2, 2, 1> {
+    Carrying::new(friction, [[0.0, 2.0]], |arm, [mass]| {
         let mut loaded = *arm;
         loaded.parameters.load = *mass;
         loaded

@@ -43,12 +43,12 @@ fn law_of<D: Dynamics<2, 2>>(model: D) -> JointPd<D, 2, 2> {
     JointPd::new(model, JointGains::from_bandwidth(&PowerCube, &START, 10.0, 0.7)).unwrap()
 }
 
-pub fn pd_of<D: Dynamics<2, 2>>(model: D, rate: f64) -> PdOf<D> {
-    FeedForwardPd::new(law_of(model), motion(), 1.0 / rate, 0.01).unwrap()
+pub fn pd_of<D: Dynamics<2, 2>>(model: D, motion: RestToRest<2>, rate: f64) -> PdOf<D> {
+    FeedForwardPd::new(law_of(model), motion, 1.0 / rate, 0.01).unwrap()
 }
 
 pub fn pd(rate: f64) -> Pd {
-    made(rate, |model| pd_of(model, rate))
+    made(rate, |model| pd_of(model, motion(), rate))
 }
 
 /// A controller with the described model, like [`super::learning::made`].

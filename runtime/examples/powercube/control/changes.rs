@@ -143,6 +143,8 @@ pub struct Compared<const Q: usize> {
     knowing: Run,
     /// Learned quantity in each period.
     values: Vec<[f64; Q]>,
+    /// Described friction.
+    initial: [Friction; 2],
 }
 
 impl<const Q: usize> Compared<Q> {
@@ -161,6 +163,7 @@ impl<const Q: usize> Compared<Q> {
             fixed: drive(&setup, &mut fixed, &reference)?,
             knowing: drive(&setup, &mut knowing, &reference)?,
             values: learning.values,
+            initial,
         })
     }
 
@@ -212,7 +215,7 @@ fn friction(robot: &impl Dynamics<2, 2>) -> [f64; 2] {
     robot.friction_torques(&[0.0; 2], &[SHOWN; 2])
 }
 
-/// Gears that warm up.
+/// Gears that warm up. Values are learned friction at [`SHOWN`] of both joints, and half of its 90 % intervals.
 ///
 /// - `seconds`: of the run
 /// - `duration`: of the motion by which friction is identified before (s)
@@ -220,11 +223,16 @@ pub fn warm_up(
     motion: &Sampled<2>,
     (plant, settings, seconds): (Change, AdaptationSettings, f64),
     duration: f64,
-) -> Outcome<Compared<2>> {
+) -> Outcome<Compared<4>> {
     let initial = identify(arm(COLD), arm(COLD), duration)?;
     let reference = Repeated { motion, duration: seconds };
     let controller = learning(initial, reference, settings)?;
-    Compared::new(plant, initial, reference, (controller, |controller| friction(&controller.robot())))
+    let quantity: fn(&Learning<Repeated<'_>>) -> [f64; 4] = |controller| {
+        let learned = controller.learned(&[0.0; 2], &[SHOWN; 2]);
+        let [beta, gamma] = learned.map(|joint| joint.map_or([f64::NAN; 2], |joint| joint.friction));
+        [beta[0], gamma[0], beta[1], gamma[1]]
+    };
+    Compared::new(plant, initial, reference, (controller, quantity))
 }
 
 /// A load that is picked up.
@@ -246,7 +254,7 @@ pub fn pick_up(motion: &Sampled<2>, (plant, heaviest): (Change, f64), duration: 
     )
 }
 
-pub fn warming_claim(compared: &Compared<2>) -> Claim {
+pub fn warming_claim(compared: &Compared<4>) -> Claim {
     let claim = Claim::new(
         "claim-13",
         "The model may be adapted in operation: while gears warm up, the feed-forward stays nearly as good as with the true friction.",
@@ -294,17 +302,20 @@ pub fn experiment(study: &Study) -> Outcome<Part> {
     Ok(Part { section, claims: vec![warming_claim(&warm), load_claim(&load)] })
 }
 
-fn warming_figure(compared: &Compared<2>) -> Figure {
-    let figure =
-        Figure::new("warm-gears", "Friction at 0.35 rad/s while the gears warm up; dashed, the plant's.");
+fn warming_figure(compared: &Compared<4>) -> Figure {
+    let figure = Figure::new("warm-gears", "Friction at 0.35 rad/s while the gears warm up.");
     let times = compared.learning.rows.iter().step_by(10).map(|row| row.time);
     let truth: Vec<(f64, [f64; 2])> = times.map(|time| (time, friction(&warming(time)))).collect();
     JOINTS.into_iter().enumerate().fold(figure, |figure, (i, joint)| {
         let plant = truth.iter().map(|(time, torques)| [*time, torques[i]]).collect();
+        let side = |sign: f64| compared.points(|values| values[i] + sign * values[i + 2]);
+        let described = compared.initial[i].at(SHOWN);
         figure.plot(
             Plot::new(format!("joint {joint}"), show::time(), Axis::new("friction", "N m"))
-                .series("learned", Marks::Line, compared.points(|friction| friction[i]))
-                .series("plant", Marks::Dashed, plant),
+                .series("learned", Marks::Line, compared.points(|values| values[i]))
+                .series("90 % interval", Marks::Dashed, [side(1.0), vec![[f64::NAN; 2]], side(-1.0)].concat())
+                .series("plant", Marks::Line, plant)
+                .series("described", Marks::Line, compared.points(|_| described)),
         )
     })
 }
