@@ -7,7 +7,7 @@ use std::path::Path;
 use super::run;
 
 /// Joints of a chain whose axes turn by a right angle from one to the next.
-const JOINTS: usize = 12;
+const JOINTS: usize = 6;
 
 fn chain() -> String {
     let mut text = "name = \"chain\"\ngravity = [0, 0, -9.81]\n".to_owned();

@@ -14,14 +14,26 @@ fn copied(from: &Path, files: &[&str]) -> tempfile::TempDir {
     folder
 }
 
-/// Pieces between gaps, and a Stribeck law. The other cases are in `one_direction.rs`.
+/// Whether robots of six and seven axes are asked for, which take half a minute: `GELENK_FINDINGS=long`.
+fn is_long() -> bool {
+    std::env::var_os("GELENK_FINDINGS").is_some_and(|value| value == "long")
+}
+
 #[test]
 fn cases_are_named() {
-    let folder = copied(&cases(), &["arm4.urdf", "dropouts.csv", "joint.toml", "joint_log.csv"]);
+    if !is_long() {
+        return;
+    }
+    let files = ["robot.toml", "arm7.urdf", "one_way.csv", "way_back.csv", "arm4.urdf", "dropouts.csv"];
+    let folder = copied(&cases(), &[&files[..], &["joint.toml", "joint_log.csv"]].concat());
+    let output = ["--output", "found.toml"];
     let commands = [
-        ("shared_dropouts", vec!["arm4.urdf", "dropouts.csv", "--output", "found.toml"]),
-        ("stribeck", vec!["joint.toml", "joint_log.csv", "--friction", "stribeck", "--output", "found.toml"]),
+        ("one_way", vec!["robot.toml", "one_way.csv"]),
+        ("both", vec!["robot.toml", "one_way.csv", "way_back.csv"]),
+        ("shared_dropouts", vec!["arm4.urdf", "dropouts.csv"]),
+        ("stribeck", vec!["joint.toml", "joint_log.csv", "--friction", "stribeck"]),
     ];
+    let commands = commands.map(|(name, arguments)| (name, [&arguments[..], &output].concat()));
     assert_said("cases", &said(folder.path(), &commands));
 }
 
@@ -52,7 +64,7 @@ fn a_shaft_named_like_a_joint_is_told_from_it() {
 /// The first halves of the measured runs, with the model of the repository.
 #[test]
 fn the_runs_of_a_schunk_are_named() {
-    let Some(data) = shared("data/schunk_lwa4p") else { return };
+    let Some(data) = shared("data/schunk_lwa4p").filter(|_| is_long()) else { return };
     let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
     let folder = copied(&models, &["schunk_lwa4p.toml"]);
     let runs = fs::read_to_string(data.join("runs.csv")).unwrap();

@@ -439,8 +439,8 @@ impl Task<'_> {
         };
         let accept_poor = self.settings.accept_poor;
         let ratio = checked.common_ratio();
-        let mut doubts = other_explanations(self, judged)?;
-        doubts.of_all.extend(tilt(self, judged).ok().flatten());
+        let mut doubts = other_explanations(self, judged, ratio.as_ref().map(CommonRatio::factor))?;
+        doubts.of_all.extend(tilt(self, judged, correlation_time).ok().flatten());
         other_factors(self, judged.0, &mut doubts)?;
         let has_other_unit = ratio.as_ref().is_some_and(CommonRatio::is_other) || checked.has_other_unit();
         other_order(self, judged.0, &mut doubts, has_other_unit)?;

@@ -7,9 +7,10 @@
 use super::super::error::Result;
 use super::super::run::Effort;
 use super::choice::Chosen;
-use super::fit::HeldOut;
+use super::fit::{HeldOut, held_out};
 use super::levels;
-use super::offer::{as_described, gain_for_both, offered};
+use super::normal::Model;
+use super::offer::{gain, offered};
 use super::prior::Prior;
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
@@ -24,25 +25,15 @@ const STEPS: i32 = 8;
 struct Factors<'a> {
     chosen: &'a Chosen<'a>,
     prior: &'a Prior,
+    model: Model,
 }
 
 impl Factors<'_> {
     fn error(&self, joint: usize, factor: f64) -> Result<HeldOut> {
-        self.error_of(joint, factor, |scaled, prior| scaled.held_out(prior))
-    }
-
-    /// - `of`: error of the choice with other gains
-    fn error_of(
-        &self,
-        joint: usize,
-        factor: f64,
-        of: impl Fn(Chosen, &Prior) -> Result<HeldOut>,
-    ) -> Result<HeldOut> {
-        let mut scaled = self.chosen.over(self.chosen.centred.sums);
-        scaled.model.consistent = false;
-        scaled.values = self.chosen.values.clone();
-        scaled.values.gains[joint] *= factor;
-        let mut errors = of(scaled, self.prior)?;
+        let mut start = self.chosen.values.clone();
+        start.gains[joint] *= factor;
+        let mut errors =
+            held_out(&self.chosen.centred, &self.model, self.prior, &self.chosen.weighting, &start)?;
         // The residual sum of squares is in the unit of the measured effort.
         errors.rss[joint] /= factor.powi(2);
         Ok(errors)
@@ -74,15 +65,15 @@ pub(super) fn factor(chosen: &Chosen, prior: &Prior) -> Result<Option<(usize, Fi
     if layout.known_gains.contains(&false) {
         return Ok(None);
     }
-    let factors = Factors { chosen, prior };
+    let model = Model { consistent: false, ..chosen.model.clone() };
+    let factors = Factors { chosen, prior, model };
     let mut clearest: Option<(usize, f64, f64)> = None;
     for joint in layout.rubbing() {
         let own = factors.error(joint, 1.0)?;
         let Some((factor, other)) = factors.best(joint, TRIED.into_iter())? else { continue };
-        let described = |factor: f64| factors.error_of(joint, factor, as_described);
-        let of_described = [described(1.0)?, described(factor)?];
-        let share = gain_for_both([&own, &other], of_described.each_ref());
-        let Some(share) = share.filter(|_| explains(chosen, &other)) else { continue };
+        let Some(share) = gain(&own, &other).filter(|_| explains(chosen, &other)) else {
+            continue;
+        };
         if clearest.is_none_or(|(.., most)| share > most) {
             clearest = Some((joint, factor, share));
         }

@@ -11,7 +11,7 @@ use super::fit::{HeldOut, held_out};
 use super::layout::{ARMATURE, LOAD, Layout};
 use super::levels;
 use super::normal::{Centred, Model};
-use super::offer::{FALL, as_described, gain, offered};
+use super::offer::{FALL, gain, offered};
 use super::prior::Prior;
 use super::result::Gravity;
 use super::springs::spring;
@@ -74,6 +74,9 @@ fn driving() -> Finding {
     DRIVING.found(message).help(remedy)
 }
 
+/// Weight of the description at which the fit does not change its bodies.
+const AS_DESCRIBED: f64 = 1e12;
+
 /// Doubts about the robot as a whole, and a doubt about each joint that refuses the result.
 pub(super) struct Doubts {
     pub(super) of_all: Vec<Finding>,
@@ -102,10 +105,16 @@ impl Doubts {
     }
 }
 
-/// Tries the other setting of gravity, and the other sign of the efforts of joints that are hardly explained or
-/// whose friction drives them.
-pub(super) fn other_explanations(task: &Task, (chosen, own): (&Chosen, &HeldOut)) -> Result<Doubts> {
-    let of_all = gravity(task, (chosen, own))?.into_iter().collect();
+/// Tries the other setting of gravity. Also tries the other sign of the effort for joints that are hardly explained or whose
+/// friction drives them.
+///
+/// - `ratio`: ratio of estimated and described forces of the robot as a whole
+pub(super) fn other_explanations(
+    task: &Task,
+    (chosen, own): (&Chosen, &HeldOut),
+    ratio: Option<f64>,
+) -> Result<Doubts> {
+    let of_all = gravity(task, chosen, ratio)?.into_iter().collect();
     let mut of_joints = signs(task.robot, chosen, own, task.prior)?;
     if let Some(short) = too_short(task) {
         of_joints
@@ -319,17 +328,20 @@ fn too_short(task: &Task) -> Option<Finding> {
     })
 }
 
-/// The other setting of gravity, if it explains the described bodies better, unless bodies that may change are explained better with the
-/// present one: then the described masses are too large, or the efforts are in another unit.
-fn gravity(task: &Task, (chosen, fitted): (&Chosen, &HeldOut)) -> Result<Option<Finding>> {
+fn gravity(task: &Task, chosen: &Chosen, ratio: Option<f64>) -> Result<Option<Finding>> {
     let compensated = task.settings.gravity_compensated;
     let mut rows = task.rows_where(Gravity::of(!compensated));
     let sums = sum(&mut rows, task.layout, task.runs, &task.pieces, &moving);
     let own = as_described(chosen.over(chosen.centred.sums), task.prior)?;
     let other = as_described(chosen.over(&sums), task.prior)?;
     let Some(share) = gain(&own, &other) else { return Ok(None) };
-    if gain(&chosen.over(&sums).held_out(task.prior)?, fitted).is_some() {
-        return Ok(None);
+    // Bodies that are described too heavy, and efforts in a larger unit, are also better explained without gravity.
+    if let Some(ratio) = ratio {
+        let mut scaled = chosen.over(chosen.centred.sums);
+        scaled.values.gains.iter_mut().for_each(|gain| *gain /= ratio);
+        if as_described(scaled, task.prior)?.total() < other.total() {
+            return Ok(None);
+        }
     }
     let (what, remedy) = if task.layout.exact.contains(&true) {
         (
@@ -347,6 +359,15 @@ fn gravity(task: &Task, (chosen, fitted): (&Chosen, &HeldOut)) -> Result<Option<
     };
     let finding = GRAVITY.found(format!("the data are explained better {what} gravity")).help(remedy);
     Ok(Some(offered(finding, share)))
+}
+
+/// Held-out error with the bodies as described, with fitted friction and offsets. Free bodies would explain much of the
+/// difference between the settings of gravity.
+pub(super) fn as_described(mut chosen: Chosen, prior: &Prior) -> Result<HeldOut> {
+    chosen.model.consistent = false;
+    chosen.weighting.trust.fill(1.0);
+    chosen.weighting.description = AS_DESCRIBED;
+    chosen.held_out(prior)
 }
 
 /// Share by which the rigid body fits better with the other sign of a joint's effort; `None` if it does not fit clearly

@@ -1,10 +1,7 @@
 //! Test of hypotheses. A hypothesis is offered if it lowers the error on held-out data clearly.
 
-use super::super::error::Result;
-use super::choice::Chosen;
 use super::fit::HeldOut;
 use super::levels;
-use super::prior::Prior;
 use gelenk_findings::Finding;
 
 /// Weight with which an additional parameter stays zero.
@@ -22,24 +19,9 @@ pub(super) fn gain(own: &HeldOut, other: &HeldOut) -> Option<f64> {
     (share > levels::CLEARLY.get() && -excess > 2.0 * deviation && !harms(own, other)).then_some(share)
 }
 
-/// Whether a hypothesis raises the error of a joint by as much.
-fn harms(own: &HeldOut, other: &HeldOut) -> bool {
+/// Whether a hypothesis raises the error of a joint by the share at which hypotheses count as clearly better.
+pub(super) fn harms(own: &HeldOut, other: &HeldOut) -> bool {
     own.rss.iter().zip(&other.rss).any(|(own, other)| *other > (1.0 + levels::CLEARLY.get()) * own)
-}
-
-/// As [`gain`] of the first pair, of an own and another error; `None` also if the second pair, of other bodies, is harmed: free bodies
-/// imitate much that the described ones exclude, and described ones are wrong.
-pub(super) fn gain_for_both([own, other]: [&HeldOut; 2], of_others: [&HeldOut; 2]) -> Option<f64> {
-    gain(own, other).filter(|_| !harms(of_others[0], of_others[1]))
-}
-
-/// Held-out error of the described bodies as they are, with friction and offsets fitted: free bodies would take up
-/// much of a gravity that is not there.
-pub(super) fn as_described(mut chosen: Chosen, prior: &Prior) -> Result<HeldOut> {
-    chosen.model.consistent = false;
-    chosen.weighting.trust.fill(1.0);
-    chosen.weighting.description = HELD;
-    chosen.held_out(prior)
 }
 
 /// The finding with the share of [`gain`].

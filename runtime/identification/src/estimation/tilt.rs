@@ -6,19 +6,23 @@
 //! Each pass starts from the gravity of the pass before until the direction converges (Gauss–Newton).
 
 use super::super::error::Result;
+use super::super::methods::confidence::quantile;
 use super::super::numeric::spectrum::symmetric_eigen;
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
 use super::choice::Chosen;
 use super::fit::{HeldOut, fit};
+use super::hypotheses::as_described;
+use super::intervals::{Fitted, covariance, scores};
 use super::levels;
 use super::normal::Factor;
-use super::offer::{HELD, as_described, gain_for_both, offered};
+use super::offer::{HELD, gain, harms, offered};
 use super::result::Gravity;
 use super::task::Task;
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
 use nalgebra::{DMatrix, DVector, Vector3};
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 /// Change of the direction below which the passes end [rad].
 const STAYS: f64 = 1e-3;
@@ -26,27 +30,32 @@ const PASSES: usize = 10;
 /// The finding about the direction of gravity; `None` if the described direction is not doubted or if the data do not
 /// determine it.
 ///
-/// - the fit with the described gravity and its errors
-pub(super) fn tilt(task: &Task, (last, own): (&Chosen, &HeldOut)) -> Result<Option<Finding>> {
+/// - `last`, `own`: fit with the described gravity, and its held-out errors
+/// - `time`: correlation time of the residuals [samples]
+pub(super) fn tilt(task: &Task, (last, own): (&Chosen, &HeldOut), time: f64) -> Result<Option<Finding>> {
     let is_usual = task.gravity == Gravity::Recorded && !task.layout.known_gains.contains(&false);
     let described = task.robot.gravity().filter(|_| is_usual && !task.layout.exact.contains(&true));
     let Some(described) = described.map(Vector3::from).filter(|g| g.norm() > 0.0) else { return Ok(None) };
     let (mut gravity, mut changes) = (described, last.values.unknowns.clone());
-    for _ in 0..PASSES {
+    for pass in 0..PASSES {
         let pi = task.prior.described.iter().zip(&changes).map(|(pi, change)| pi + change).collect();
         let turning = Turning { robot: task.robot, described, gravity, across: across(gravity), pi };
-        let angles;
-        (angles, changes) = turning.angles(task, last)?;
+        // Small angles need no interval.
+        let found = turning.angles((task, last), (pass > 0).then_some(time))?;
+        let angles = found.observable();
         gravity = turning.turned(&angles);
+        changes.clone_from(&found.changes);
         if turning.weighs_less_than_nothing(task.runs, &changes) {
             (gravity, changes) = (-gravity, changes * 0.0);
-        } else if gravity.angle(&described) < levels::LEAST_TILT.get() {
+        } else if pass == 0 && angles.norm() < 0.5 * levels::LEAST_TILT.get() {
             break;
-        } else if angles.norm() < STAYS {
+        } else if pass > 0 && angles.norm() < STAYS {
+            let Some(finding) = found.judged(&turning, gravity) else { return Ok(None) };
+            // Free bodies may explain effects that the described bodies exclude.
             let of_described = as_described(last.over(last.centred.sums), task.prior)?;
             let [turned, turned_described] = Turning { gravity, ..turning }.errors(task, last)?;
-            let share = gain_for_both([own, &turned], [&of_described, &turned_described]);
-            return Ok(share.map(|share| offered(finding([described, gravity]), share)));
+            let share = gain(own, &turned).filter(|_| !harms(&of_described, &turned_described));
+            return Ok(share.map(|share| offered(finding, share)));
         }
     }
     Ok(None)
@@ -109,7 +118,13 @@ impl Turning<'_> {
             });
             rows.sum()
         };
-        let of_run = |run: &PreparedRun| (0..run.times.len()).map(|i| of_sample(run, i)).sum::<f64>();
+        let of_run = |run: &PreparedRun| {
+            let count = run.times.len();
+            (0..count)
+                .step_by((count / levels::COMPARED_WEIGHTS.get()).max(1))
+                .map(|i| of_sample(run, i))
+                .sum::<f64>()
+        };
         runs.iter().map(of_run).sum::<f64>() < 0.0
     }
 
@@ -129,25 +144,88 @@ impl Turning<'_> {
         })
     }
 
-    /// The angles in the directions that the data see, fitted together with all other unknowns, and the changes of these.
-    fn angles(&self, task: &Task, last: &Chosen) -> Result<(DVector<f64>, DVector<f64>)> {
+    /// The angles, fitted together with all other unknowns.
+    ///
+    /// - `time`: correlation time of the residuals, if a covariance is needed
+    fn angles(&self, (task, last): (&Task, &Chosen), time: Option<f64>) -> Result<Angles> {
         let more = |y: &[f64], regressor: &mut [f64]| self.add(y, task.layout.joints, regressor);
         task.with_more((2, &more), |task, sums| {
             let mut chosen = last.with_more(task.layout, sums, 1.0 / levels::FREE_BODIES.get());
             chosen.weighting.description = levels::FREE_BODIES.get();
             chosen.model.consistent = false;
             chosen.reweight(task.prior)?;
-            let Chosen { centred, weighting, values, model, .. } = &chosen;
-            let solved = fit(centred, &centred.all, model, task.prior, weighting, values)?;
-            let first = task.layout.parameters - 2;
-            let count = solved.active.len();
-            let inverse = Factor::new(&solved.regularized)?.solve(&DMatrix::identity(count, count));
-            let places: Vec<usize> =
-                (0..count).filter(|place| [first, first + 1].contains(&solved.active[*place])).collect();
-            let seen = seen(inverse.select_rows(&places).select_columns(&places));
-            let changes = solved.values.unknowns;
-            Ok((&seen * seen.tr_mul(&changes.rows(first, 2)), changes))
+            Angles::new(task, &chosen, time)
         })
+    }
+}
+
+/// Fitted angles by which gravity turns further.
+struct Angles {
+    values: DVector<f64>,
+    /// Changes of all unknowns.
+    changes: DVector<f64>,
+    /// Directions that the data determine, by the covariance under independent residuals.
+    seen: DMatrix<f64>,
+    covariance: DMatrix<f64>,
+    freedom: f64,
+}
+
+impl Angles {
+    fn new(task: &Task, chosen: &Chosen, time: Option<f64>) -> Result<Self> {
+        let Chosen { centred, weighting, values, model, .. } = chosen;
+        let solved = fit(centred, &centred.all, model, task.prior, weighting, values)?;
+        let first = task.layout.parameters - 2;
+        let place = |k: usize| solved.active.iter().position(|global| *global == first + k);
+        let places: Vec<usize> = (0..2).filter_map(place).collect();
+        let block = |of: &DMatrix<f64>| of.select_rows(&places).select_columns(&places);
+        let count = solved.active.len();
+        let inverse = Factor::new(&solved.regularized)?.solve(&DMatrix::identity(count, count));
+        let mut found = Self {
+            values: solved.values.unknowns.rows(first, 2).into_owned(),
+            changes: solved.values.unknowns.clone(),
+            seen: seen(block(&inverse)),
+            covariance: DMatrix::zeros(2, 2),
+            freedom: 1.0,
+        };
+        if let Some(time) = time {
+            let (offsets, outlier) = (chosen.offsets(), vec![f64::INFINITY; task.layout.joints]);
+            let values = &solved.values;
+            let log_gains = &chosen.log_gains;
+            let (offsets, outlier) = (&offsets, &outlier);
+            let fitted = Fitted { centred, solved: &solved, weighting, values, offsets, outlier, log_gains };
+            let scores = scores(&mut task.rows(), task.layout, task.runs, &fitted, time);
+            let all = covariance(&fitted, task.prior, &scores)?;
+            (found.covariance, found.freedom) = (block(&all.matrix), all.freedom as f64);
+        }
+        Ok(found)
+    }
+
+    /// The angles in the directions that the data determine.
+    fn observable(&self) -> DVector<f64> {
+        &self.seen * self.seen.tr_mul(&self.values)
+    }
+
+    /// The finding about the direction of gravity, if it differs significantly from the described one and by an angle that
+    /// matters.
+    fn judged(&self, turning: &Turning, found: Vector3<f64>) -> Option<Finding> {
+        let (described, angle) = (turning.described, found.angle(&turning.described));
+        let [first, second] = turning.across;
+        let across = [first.dot(&described), second.dot(&described)];
+        // If gravity is upside down, every direction leads to the described one.
+        let way = DVector::from_column_slice(&across).try_normalize(1e-9 * described.norm());
+        let beside = way.unwrap_or(DVector::from_column_slice(&[1.0, 0.0])) * angle;
+        let (beside, covariance) =
+            (self.seen.tr_mul(&beside), self.seen.tr_mul(&self.covariance) * &self.seen);
+        let wald = beside.dot(&covariance.clone().cholesky()?.solve(&beside));
+        let (q, rest) = (beside.len() as f64, self.freedom + 1.0 - beside.len() as f64);
+        let fisher = FisherSnedecor::new(q, rest).ok()?;
+        let by_chance = 1.0 - fisher.cdf(wald * rest / (q * self.freedom));
+        let direction = beside.normalize();
+        let error = direction.dot(&(&covariance * &direction)).sqrt();
+        let half = quantile(levels::TILT_CONFIDENCE.get(), self.freedom).ok()? * error;
+        let is_tilted =
+            by_chance < levels::TILT_LEVEL.get() && angle > levels::LEAST_TILT.get() && angle > half;
+        is_tilted.then(|| finding([described, found], [angle, half]))
     }
 }
 
@@ -167,13 +245,19 @@ fn seen(variance: DMatrix<f64>) -> DMatrix<f64> {
 /// Fixture: `tilted` in `codegen/tests/findings/arm.rs`.
 const TILT: Rule = Rule::warning("tilted-gravity");
 
-fn finding([described, found]: [Vector3<f64>; 2]) -> Finding {
-    let angle = found.angle(&described).to_degrees();
-    let entries: Vec<String> = found.iter().map(|x| plain((x * 1e3).round() / 1e3, 6)).collect();
+fn finding([described, found]: [Vector3<f64>; 2], angles: [f64; 2]) -> Finding {
+    let [angle, half] = angles.map(f64::to_degrees);
+    let axis = described.cross(&found).try_normalize(1e-9 * found.norm_squared());
+    let axis = axis.unwrap_or(across(described)[0]);
+    let [axis, found] = [(axis, 2), (found, 3)].map(|(vector, digits)| {
+        let unit = 10_f64.powi(digits);
+        let entry = |x: &f64| plain((x * unit).round() / unit, 6);
+        vector.iter().map(entry).collect::<Vec<_>>().join(", ")
+    });
     let message = format!(
-        "the efforts show a gravity {angle:.1}° off the described one: the base is \
+        "the efforts show a gravity {angle:.1}° ± {half:.1}° off the described one, turned about [{axis}] of the base: the base is \
          mounted at an angle, or `gravity` is wrong. Bodies and friction were fitted with the described one"
     );
-    let remedy = format!("set gravity = [{}], and identify again", entries.join(", "));
+    let remedy = format!("set gravity = [{found}], and identify again");
     TILT.found(message).with("angle", angle, "°").help(remedy)
 }

@@ -91,6 +91,11 @@ impl CommonRatio {
         Err(IdentificationError::Found { findings: vec![self.finding()] })
     }
 
+    /// Ratio of estimated to described forces.
+    pub(super) fn factor(&self) -> f64 {
+        self.factor
+    }
+
     /// Whether the efforts may be in another unit.
     pub(super) fn is_other(&self) -> bool {
         !self.is_within(levels::OTHER_UNIT.get())

@@ -71,7 +71,7 @@ pub(super) fn from_positions(joints: &[&PositionQuality], lowest: f64, highest: 
     if moving.is_empty() {
         return None;
     }
-    let tried = candidates(lowest, highest, levels::PER_OCTAVE.get());
+    let tried = candidates(lowest, highest, levels::BANDWIDTHS_PER_OCTAVE.get());
     let errors: Vec<f64> = tried.iter().map(mean).collect();
     let least = errors.iter().copied().fold(f64::INFINITY, f64::min);
     errors.iter().rposition(|e| *e <= least + levels::EQUAL_BANDWIDTHS.get()).map(|k| tried[k])

@@ -26,8 +26,11 @@ levels! {
     /// computed from this speed and pass the filter again.
     REACH: f64 = 1.0;
 
-    /// Bands of a spectrum, and candidate bandwidths, for each octave.
-    PER_OCTAVE: f64 = 6.0;
+    /// Bands of a spectrum for each octave.
+    BANDS_PER_OCTAVE: f64 = 6.0;
+
+    /// Candidate bandwidths for each octave.
+    BANDWIDTHS_PER_OCTAVE: f64 = 6.0;
 
     /// Share of the acceleration's power by which the error of a bandwidth may exceed the least error for the bandwidth to
     /// be equally good. The widest of the equally good bandwidths is taken, which leaves the choice among them to the

@@ -112,11 +112,11 @@ impl Band {
 }
 
 fn band(frequency: f64) -> usize {
-    ((frequency / LOWEST).log2() * levels::PER_OCTAVE.get()).clamp(0.0, (BANDS - 1) as f64) as usize
+    ((frequency / LOWEST).log2() * levels::BANDS_PER_OCTAVE.get()).clamp(0.0, (BANDS - 1) as f64) as usize
 }
 
 fn centre(band: usize) -> f64 {
-    LOWEST * 2.0_f64.powf((band as f64 + 0.5) / levels::PER_OCTAVE.get())
+    LOWEST * 2.0_f64.powf((band as f64 + 0.5) / levels::BANDS_PER_OCTAVE.get())
 }
 
 /// Discrete Fourier transform in place, by radix two (Cooley and Tukey 1965); the length is a power of two.

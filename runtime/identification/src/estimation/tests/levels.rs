@@ -172,117 +172,50 @@ fn each_number_of_an_estimate_is_halved_and_doubled() {
     insta::assert_snapshot!("numbers_of_an_estimate", page(names, &outcomes));
 }
 
-/// Friction along a sine.
-#[derive(Clone)]
-struct Law {
-    name: &'static str,
-    torque: fn(f64) -> f64,
-    /// Largest speed of the sine, and a constant speed in addition.
-    speeds: [f64; 2],
-    samples: u32,
-    /// Change of the torque over the log.
-    drift: f64,
-    method: FrictionMethod,
-}
-
-impl Law {
-    fn outcome(&self) -> Outcome {
-        let Self { name, torque, speeds: [fastest, offset], samples, drift, ref method } = *self;
-        let mut random = SplitMix64::new(5);
-        let velocities: Vec<f64> =
-            (0..samples).map(|i| fastest * (0.0082 * f64::from(i)).sin() + offset).collect();
-        let later = |i: usize| drift * i as f64 / f64::from(samples);
-        let torques: Vec<f64> = velocities
-            .iter()
-            .enumerate()
-            .map(|(i, v)| torque(*v) + later(i) + 0.1 * random.normal())
-            .collect();
-        let limits = JointLimits { position: [-1e9, 1e9], velocity: 2.0, effort: 20.0 };
-        let data = FrictionData { limits: Some(limits), ..FrictionData::of(name, &velocities, &torques) };
-        let settings =
-            FrictionIdentification { method: method.clone(), ..FrictionIdentification::new().unwrap() };
-        let found = match settings.identify(&data) {
-            Ok(found) => found.result,
-            Err(error) => {
-                let codes = BTreeSet::from([error.to_string()]);
-                return Outcome { name, values: Vec::new(), error: f64::NAN, codes };
-            }
-        };
-        let speeds: Vec<f64> =
-            (-20..=20).filter(|i| *i != 0).map(|i| 0.05 * f64::from(i) * fastest).collect();
-        let laws = found.law.torques(&speeds).unwrap();
-        let errors: Vec<[f64; 2]> =
-            speeds.iter().zip(laws).map(|(v, law)| [law - torque(*v), torque(*v)]).collect();
-        let size = |k: usize| errors.iter().map(|pair| pair[k].powi(2)).sum::<f64>().sqrt();
-        let codes =
-            found.findings.iter().filter(|f| f.severity != Severity::Note).map(|f| f.code.to_string());
-        let refused = found.refusals().next().map(|_| "refused".to_owned());
-        Outcome {
-            name,
-            values: found.law.coefficients().iter().map(|term| term.coefficient).collect(),
-            error: size(0) / size(1),
-            codes: codes.chain(refused).collect(),
-        }
+/// Friction along sines: the speeds of the log, and the torques of a law.
+fn law(name: &'static str, torque: fn(f64) -> f64, [fastest, offset]: [f64; 2]) -> Outcome {
+    let mut random = SplitMix64::new(5);
+    let velocities: Vec<f64> = (0..1500).map(|i| fastest * (0.0082 * f64::from(i)).sin() + offset).collect();
+    let torques: Vec<f64> = velocities.iter().map(|v| torque(*v) + 0.1 * random.normal()).collect();
+    let limits = JointLimits { position: [-1e9, 1e9], velocity: 2.0, effort: 20.0 };
+    let data = FrictionData { limits: Some(limits), ..FrictionData::of(name, &velocities, &torques) };
+    let method = FrictionMethod::Ladder(StribeckRegression { starts: 4, ..StribeckRegression::default() });
+    let settings = FrictionIdentification { method, ..FrictionIdentification::new().unwrap() };
+    let found = settings.identify(&data).unwrap().result;
+    let speeds: Vec<f64> = (-20..=20).filter(|i| *i != 0).map(|i| 0.05 * f64::from(i) * fastest).collect();
+    let laws = found.law.torques(&speeds).unwrap();
+    let errors: Vec<[f64; 2]> =
+        speeds.iter().zip(laws).map(|(v, law)| [law - torque(*v), torque(*v)]).collect();
+    let size = |k: usize| errors.iter().map(|pair| pair[k].powi(2)).sum::<f64>().sqrt();
+    let codes = found.findings.iter().filter(|f| f.severity != Severity::Note).map(|f| f.code.to_string());
+    Outcome {
+        name,
+        values: found.law.coefficients().iter().map(|term| term.coefficient).collect(),
+        error: size(0) / size(1),
+        codes: codes.collect(),
     }
-}
-
-fn laws() -> Vec<Law> {
-    let coulomb: fn(f64) -> f64 = |v| 2.0 * v + 3.0 * (100.0 * v).tanh();
-    let regression = StribeckRegression { starts: 4, ..StribeckRegression::default() };
-    let ladder = Law {
-        name: "coulomb",
-        torque: coulomb,
-        speeds: [1.0, 0.0],
-        samples: 1500,
-        drift: 0.0,
-        method: FrictionMethod::Ladder(regression.clone()),
-    };
-    let of = |name: &'static str, torque: fn(f64) -> f64| Law { name, torque, ..ladder.clone() };
-    let subset = |name: &'static str, torque: fn(f64) -> f64| Law {
-        method: FrictionMethod::BestSubset,
-        ..of(name, torque)
-    };
-    let asked = |name: &'static str, torque: fn(f64) -> f64| Law {
-        method: FrictionMethod::Stribeck(regression.clone()),
-        ..of(name, torque)
-    };
-    let drifting = |name: &'static str, drift: f64| Law { drift, ..subset(name, coulomb) };
-    vec![
-        ladder.clone(),
-        of("stribeck", |v| 2.0 * v + (3.0 + 2.0 * (-10.0 * v.abs()).exp()) * (50.0 * v).tanh()),
-        of("shallow", |v| 2.0 * v + (3.0 + 0.2 * (-10.0 * v.abs()).exp()) * (50.0 * v).tanh()),
-        of("sharp peak", |v| 2.0 * v + (3.0 + 8.0 * (-60.0 * v.abs()).exp()) * (300.0 * v).tanh()),
-        of("asymmetric", |v| 2.0 * v + 0.8 * v.abs() + 3.0 * (100.0 * v).tanh()),
-        Law { speeds: [0.5, 0.52], ..of("one way", coulomb) },
-        Law { speeds: [0.5, 0.505], ..subset("nearly one way", coulomb) },
-        Law { speeds: [0.15, 0.0], ..of("slow", coulomb) },
-        Law { speeds: [5.0, 0.0], ..of("fast", coulomb) },
-        of("noise", |_| 0.0),
-        of("spring back", |v| 2.0 * v - 1.0 * (20.0 * v).tanh()),
-        subset("faint", |v| 0.02 * (100.0 * v).tanh()),
-        subset("less faint", |v| 0.03 * (100.0 * v).tanh()),
-        subset("viscous", |v| 20.0 * v),
-        subset("very viscous", |v| 50.0 * v),
-        subset("two widths", |v| 2.0 * v + 3.0 * (100.0 * v).tanh() - 1.5 * (20.0 * v).tanh()),
-        Law { speeds: [0.05, 0.0], method: FrictionMethod::LeastSquares, ..of("all terms", |v| 4.0 * v) },
-        drifting("drift of 0.022", 0.022),
-        drifting("drift of 0.024", 0.024),
-        drifting("drift of 0.026", 0.026),
-        Law { samples: 30, speeds: [1.0, -0.2], ..drifting("drift in 30 samples", 2.0) },
-        Law { samples: 15, speeds: [1.0, -0.1], ..drifting("drift in 15 samples", 2.0) },
-        asked("little static friction", |v| {
-            2.0 * v + (3.0 + 0.05 * (-10.0 * v.abs()).exp()) * (50.0 * v).tanh()
-        }),
-        asked("few slow samples", |v| 2.0 * v + (3.0 + 3.0 * (-60.0 * v.abs()).exp()) * (500.0 * v).tanh()),
-        asked("a fall within the step", |v| {
-            2.0 * v + (3.0 + 3.0 * (-40.0 * v.abs()).exp()) * (20.0 * v).tanh()
-        }),
-    ]
 }
 
 #[test]
 fn each_number_of_a_law_is_halved_and_doubled() {
-    let laws = laws();
-    let outcomes = || laws.iter().map(Law::outcome).collect();
+    let coulomb: fn(f64) -> f64 = |v| 2.0 * v + 3.0 * (100.0 * v).tanh();
+    let stribeck: fn(f64) -> f64 = |v| 2.0 * v + (3.0 + 2.0 * (-10.0 * v.abs()).exp()) * (50.0 * v).tanh();
+    let outcomes = || {
+        vec![
+            law("coulomb", coulomb, [1.0, 0.0]),
+            law("stribeck", stribeck, [1.0, 0.0]),
+            law(
+                "shallow",
+                |v| 2.0 * v + (3.0 + 0.2 * (-10.0 * v.abs()).exp()) * (50.0 * v).tanh(),
+                [1.0, 0.0],
+            ),
+            law("asymmetric", |v| 2.0 * v + 0.8 * v.abs() + 3.0 * (100.0 * v).tanh(), [1.0, 0.0]),
+            law("one way", coulomb, [0.5, 0.52]),
+            law("slow", coulomb, [0.15, 0.0]),
+            law("fast", coulomb, [5.0, 0.0]),
+            law("noise", |_| 0.0, [1.0, 0.0]),
+            law("spring back", |v| 2.0 * v - 1.0 * (20.0 * v).tanh(), [1.0, 0.0]),
+        ]
+    };
     insta::assert_snapshot!("numbers_of_a_law", page(friction::levels::NAMES.iter(), &outcomes));
 }
