@@ -78,7 +78,7 @@ fn counts_and_bytes(robot: &Generated, what: Stage, format: Format) -> Result<Ex
     match format {
         Format::Json => print::json(&table.records()),
         Format::Text => {
-            let text = print::table(&table.plain()) + &uncounted(&robot.module);
+            let text = print::table(&table.plain()) + uncounted(&robot.module).as_str();
             print::out(&text).map(|()| ExitCode::SUCCESS)
         }
     }

@@ -81,7 +81,7 @@ pub(super) fn lines(all: &[Diagnostic]) -> String {
     shown.sort_unstable();
     let more = all.len() - shown.len();
     let shown: String = shown.into_iter().map(|i| texts[i].as_str()).collect();
-    shown + &left_out(more, "findings")
+    shown + left_out(more, "findings").as_str()
 }
 
 /// At most [`ROOM`] lines.
@@ -89,7 +89,7 @@ pub(super) fn lines(all: &[Diagnostic]) -> String {
 /// - `kind`: the things that have a line each
 pub(super) fn few(lines: &[String], kind: &str) -> String {
     let shown = lines.len().min(ROOM);
-    lines[..shown].concat() + &left_out(lines.len() - shown, kind)
+    lines[..shown].concat() + left_out(lines.len() - shown, kind).as_str()
 }
 
 fn left_out(count: usize, kind: &str) -> String {

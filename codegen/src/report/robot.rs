@@ -83,7 +83,7 @@ impl<'a> Robot<'a> {
                 Some(size) => [format!("{size}\\,"), format!("{size} ")],
                 None => self.formula(&term.ratio).map(|ratio| format!("({ratio}) ")),
             };
-            add(ratio.is_some_and(|ratio| ratio < 0.0), [by_latex + &latex, by_text + &text]);
+            add(ratio.is_some_and(|ratio| ratio < 0.0), [by_latex + latex.as_str(), by_text + text.as_str()]);
         }
         if offset != 0.0 {
             add(offset < 0.0, [offset.abs().to_string(), offset.abs().to_string()]);

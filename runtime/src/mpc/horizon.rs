@@ -59,9 +59,9 @@ pub(super) struct Horizon<
     pub substeps: usize,
     problem: QpProblem<NX, M, NR>,
     solver: QpSolver<NX, M, NR>,
-    /// Weights P and gains K at `TERMINAL_INTERVALS + 1` equidistant times of the trajectory.
-    terminal: Vec<([[f64; NX]; NX], [[f64; NX]; M])>,
-    /// Index of the weight and gain of this step.
+    /// Regulators at `TERMINAL_INTERVALS + 1` equidistant times of the trajectory.
+    terminal: Vec<Lqr<NX, M>>,
+    /// Index of the regulator of this step.
     regulator: usize,
     /// Number of standard deviations between the plan and its limits.
     deviations: f64,
@@ -195,7 +195,7 @@ where
             if !regulator.is_accurate() && regulator.residual > inaccurate.1 {
                 inaccurate = (time, regulator.residual);
             }
-            self.terminal.push((regulator.cost_to_go, regulator.gain));
+            self.terminal.push(regulator);
         }
         let (time, residual) = inaccurate;
         if residual > 0.0 {
@@ -461,7 +461,7 @@ where
                 0.0
             }
         };
-        let (_, gain) = &self.terminal[self.regulator];
+        let gain = &self.terminal[self.regulator].gain;
         let mut margins = Margins::NONE;
         let (mut of_inputs, mut of_states) = ([0.0; M], [0.0; NX]);
         for (k, stage) in self.problem.stages.iter_mut().enumerate() {
@@ -496,7 +496,7 @@ where
         // A trajectory without duration has one weight, whichever: NaN becomes 0.
         let index = (share * TERMINAL_INTERVALS as f64).round() as usize;
         self.regulator = index.min(TERMINAL_INTERVALS);
-        self.problem.terminal_weight = self.terminal[self.regulator].0;
+        self.problem.terminal_weight = self.terminal[self.regulator].cost_to_go;
     }
 
     fn keep_plan(&mut self, start: f64, state: &Node<N, NY>, disturbance: &[f64; M]) {

@@ -154,7 +154,7 @@ impl Kind {
         let joint = |(joint, _): (&Joint, usize)| filled(self.joint, &[("JOINT", toml_text(&joint.name))]);
         let joints: String = described_joints(model).map(joint).collect();
         let drives = if joints.is_empty() { "" } else { self.drives };
-        text + drives + &joints
+        text + drives + joints.as_str()
     }
 
     /// The file and those that it includes, in their places relative to it.
