@@ -414,7 +414,7 @@ fn logs_reduce_to_moments_and_moments_to_a_description() {
     assert!(kept.contains("is not overwritten"), "{kept}");
     fs::write(at("arm.toml"), ARM.replace("mass = 5", "mass = 5.5")).unwrap();
     let changed = refused(1, &["identify", "arm.toml", "--merge", "1.moments", "--output", "x.toml"]);
-    assert!(changed.contains("another state of its files"), "{changed}");
+    assert!(changed.contains("files that have changed since"), "{changed}");
     // Usage.
     for arguments in [
         vec!["identify", "arm.toml", "--reduce", "1.csv"],
