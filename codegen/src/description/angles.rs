@@ -5,7 +5,7 @@ use crate::diagnostic::{At, Report, Span};
 use crate::model::pose::{Rotation, from_quaternion, from_rpy, is_nearly_right, snapped};
 use crate::wording::{listed, three_digits};
 
-/// Largest distance [rad] of an angle from a multiple of 90° for which there is a note.
+/// Largest distance \[rad\] of an angle from a multiple of 90° for which there is a note.
 pub const NEARLY_RIGHT: f64 = 1e-4;
 /// Code of the note about angles close to a multiple of 90°.
 pub const NEARLY_RIGHT_ANGLE: &str = "nearly-right-angle";

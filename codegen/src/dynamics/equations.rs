@@ -393,7 +393,7 @@ impl<'g> Equations<'_, 'g> {
         rows.map(|row| leaders.iter().map(|&column| row[column]).collect()).collect()
     }
 
-    /// Kinetic energy `½ ẏᵀ M ẏ` [J]. M ẏ is computed as the forces for the accelerations ẏ at rest without
+    /// Kinetic energy `½ ẏᵀ M ẏ` \[J\]. M ẏ is computed as the forces for the accelerations ẏ at rest without
     /// gravity.
     pub fn kinetic_energy(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Scalar<'g> {
         let formulation = self.formulations.inverse_dynamics();
@@ -401,7 +401,7 @@ impl<'g> Equations<'_, 'g> {
         dot(self.graph, &momentum, v) * 0.5
     }
 
-    /// Potential energy [J]: `−g · Σ m c` over the moving bodies, plus the energies of forces between frames.
+    /// Potential energy \[J\]: `−g · Σ m c` over the moving bodies, plus the energies of forces between frames.
     pub fn potential_energy(&self, y: &[Scalar<'g>]) -> Scalar<'g> {
         let plain = Formulation::plain(self.formulations.mechanism().bodies.len());
         let choices = vec![RegroupChoice::Massless; plain.bodies.len()];

@@ -95,7 +95,7 @@ pub struct BodyChoices {
     pub regroup: RegroupChoice,
     /// Rotation of the frame of a leaf.
     pub leaf: LeafAlignment,
-    /// Unit of length of the body's forces and accelerations [m].
+    /// Unit of length of the body's forces and accelerations \[m\].
     pub length_unit: f64,
 }
 

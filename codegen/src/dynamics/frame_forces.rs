@@ -65,7 +65,7 @@ impl<'a, 'g> FrameForces<'a, 'g> {
         forces
     }
 
-    /// Potential energies ∫ F dl of the force laws that have a potential [J]. F is positive if it pulls the
+    /// Potential energies ∫ F dl of the force laws that have a potential \[J\]. F is positive if it pulls the
     /// origins together.
     pub fn law_energies(&self) -> Vec<Scalar<'g>> {
         let energy = |force: &PointForce| {

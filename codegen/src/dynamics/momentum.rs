@@ -39,7 +39,7 @@ impl<'g> Masses<'g> {
         self.mechanism.bodies.iter().fold(zero, |sum, body| sum + body.moments.mass)
     }
 
-    /// Centre of mass c in the base frame [m].
+    /// Centre of mass c in the base frame \[m\].
     pub fn center(&self) -> Vector3<Scalar<'g>> {
         let first = composite::first_moment(&self.mechanism, &self.plain, &self.y);
         let total = self.total();

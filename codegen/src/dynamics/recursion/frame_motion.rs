@@ -13,7 +13,7 @@ use crate::spatial::{Force, Pose, Vector3, rotate};
 /// Pose of a frame in the base frame, as expressions of the graph.
 #[derive(Debug, Clone, Copy)]
 pub struct FramePose<'g> {
-    /// Origin of the frame in the base frame [m].
+    /// Origin of the frame in the base frame \[m\].
     pub origin: Vector3<Scalar<'g>>,
     /// Unit vectors of the frame's axes x, y, z in the base frame.
     pub axes: [Vector3<Scalar<'g>>; 3],

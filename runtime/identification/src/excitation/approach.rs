@@ -22,7 +22,7 @@ pub struct Approach {
     pub from: Vec<f64>,
     /// Posture at the end, in the same coordinates.
     pub to: Vec<f64>,
-    /// Shortest time that keeps the limits of speed and acceleration [s]; 0 if both postures are equal.
+    /// Shortest time that keeps the limits of speed and acceleration \[s\]; 0 if both postures are equal.
     pub seconds: f64,
 }
 

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 /// A periodic motion of any number of joints, `yᵢ(t) = cᵢ + Σₖ aᵢₖ sin(k ω t) + bᵢₖ cos(k ω t)`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FourierMotion {
-    /// Period T [s], with ω = 2π/T.
+    /// Period T \[s\], with ω = 2π/T.
     pub period: f64,
     /// Centre cᵢ of each joint [rad or m].
     pub center: Vec<f64>,
@@ -29,7 +29,7 @@ impl FourierMotion {
         out
     }
 
-    /// y, ẏ, ÿ of all joints at time `t` [s].
+    /// y, ẏ, ÿ of all joints at time `t` \[s\].
     pub fn instant(&self, t: f64) -> Instant {
         let joints: Vec<[f64; 3]> = (0..self.center.len()).map(|i| self.joint_at(i, t)).collect();
         std::array::from_fn(|k| joints.iter().map(|joint| joint[k]).collect())

@@ -175,11 +175,11 @@ impl Plan {
         self.chart.instant(&self.motion.instant(t))
     }
 
-    /// The approach and the motion as the text of a CSV file. The columns are `t` [s], and `q_`, `dq_` and `ddq_` with the
+    /// The approach and the motion as the text of a CSV file. The columns are `t` \[s\], and `q_`, `dq_` and `ddq_` with the
     /// names of the joints. `gelenk_runtime::trajectory::Recording::open` reads this file, and a log of the motion can be
     /// compared with it. A joint with a quaternion has a column for each position entry, as `q_base_x` to `q_base_qw`.
     ///
-    /// - `period`: time between rows [s]
+    /// - `period`: time between rows \[s\]
     /// - `periods`: number of periods of the motion
     pub fn csv(&self, robot: &dyn Robot, period: f64, periods: usize) -> String {
         let mut text = Self::header(robot);

@@ -20,7 +20,7 @@ pub(crate) struct ExcitationLimits {
 /// Settings of the search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Excitation {
-    /// Period T of the motion [s].
+    /// Period T of the motion \[s\].
     pub period: f64,
     /// Number of harmonics.
     pub harmonics: usize,

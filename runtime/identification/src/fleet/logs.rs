@@ -66,7 +66,7 @@ pub struct ReducedLog {
     pub bandwidth: f64,
     /// Least and largest delay that was removed from an effort \[s\].
     pub delays: [f64; 2],
-    /// Correlation time of the residuals of the fit to this log [samples], the largest of all joints.
+    /// Correlation time of the residuals of the fit to this log \[samples\], the largest of all joints.
     pub correlation: f64,
 }
 

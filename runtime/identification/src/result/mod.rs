@@ -1,4 +1,4 @@
-//! Identified friction: the law, its statistics, and text about both. [`description`](self::description) writes it as TOML.
+//! Identified friction: the law, its statistics, and text about both. [`description`] writes it as TOML.
 
 use super::error::Result;
 use super::methods::confidence::quantile;
