@@ -86,7 +86,7 @@ fn two_points_are_joined_by_a_geodesic() {
 fn what_is_no_motion_is_refused() {
     let refused = |points: &[(f64, [f64; 7])]| Motion::through(Quadrotor, points).unwrap_err().to_string();
     let [(_, start), (_, next), ..] = points()[..] else { unreachable!() };
-    assert!(refused(&[(0.0, start)]).contains("at least 2"));
+    assert!(refused(&[(0.0, start)]).contains("2 are needed"));
     assert!(refused(&[(0.0, start), (0.0, next)]).contains("time"));
     assert!(refused(&[(0.1, start), (0.2, next)]).contains("time"));
     assert!(refused(&[(0.0, start), (f64::NAN, next)]).contains("time"));
