@@ -73,7 +73,7 @@ fn bad_numbers_are_named() {
     let error = RestToRest::new([0.0; 2], [0.0; 2], -1.0).unwrap_err();
     assert_eq!(error.to_string(), "duration is -1; it must be positive");
     let one = vec![Sample::at_rest([0.0])];
-    assert!(Sampled::new(one, 0.02).unwrap_err().to_string().contains("at least 2"));
+    assert!(Sampled::new(one, 0.02).unwrap_err().to_string().contains("2 are needed"));
 }
 
 #[test]
