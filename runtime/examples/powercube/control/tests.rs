@@ -138,7 +138,7 @@ fn the_worst_period_takes_few_iterations() {
 
 #[test]
 fn friction_is_followed_in_operation() {
-    let expected = [(2.72, 0.1), (165.0, 0.2), (4.06, 0.1), (115.0, 0.2)];
+    let expected = [(2.72, 0.1), (114.2, 0.2), (4.04, 0.1), (59.0, 0.2)];
     holds(adaptation::experiment, Verdict::Holds, &expected);
     // A law that may not change.
     let settings = AdaptationSettings { drift_times: [1e12; 3], patience: 1e12, ..adaptation::at_once() };
