@@ -1,7 +1,7 @@
 //! Interface between control loop and controller.
 
-use crate::adaptation::JointState;
 use crate::dynamics::{AttitudeError, Named};
+use gelenk_adaptation::JointState;
 use thiserror::Error;
 
 /// State of the loop at the start of a period, as input of a controller.

@@ -1,8 +1,8 @@
 //! The log: a lock-free queue from the control loop to a thread that writes CSV.
 
 use super::report::Source;
-use crate::adaptation::Trust;
 use crate::dynamics::Dynamics;
+use gelenk_adaptation::Trust;
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
