@@ -302,8 +302,6 @@ pub struct Magnitudes {
 
 /// Friction at the largest speed, as a share of the effort, of joints without described friction.
 const USUAL: f64 = 0.1;
-/// Slopes of a friction that is proportional to the velocity differ by rounding.
-const PROPORTIONAL: f64 = 1e-9;
 
 impl Magnitudes {
     /// Scale of a joint; `None` if speed or torque is unknown.
@@ -330,13 +328,11 @@ impl Magnitudes {
         let described = at(speed).max(at(-speed));
         let torque = if described > 0.0 { described } else { USUAL * self.effort };
         let possible = [speed, torque].iter().all(|x| x.is_finite() && *x > 0.0);
-        let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
-        for k in 1..=STEPS {
+        let slope = |k: i32| {
             let v = 2.0 * speed * f64::from(k) / f64::from(STEPS);
-            for slope in [at(v) / v, at(-v) / v] {
-                (least, most) = (least.min(slope), most.max(slope));
-            }
-        }
+            at(v).min(at(-v)) / v
+        };
+        let least = (1..=STEPS).map(slope).fold(f64::INFINITY, f64::min);
         possible.then_some(JointScale {
             torque,
             speed,
@@ -346,7 +342,7 @@ impl Magnitudes {
             } else {
                 core::f64::consts::TAU
             },
-            is_described: most > least * (1.0 + PROPORTIONAL),
+            is_described: described > 0.0,
         })
     }
 }

@@ -15,7 +15,7 @@ pub const TERM_NAMES: [&str; TERMS] = ["shape", "viscous", "offset", "asymmetry"
 /// ```
 ///
 /// The first term scales the shape s, the last makes it depend on the direction. s is the described friction τ_d, or smooth Coulomb
-/// friction if τ_d is proportional to v or zero ([`JointScale::shape`]).
+/// friction if τ_d is zero ([`JointScale::shape`]).
 #[inline]
 #[must_use]
 pub fn terms(shape: f64, v: f64) -> [f64; TERMS] {
@@ -33,8 +33,7 @@ pub struct JointScale {
     pub least_slope: f64,
     /// Width of the range of positions that is divided into cells [rad or m].
     pub range: f64,
-    /// Whether the shape s is the described friction τ_d. It is not if τ_d is zero or proportional to v: then
-    /// the viscous term scales it.
+    /// Whether the shape s is the described friction τ_d. It is not if τ_d is zero.
     pub is_described: bool,
 }
 
