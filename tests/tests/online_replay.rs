@@ -8,7 +8,7 @@ use gelenk_codegen::identify::{DescribedForces, InterpretedRobot, replay};
 use gelenk_codegen::read::{ReadOptions, read};
 use gelenk_identification::log::{ColumnOptions, runs_of};
 use gelenk_identification::run::Effort;
-use gelenk_runtime::adaptation::{AdaptationSettings, Adaptive, JointState, Trust};
+use gelenk_runtime::adaptation::{AdaptationSettings, Adaptive, JointState, TorqueSource, Trust};
 use gelenk_runtime::control_loop::{
     ControlLoop, FeedForwardPd, JointGains, JointPd, LoopSettings, VirtualClock, log_to,
 };
@@ -38,7 +38,7 @@ impl std::io::Write for Shared {
 }
 
 /// States of the estimator after a loop on a warm arm, and the log.
-fn driven() -> ([JointState; 2], Vec<u8>) {
+fn driven(source: TorqueSource) -> ([JointState; 2], Vec<u8>) {
     let sine = IdentificationSine {
         center: [0.0, 0.0],
         amplitude: [0.3, 0.4],
@@ -55,10 +55,12 @@ fn driven() -> ([JointState; 2], Vec<u8>) {
         Ok(FeedForwardPd::new(JointPd::new(robot, gains)?, &motion, PERIOD, 0.01)?)
     };
     let controller = Adaptive::new(PowerCube, AdaptationSettings::new(PERIOD), pd).unwrap().unwrap();
+    let controller = controller.with_torques(source);
     let mut warm = Free::default();
     warm.parameters.beta_viscous *= 0.7;
     warm.parameters.gamma_viscous *= 0.8;
-    let options = PlantOptions { encoder_resolution: [1e-4; 2], ..PlantOptions::default() };
+    let torque_noise = (source == TorqueSource::Measured).then_some([0.01; 2]);
+    let options = PlantOptions { encoder_resolution: [1e-4; 2], torque_noise, ..PlantOptions::default() };
     let mut plant = Plant::new(warm, options).unwrap();
     plant.reset(motion.sample(0.0).positions, [0.0; 2]).unwrap();
     let clock = VirtualClock::new();
@@ -79,15 +81,14 @@ fn driven() -> ([JointState; 2], Vec<u8>) {
     (states, bytes)
 }
 
-#[test]
-fn a_replay_has_the_bits_of_the_loop() {
-    let (states, log) = driven();
+/// - `columns`: those of the torques that the loop learned from
+fn compare(source: TorqueSource, columns: &ColumnOptions) {
+    let (states, log) = driven(source);
     let path = workspace().join("models/powercube.toml");
     let model = read(&path, &ReadOptions::default()).unwrap().model;
     let robot = InterpretedRobot::new(&model).unwrap();
     let forces = DescribedForces::new(&model, false).unwrap();
-    let columns = ColumnOptions { effort: Some(Effort::Input), ..ColumnOptions::default() };
-    let recording = runs_of(&log, "log.csv", &robot, &columns).unwrap();
+    let recording = runs_of(&log, "log.csv", &robot, columns).unwrap();
     let found = replay(&robot, &|y, v, a| forces.at(y, v, a), &recording.runs, 0.0).unwrap();
     for (joint, state) in found.joints.iter().zip(states) {
         let joint = joint.as_ref().unwrap();
@@ -96,9 +97,20 @@ fn a_replay_has_the_bits_of_the_loop() {
         // Digits of `{:?}` are those that tell a number from its neighbours.
         assert_eq!(format!("{:?}", joint.state), format!("{state:?}"));
     }
-    // Changes of the inputs by 1e-9 change the result.
+    // Changes of the efforts by 1e-9 change the result.
     let mut other = recording.runs;
-    other[0].efforts[0][500..].iter_mut().for_each(|input| *input *= 1.0 + 1e-9);
+    other[0].efforts[0][500..].iter_mut().for_each(|effort| *effort *= 1.0 + 1e-9);
     let other = replay(&robot, &|y, v, a| forces.at(y, v, a), &other, 0.0).unwrap();
     assert_ne!(format!("{:?}", other.joints[0]), format!("{:?}", found.joints[0]));
+}
+
+#[test]
+fn a_replay_has_the_bits_of_the_loop() {
+    compare(TorqueSource::Inputs, &ColumnOptions { effort: Some(Effort::Input), ..ColumnOptions::default() });
+}
+
+#[test]
+fn a_replay_of_measured_torques_has_the_bits_of_the_loop() {
+    let columns = Some("torque=measured_tau_{name}".to_owned());
+    compare(TorqueSource::Measured, &ColumnOptions { columns, ..ColumnOptions::default() });
 }

@@ -148,7 +148,7 @@ impl<'m> Shown<'m> {
         ]
     }
 
-    /// Those of a joint with a quaternion, which has no such angles; the place of a floating one is among its positions.
+    /// Cells of the frame of a joint with a quaternion. It has no angles. A floating joint has its place among its positions.
     fn quaternion_frame(&self, body: &Body<Number>, whole: &QuaternionJoint) -> [Cell; 9] {
         let [x, y, z] = match whole.kind {
             QuaternionKind::Floating => [Cell::Empty, Cell::Empty, Cell::Empty],

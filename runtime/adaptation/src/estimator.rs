@@ -239,7 +239,7 @@ impl<const N: usize> Adaptation<N> {
                 since: joint.since,
                 errors: joint.comparison.errors(),
                 noise: root(joint.bank.noise),
-                correlated: joint.bank.correlated(),
+                correlated: joint.bank.correlated,
                 is_learning: joint.settling == 0,
             })
         })
@@ -336,7 +336,7 @@ impl Magnitudes {
         possible.then_some(JointScale {
             torque,
             speed,
-            least_slope: least,
+            least_slope: if described > 0.0 { least } else { 0.0 },
             range: if self.range.is_finite() && self.range > 0.0 {
                 self.range
             } else {

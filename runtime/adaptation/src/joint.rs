@@ -237,7 +237,7 @@ impl Joint {
     /// Whether the friction of the average, without bounds and without its offset, dissipates at the largest speed in both directions.
     /// It does not if a sign is swapped.
     fn dissipates(&self, scale: &JointScale) -> bool {
-        let described = if scale.least_slope > 0.0 { scale.torque } else { 0.0 };
+        let described = if scale.is_described { scale.torque } else { 0.0 };
         let [along, viscous, _, asymmetry] = terms(scale.torque, scale.speed);
         [1.0, -1.0]
             .iter()

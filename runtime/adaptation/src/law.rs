@@ -29,7 +29,7 @@ pub struct JointScale {
     pub torque: f64,
     /// Largest speed [rad/s or m/s].
     pub speed: f64,
-    /// Smallest ratio `|τ_d(v)|/|v|` up to twice the largest speed [N m s/rad or N s/m].
+    /// Smallest ratio `|s(v)|/|v|` up to twice the largest speed [N m s/rad or N s/m].
     pub least_slope: f64,
     /// Width of the range of positions that is divided into cells [rad or m].
     pub range: f64,
@@ -53,16 +53,15 @@ impl JointScale {
 
     /// The nearest δ, term by term, that is within ±`bounds` and whose friction dissipates at every velocity.
     ///
-    /// Friction without the offset has the power
+    /// With β = 1 if friction is described and 0 otherwise, friction without the offset has the power
     ///
     /// ```text
-    ///     v τ(v) = |v| (|s| (1 + δ₁ ± δ₄) + δ₂ |v|) ≥ v² (b (1 + δ₁ − |δ₄|) + δ₂)       s = τ_d
-    ///     v τ(v) = |v| (|s| (δ₁ ± δ₄) + (b + δ₂) |v|)                                  τ_d = b v
+    ///     v τ(v) = |v| (|s| (β + δ₁ ± δ₄) + δ₂ |v|) ≥ v² (b (β + δ₁ − |δ₄|) + δ₂)       b = min |s|/|v|
     /// ```
     ///
-    /// with b = min |τ_d|/|v|, since v s ≥ 0 and v τ_d ≥ 0. Let β be 1 in the first case and 0 in the second.
-    /// Then `δ₁ ≥ −β`, `|δ₄| ≤ β + δ₁` and `δ₂ ≥ −b (1 + δ₁ − |δ₄|)` or `δ₂ ≥ −b` are sufficient. The bounds
-    /// are applied in sequence; each is a continuous function of δ.
+    /// since v s ≥ 0. Therefore `δ₁ ≥ −β`, `|δ₄| ≤ β + δ₁` and `δ₂ ≥ −b (β + δ₁ − |δ₄|)` are sufficient, and
+    /// also necessary if b is attained. The bounds are applied in sequence; each is a continuous function of
+    /// δ.
     #[must_use]
     pub fn admissible(&self, mut delta: [f64; TERMS], bounds: &[f64; TERMS]) -> [f64; TERMS] {
         for (delta, bound) in delta.iter_mut().zip(bounds) {
@@ -72,8 +71,7 @@ impl JointScale {
         delta[0] = delta[0].max(-base);
         let factor = base + delta[0];
         delta[3] = delta[3].clamp(-factor, factor);
-        let share = if self.is_described { factor - delta[3].abs() } else { 1.0 };
-        delta[1] = delta[1].max(-self.least_slope * share);
+        delta[1] = delta[1].max(-self.least_slope * (factor - delta[3].abs()));
         delta
     }
 }

@@ -221,8 +221,9 @@ where
             Phase::Braking { end, left } => self.brake_again(end, left),
             _ => self.drive(skipped, &mut watch),
         };
-        let learned = self.learned().map(|joint| joint.map(|joint| (joint.friction, joint.state.trust)));
+        let learned = if self.log.is_some() { self.learned() } else { [None; N] };
         if let Some(log) = &mut self.log {
+            let learned = learned.map(|joint| joint.map(|joint| (joint.friction, joint.state.trust)));
             log.push(LogRecord {
                 learned,
                 lateness: nanoseconds(lateness),

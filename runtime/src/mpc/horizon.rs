@@ -462,19 +462,18 @@ where
             }
         };
         let gain = &self.terminal[self.regulator].gain;
-        let mut margins = Margins::NONE;
+        let mut margins = Margins::new();
         let (mut of_inputs, mut of_states) = ([0.0; M], [0.0; NX]);
         for (k, stage) in self.problem.stages.iter_mut().enumerate() {
             if self.deviations > 0.0 {
                 let Node { positions, velocities } = &self.reference.nodes[k];
-                of_inputs = margins.inputs(gain).map(|deviation| self.deviations * deviation);
-                margins.advance(stage, gain, &model.friction_uncertainty(positions, velocities));
-                of_states = margins.states().map(|deviation| self.deviations * deviation);
+                let by_friction = model.friction_uncertainty(positions, velocities);
+                (of_inputs, of_states) = margins.advance(stage, gain, &by_friction);
             }
             let QpStage { input_lower, input_upper, state_lower, state_upper, input_gradient, .. } = stage;
             for i in 0..M {
                 let offset = disturbance[i] - self.reference.inputs[k][i];
-                let limits = narrowed(options.input_limits[i], of_inputs[i]);
+                let limits = narrowed(options.input_limits[i], self.deviations * of_inputs[i]);
                 [input_lower[i], input_upper[i]] = limits.map(|b| b + offset);
                 input_gradient[i] = change(k, i) - change(k + 1, i);
             }
@@ -482,7 +481,7 @@ where
             for i in 0..N {
                 let speed = options.velocity_limits[i];
                 for (entry, limits) in [(i, options.position_limits[i]), (N + i, [-speed, speed])] {
-                    let limits = narrowed(limits, of_states[entry]);
+                    let limits = narrowed(limits, self.deviations * of_states[entry]);
                     [state_lower[entry], state_upper[entry]] = limits.map(|b| b - reference[entry]);
                 }
             }

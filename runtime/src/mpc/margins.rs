@@ -1,6 +1,8 @@
 //! Margins of limits for a robot whose friction is uncertain.
 
+use crate::lqr::matrix;
 use crate::qp::QpStage;
+use nalgebra::SMatrix;
 
 /// Sensitivity S of the state at a stage to errors of the friction.
 ///
@@ -17,13 +19,15 @@ use crate::qp::QpStage;
 /// Source: Schwarm, Nikolaou, *Chance-constrained model predictive control*, AIChE Journal 45 (1999).
 #[derive(Debug, Clone)]
 pub(super) struct Margins<const N: usize, const NX: usize> {
-    sensitivity: [[f64; N]; NX],
+    sensitivity: SMatrix<f64, NX, N>,
 }
 
 impl<const N: usize, const NX: usize> Margins<N, NX> {
-    pub(super) const NONE: Self = Self { sensitivity: [[0.0; N]; NX] };
+    pub(super) fn new() -> Self {
+        Self { sensitivity: SMatrix::zeros() }
+    }
 
-    /// Advances by a stage.
+    /// Advances by a stage. Returns the standard deviations of its inputs, and of the states after it.
     ///
     /// - `gain`: K
     /// - `by_friction`: W
@@ -32,24 +36,18 @@ impl<const N: usize, const NX: usize> Margins<N, NX> {
         stage: &QpStage<NX, M, NR>,
         gain: &[[f64; NX]; M],
         by_friction: &[[f64; N]; M],
-    ) {
-        let feedback = times(gain, &self.sensitivity);
-        let inputs: [[f64; N]; M] =
-            core::array::from_fn(|i| core::array::from_fn(|j| feedback[i][j] - by_friction[i][j]));
-        let (free, forced) =
-            (times(&stage.state_matrix, &self.sensitivity), times(&stage.input_matrix, &inputs));
-        self.sensitivity = core::array::from_fn(|i| core::array::from_fn(|j| free[i][j] + forced[i][j]));
+    ) -> ([f64; M], [f64; NX]) {
+        let feedback = matrix(gain) * self.sensitivity;
+        let inputs = feedback - matrix(by_friction);
+        self.sensitivity =
+            matrix(&stage.state_matrix) * self.sensitivity + matrix(&stage.input_matrix) * inputs;
+        (lengths(&feedback), lengths(&self.sensitivity))
     }
+}
 
-    /// Standard deviations of the states.
-    pub(super) fn states(&self) -> [f64; NX] {
-        self.sensitivity.each_ref().map(length)
-    }
-
-    /// Standard deviations of the inputs.
-    pub(super) fn inputs<const M: usize>(&self, gain: &[[f64; NX]; M]) -> [f64; M] {
-        times(gain, &self.sensitivity).each_ref().map(length)
-    }
+/// Lengths of the rows.
+fn lengths<const R: usize, const C: usize>(m: &SMatrix<f64, R, C>) -> [f64; R] {
+    core::array::from_fn(|i| m.row(i).norm())
 }
 
 /// A range that is smaller by `margin` at both ends, and at most by half of itself.
@@ -68,25 +66,6 @@ pub(super) fn quantile(probability: f64) -> f64 {
         if above > 1.0 - probability { low = middle } else { high = middle }
     }
     0.5 * (low + high)
-}
-
-fn times<const R: usize, const K: usize, const C: usize>(
-    a: &[[f64; K]; R],
-    b: &[[f64; C]; K],
-) -> [[f64; C]; R] {
-    let mut product = [[0.0; C]; R];
-    for i in 0..R {
-        for k in 0..K {
-            for j in 0..C {
-                product[i][j] += a[i][k] * b[k][j];
-            }
-        }
-    }
-    product
-}
-
-fn length<const N: usize>(row: &[f64; N]) -> f64 {
-    row.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 #[cfg(test)]

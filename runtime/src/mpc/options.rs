@@ -242,8 +242,8 @@ impl<const N: usize, const M: usize, const NR: usize> MpcOptions<N, M, NR> {
         require("input_limits (upper minus lower)", &inputs, "not negative", |x| x >= 0.0)?;
         require("position_limits (upper minus lower)", &positions, "not negative (rad or m)", |x| x >= 0.0)?;
         require("velocity_limits", &self.velocity_limits, "positive (rad/s or m/s)", |x| x > 0.0)?;
-        let probability = self.limit_probability.unwrap_or(0.9);
-        require("limit_probability", &[probability], "above 1/2 and below 1", |p| p > 0.5 && p < 1.0)?;
+        let probability = self.limit_probability.as_slice();
+        require("limit_probability", probability, "above 1/2 and below 1", |p| p > 0.5 && p < 1.0)?;
         require("limit_penalty.linear", &[self.limit_penalty.linear], "positive and finite", positive)?;
         require("limit_penalty.quadratic", &[self.limit_penalty.quadratic], NOT_NEGATIVE, weight)?;
         for row in &self.rows {

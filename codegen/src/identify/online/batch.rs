@@ -25,27 +25,16 @@ pub struct BatchLaw {
     pub error: f64,
 }
 
-/// Time at which a causal law is fitted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Fitted {
-    /// Before each sample.
-    BeforeSample,
-    /// Before each run; the described law predicts the first one.
-    BeforeRun,
-}
-
 /// The best law that predicts each sample from earlier samples. The number of terms and the window are chosen afterwards,
 /// from the errors of the complete log. `None` if no error is finite.
+///
+/// - `end`: time of the fit for a sample; earlier samples are fitted
 #[must_use]
-pub fn best_causal(joint: &JointReplay, fitted: Fitted) -> Option<BatchLaw> {
+pub fn best_causal(joint: &JointReplay, end: fn(&OnlineSample) -> f64) -> Option<BatchLaw> {
     let (samples, sums) = (&joint.samples, Sums::of(&joint.samples));
-    let before = |time: f64| samples.partition_point(|sample| sample.time < time);
-    let time = |i: usize| match fitted {
-        Fitted::BeforeSample => samples[i].time,
-        Fitted::BeforeRun => samples[i].begin,
-    };
+    let before = |time| samples.partition_point(|sample| sample.time < time);
     best(WINDOWS.iter().flat_map(|window| (1..=TERMS).map(move |terms| (terms, *window))), |terms, window| {
-        let range = |i: usize| [before(time(i) - window), before(time(i))];
+        let range = |i: usize| [end(&samples[i]) - window, end(&samples[i])].map(before);
         let of_sample = |i: usize| error(&sums.law(joint, range(i), terms), &samples[i]);
         (0..samples.len()).map(of_sample).collect()
     })

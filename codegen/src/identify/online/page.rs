@@ -4,7 +4,7 @@ use gelenk_findings::digits::significant;
 use gelenk_report::{Axis, Block, Cell, Figure, Marks, Plot, Report, Section, Table, text};
 
 use super::super::page::thinned;
-use super::batch::{BatchLaw, Fitted, best_causal, best_in_hindsight};
+use super::batch::{BatchLaw, best_causal, best_in_hindsight};
 use super::replay::{JointReplay, OnlineSample};
 use gelenk_adaptation::TERM_NAMES;
 
@@ -32,8 +32,8 @@ impl OnlineJoint {
     /// Fits the batch laws to the samples of the replay.
     #[must_use]
     pub fn new(name: String, unit: &'static str, replay: JointReplay) -> Self {
-        let by_run = best_causal(&replay, Fitted::BeforeRun);
-        let causal = best_causal(&replay, Fitted::BeforeSample);
+        let by_run = best_causal(&replay, |sample| sample.begin);
+        let causal = best_causal(&replay, |sample| sample.time);
         let hindsight = best_in_hindsight(&replay);
         Self { name, unit, replay, by_run, causal, hindsight }
     }
