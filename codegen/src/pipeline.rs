@@ -148,7 +148,7 @@ pub fn generate_pair(
     };
     let exact = with(None, options.emit.name.clone(), "The exact model, for plants.".to_owned())?;
     let name = &exact.source.name;
-    let remark = format!("The model for controllers: tanh({slope} v) stands for the sign(v) of {name}.");
+    let remark = format!("The model for controllers: tanh({slope} v) replaces sign(v) of {name}.");
     let mut smooth = with(Some(slope), Some(format!("{name}{CONTROL}")), remark)?;
     smooth.is_control_model = true;
     Ok([exact, smooth])

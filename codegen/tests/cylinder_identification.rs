@@ -246,7 +246,7 @@ fn a_plan_keeps_the_limits_of_cylinders() {
 /// Cylinders cannot lead a joint through their dead centre, and a path is not better than a motion.
 #[test]
 fn a_way_to_the_motion_through_a_dead_centre_is_told() {
-    let words = "the way from the start needs more effort than the share that the plan may use: input bucket_cylinder";
+    let words = "the path from the start needs more effort than the share that the plan may use: input bucket_cylinder";
     let own = tempfile::tempdir().unwrap();
     let wide = past_the_dead_centre(own.path());
     let (_, succeeded, said) = plan(&wide, &["--start", "swing=0, boom=0.5, stick=1, bucket=2.1"]);
@@ -260,7 +260,7 @@ fn a_joint_that_no_cylinder_moves_is_named_with_the_remedy() {
     let file = folder.path().join("loose.toml");
     fs::write(&file, text.replace("input = \"bucket_cylinder\"\nlimits = [-35e3, 22e3]\n", "")).unwrap();
     let (_, succeeded, said) = plan(&file, &[]);
-    let words = "joint bucket: it has no drive, and no input at a frame moves it: no motion of it can be planned; describe the force that moves it";
+    let words = "joint bucket: it has no drive, and no input at a frame moves it, so no motion can be planned; describe the force that moves it";
     assert!(!succeeded && said.contains(words), "{said}");
 }
 

@@ -196,13 +196,13 @@ fn limits_beyond_a_torque_speed_line_are_told() {
             ", torque = 1.5",
             "",
             Severity::Warning,
-            "warning[beyond-stall-torque]: the torque of motor `arm` is 1.5 N m, and it has 1.2 N m at rest",
+            "warning[beyond-stall-torque]: the torque of motor `arm` is 1.5 N m, but its stall torque is 1.2 N m",
         ),
         (
             ", torque = { nominal = 0.5, peak = 1.5 }",
             "",
             Severity::Note,
-            "note[beyond-stall-torque]: the peak torque of motor `arm` is 1.5 N m, and it has 1.2 N m at rest",
+            "note[beyond-stall-torque]: the peak torque of motor `arm` is 1.5 N m, but its stall torque is 1.2 N m",
         ),
         (
             ", speed = 700",
@@ -306,7 +306,7 @@ fn joints_that_follow_by_the_description_do_so_all_the_same() {
     };
     assert_eq!(told(false), "");
     assert!(
-        told(true).contains("these joints still follow others, because `follows` describes it: `b`"),
+        told(true).contains("these joints still follow others, because `follows` is given: `b`"),
         "{}",
         told(true)
     );

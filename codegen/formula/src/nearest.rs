@@ -22,7 +22,7 @@ pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
     let holding: Vec<&str> = known.iter().filter(holds).copied().collect();
     match (holding.len(), known.len()) {
         (1..=MOST, _) => Some(format!("did you mean {}?", list(&holding))),
-        (_, 0..=20) => Some(format!("known are {}", list(&known))),
+        (_, 0..=20) => Some(format!("known names are {}", list(&known))),
         (_, more) => Some(format!("known names are {} and {} more", list(&known[..12]), more - 12)),
     }
 }
@@ -37,7 +37,7 @@ mod tests {
         let help = |name| nearest(name, known).unwrap_or_default();
         assert_eq!(help("index_q1"), "did you mean `left_index_q1`, `right_index_q1`?");
         assert_eq!(help("left_index_q2"), "did you mean `left_index_q1`?");
-        assert_eq!(help("q1"), "known are `left_index_q1`, `right_index_q1`, `left_thumb_q1`");
+        assert_eq!(help("q1"), "known names are `left_index_q1`, `right_index_q1`, `left_thumb_q1`");
         assert_eq!(nearest("any", []), None);
     }
 }

@@ -74,10 +74,9 @@ fn refuse(body: &BodyDescription, flaw: &Flaw, report: &mut Report) {
         Flaw::Massless => {
             ("inertia-without-mass", format!("body `{name}` has {flaw}, which no real body has"))
         }
-        Flaw::Triangle(_) => (
-            "inertia-triangle-inequality",
-            format!("the inertia of body `{name}` is that of no real body: {flaw}"),
-        ),
+        Flaw::Triangle(_) => {
+            ("inertia-triangle-inequality", format!("no real body has the inertia of body `{name}`: {flaw}"))
+        }
         Flaw::NotPositive(_) => (
             "inertia-not-positive-definite",
             format!("inertia of body `{name}` is not positive definite: {flaw}"),
@@ -92,14 +91,14 @@ fn refuse(body: &BodyDescription, flaw: &Flaw, report: &mut Report) {
     report.push(Some(span), Diagnostic { severity, ..Diagnostic::note(code, message) });
     if severity != Severity::Note {
         report.help(
-            "inertia is about the centre of mass of a body with mass; `accept_unphysical = true` in a TOML \
+            "give the mass, and the inertia about the centre of mass; `accept_unphysical = true` in a TOML \
              body accepts the published value",
         );
     }
 }
 
 impl Published<'_> {
-    /// Adds one warning about all these bodies.
+    /// Adds one warning about all impossible bodies.
     ///
     /// - `pivots`: pivots of the mass matrix; `None` if there is no model
     pub(super) fn report(&self, pivots: Option<&Pivots>, report: &mut Report) {

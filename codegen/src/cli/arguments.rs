@@ -113,7 +113,7 @@ Examples:
   gelenk identify arm.toml log.csv --columns 'time=t,position=pos_{},torque=i_{} [N m]'
   gelenk identify drone.toml flight.csv --columns 'place=2..4,wxyz=5..8,input=9..12'
   gelenk identify arm.toml log.csv --columns '?'                       the columns as a line to edit and give back
-  gelenk identify arm.toml log.csv --hold 'wrist_*' --hold gripper=0.02    joints at rest that the log leaves out
+  gelenk identify arm.toml log.csv --hold 'wrist_*' --hold gripper=0.02    joints at rest that are not in the log
   gelenk identify arm.toml --reduce log.csv --output log.moments       one task for each log of a fleet
   gelenk identify arm.toml --merge *.moments --output arm_identified.toml
   gelenk identify arm.toml --merge *.moments --output all.moments      their sum, to be merged again
@@ -121,7 +121,7 @@ Examples:
 In --columns, {} is a joint's number and {name} its name. Of a floating joint, place is x, y, z, and
 wxyz or xyzw is the quaternion.
 
-Exit codes: 0 success, 1 a file is at fault or the data explain nothing, 2 wrong command line, 3 internal error.";
+Exit codes: 0 success, 1 a file has errors or the results explain too little, 2 wrong command line, 3 internal error.";
 
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
@@ -153,11 +153,11 @@ pub(super) enum Command {
 
 #[derive(Debug, Args)]
 pub(super) struct Generate {
-    /// TOML, URDF or MJCF; without it everything in models/ goes to generated/src/
+    /// TOML, URDF or MJCF; without it all descriptions of models/ are written to generated/src/
     pub(super) description: Option<PathBuf>,
     /// Output file, or folder for <NAME>.rs; `-` is standard output. Default: generated/src/<NAME>.rs for a
     /// description in the workspace's models/, else <NAME>.rs in this folder. In C: a folder, or a file FILE.c;
-    /// FILE.h is written beside it, and the names of the functions begin with FILE. Default in C: <NAME>.h and
+    /// FILE.h is written next to it, and the names of the functions begin with FILE. Default in C: <NAME>.h and
     /// <NAME>.c in this folder
     #[arg(long, short, value_name = "PATH", requires = "description")]
     pub(super) output: Option<PathBuf>,
@@ -167,7 +167,7 @@ pub(super) struct Generate {
 
 #[derive(Debug, Args)]
 pub(super) struct Check {
-    /// TOML, URDF or MJCF; without it everything in models/
+    /// TOML, URDF or MJCF; without it all descriptions of models/
     pub(super) description: Option<PathBuf>,
     /// The file to compare; by default where `generate` would write
     #[arg(long, short, value_name = "PATH", requires = "description")]
@@ -279,10 +279,10 @@ pub(super) struct Report {
 pub(super) struct Identify {
     /// TOML, URDF or MJCF
     pub(super) description: PathBuf,
-    /// Recorded motions: CSV with time, positions and efforts, or bags of ROS 2 (*.db3, *.mcap); with --merge, files of moments
+    /// Recorded motions: CSV with time, positions and efforts, or ROS 2 bags (*.db3, *.mcap); with --merge, files of moments
     #[arg(required_unless_present = "plan", value_name = "LOG.csv")]
     pub(super) logs: Vec<PathBuf>,
-    /// Where the description with the results goes [default: <NAME>_identified.toml], the plan
+    /// Output file: the description with the results [default: <NAME>_identified.toml], the plan
     /// [default: plan.csv], or moments (*.moments)
     #[arg(long, short, value_name = "FILE")]
     pub(super) output: Option<PathBuf>,
@@ -311,7 +311,7 @@ pub(super) struct Identify {
     /// Logs that validate the results and are not used for the estimate; may be given several times
     #[arg(long, value_name = "LOG.csv", conflicts_with = "plan")]
     pub(super) validate: Vec<PathBuf>,
-    /// Logs of the robot with a load in its hand, beside logs of it without: finds the load, and writes a description
+    /// Logs of the robot with a load in its hand, in addition to logs without it: estimates the load, and writes a description
     /// with it [default: <NAME>_payload.toml]; may be given several times
     #[arg(
         long,
@@ -324,7 +324,7 @@ pub(super) struct Identify {
     /// Link that carries the load [default: the last one]
     #[arg(long, value_name = "LINK", requires = "payload")]
     pub(super) payload_on: Option<String>,
-    /// Let friction grow with the load of the gears too, |τ_l| s₁(v), where data that were left out ask for it
+    /// Also identify friction under load, |τ_l| s₁(v), if it predicts held-out data better
     #[arg(long, conflicts_with_all = ["plan", "reduce", "merge"])]
     pub(super) load_friction: bool,
     /// Location of friction in robots with drives on several joints (`[[drives]]`): the shafts of these drives, or
@@ -332,11 +332,11 @@ pub(super) struct Identify {
     #[arg(long, value_enum, value_name = "PLACE", default_value_t = FrictionPlace::Shafts)]
     pub(super) friction_on: FrictionPlace,
     /// Terms that friction laws are chosen from: viscous, coulomb, asymmetric, quadratic, and expressions in the speed v
-    /// such as 'tanh(50*v)'; or stribeck alone, the law of Stribeck with its five parameters [default:
-    /// viscous,coulomb,asymmetric, then stribeck if it predicts left-out data better]
+    /// such as 'tanh(50*v)'; or only stribeck, the Stribeck law with its five parameters [default:
+    /// viscous,coulomb,asymmetric, then stribeck if it predicts held-out data better]
     #[arg(long, value_name = "TERMS", conflicts_with_all = ["plan", "reduce", "merge"])]
     pub(super) friction: Option<String>,
-    /// How the terms of friction laws are chosen [default: subset, then the law of Stribeck if it predicts left-out
+    /// Method that chooses the terms of friction laws [default: subset, then the Stribeck law if it predicts held-out
     /// data better]
     #[arg(long, value_parser = methods(), value_name = "METHOD", conflicts_with_all = ["plan", "reduce", "payload"])]
     pub(super) method: Option<String>,
@@ -349,14 +349,14 @@ pub(super) struct Identify {
     /// Write the results even if they explain little of the data
     #[arg(long, conflicts_with = "plan")]
     pub(super) accept_poor: bool,
-    /// Reduce logs to their moments, which --merge adds up: a small file, whatever the length of the logs
+    /// Reduce logs to moments, which --merge adds: a small file, independent of the length of the logs
     #[arg(
         long,
         requires = "output",
         conflicts_with_all = ["plan", "merge", "report", "validate"]
     )]
     pub(super) reduce: bool,
-    /// Identify from moments instead of logs, or add them up where --output is *.moments
+    /// Identify from moments instead of logs, or add them if --output is *.moments
     #[arg(
         long,
         conflicts_with_all = [
@@ -365,7 +365,7 @@ pub(super) struct Identify {
     )]
     pub(super) merge: bool,
     /// Replay logs through the estimator that learns friction in the control loop, and compare it with batch laws. Writes no description.
-    /// Inputs of a log act over the period behind their row; --delay -SECONDS lets them act later
+    /// Inputs of a log act during the period after their row; --delay -SECONDS lets them act later
     #[arg(
         long,
         conflicts_with_all = [
@@ -380,16 +380,16 @@ pub(super) struct Identify {
     /// Period of the planned motion
     #[arg(long, value_name = "SECONDS", requires = "plan", value_parser = positive, default_value_t = 20.0)]
     pub(super) seconds: f64,
-    /// Rows of the plan in a second
+    /// Rows of the plan per second
     #[arg(long, value_name = "HZ", requires = "plan", value_parser = positive, default_value_t = 250.0)]
     pub(super) rate: f64,
-    /// Largest acceleration of the plan [rad/s² or m/s²; default: the largest speed in half a second]
+    /// Largest acceleration of the plan [rad/s² or m/s²; default: reaches the largest speed in half a second]
     #[arg(long, value_name = "VALUE", requires = "plan", value_parser = positive)]
     pub(super) acceleration: Option<f64>,
     /// Share of the described range of positions that the plan uses, about its middle
     #[arg(long, value_name = "SHARE", requires = "plan", value_parser = share, default_value_t = 0.9)]
     pub(super) position_share: f64,
-    /// Largest turn of spherical and floating joints from where they stand at 0, below π; --position-share of it is used
+    /// Largest rotation of spherical and floating joints from position 0, below π; --position-share scales it
     #[arg(long, value_name = "RAD", requires = "plan", value_parser = positive, default_value_t = 1.0)]
     pub(super) turn: f64,
     /// Share of the described speeds that the plan uses
@@ -398,11 +398,11 @@ pub(super) struct Identify {
     /// Share of the described efforts that the plan may need
     #[arg(long, value_name = "SHARE", requires = "plan", value_parser = share, default_value_t = 0.7)]
     pub(super) effort_share: f64,
-    /// Sines of each joint's planned motion
+    /// Number of sines in each joint's planned motion
     #[arg(long, value_name = "COUNT", requires = "plan", default_value_t = 8, value_parser = clap::value_parser!(u16).range(2..=50))]
     pub(super) harmonics: u16,
-    /// Posture that the plan begins in, from which the robot goes to the motion, e.g. 'shoulder=0.3,elbow=-1.2' [rad or
-    /// m; default: where the motion begins]
+    /// Initial posture; the plan begins with a path from it to the motion, e.g. 'shoulder=0.3,elbow=-1.2' [rad or
+    /// m; default: the start of the motion]
     #[arg(long, value_name = "JOINT=POSITION,…", requires = "plan")]
     pub(super) start: Option<String>,
     /// Seed of the search: another one gives another motion
@@ -415,11 +415,11 @@ pub(super) struct Identify {
 /// Quantity measured by the efforts of a log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum EffortName {
-    /// Torques or forces at the joints, behind the gears
+    /// Torques or forces at the joints, after the gears
     Joint,
     /// Inputs as described, at the motors
     Input,
-    /// Motor currents, whose torque constants are to be found
+    /// Motor currents, whose torque constants are estimated
     Current,
 }
 
@@ -440,9 +440,9 @@ pub(super) enum DerivativeName {
 /// Location of the identified friction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum FrictionPlace {
-    /// On these shafts, and on joints with drives of their own
+    /// On the shafts of these drives, and on joints with drives of their own
     Shafts,
-    /// On joints alone; friction of shafts stays as described
+    /// Only on joints; friction of shafts stays as described
     Joints,
 }
 

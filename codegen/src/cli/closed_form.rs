@@ -52,7 +52,7 @@ pub(super) fn for_page(
         let words = problems.entries().iter().map(|problem| &problem.message);
         let words: Vec<&str> = words.map(String::as_str).collect();
         return Ok(Err(format!(
-            "There are none: {}. The abbreviations above are its equations.",
+            "No closed forms: {}. The intermediate values above are the equations.",
             words.join("; ")
         )));
     }

@@ -99,12 +99,12 @@ impl<'m> Shown<'m> {
         let quaternions = match self.model.quaternion_joints.is_empty() {
             true => "",
             false => {
-                " A spherical joint is at x y z of the parent's frame; positions of a joint with a quaternion place and turn its \
-                 body, and the joints behind it lead on from the frame of its link."
+                " A spherical joint is at x y z of the parent's frame. The positions of a joint with a quaternion are the pose \
+                 of its body; the next joints begin at the frame of its link."
             }
         };
         let caption = format!(
-            "Modified Denavit–Hartenberg frames: R_z(gamma) R_x(alpha) and the shift x y z lead from the parent's frame to the \
+            "Modified Denavit–Hartenberg frames: R_z(gamma) R_x(alpha) and the shift x y z transform the parent's frame to the \
              joint's axis, `lift` along it to the origin.{quaternions}"
         );
         let mut table = Table::new("frames", &caption);

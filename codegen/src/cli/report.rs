@@ -111,11 +111,8 @@ fn say(loaded: &Loaded, page: &Report, files: &[PathBuf]) -> Result<(), Failure>
         print::err(&format!("{}\n\n", loaded.notes));
     }
     let page_file = files.first().map(|file| file.display().to_string());
-    let mut text = format!(
-        "wrote {} and {} files of its numbers\n",
-        page_file.unwrap_or_default(),
-        files.len().saturating_sub(1)
-    );
+    let mut text =
+        format!("wrote {} and {} data files\n", page_file.unwrap_or_default(), files.len().saturating_sub(1));
     let all = page.claims().count();
     let held = page.claims().filter(|claim| claim.verdict() == Verdict::Holds);
     text.push_str(&format!("self-check: {} of {all} checks hold\n", held.count()));

@@ -27,8 +27,8 @@ static LOCK: OnceLock<File> = OnceLock::new();
 /// Lock for the threads of this process.
 static TURN: Mutex<()> = Mutex::new(());
 
-/// The right to use Symbolica on this thread until the value is dropped. Other processes have to wait until
-/// this process ends, when the operating system releases the lock.
+/// The right to use Symbolica on this thread until the value is dropped. Other processes wait until this
+/// process ends: only then the operating system unlocks the file.
 #[derive(Debug)]
 pub struct Instance {
     _turn: MutexGuard<'static, ()>,

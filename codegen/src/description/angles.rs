@@ -89,8 +89,8 @@ impl Angles {
         });
         let count = self.near.len();
         let message = format!(
-            "{count} angle{} within 1e-4 of a multiple of 90°, but not equal to it: {}; snapping would set \
-             {} entries of rotation matrices to exactly 0 or ±1, which cost no operations",
+            "{count} angle{} within 1e-4 rad of a multiple of 90°, but not equal to it: {}; snapping would \
+             set {} entries of rotation matrices to exactly 0 or ±1, which cost no operations",
             if count == 1 { " is" } else { "s are" },
             listed(entries),
             self.gained,

@@ -25,9 +25,9 @@ pub struct Masses<'g> {
 }
 
 impl<'g> Masses<'g> {
-    /// Creates the masses at the positions `y`.
+    /// Stores the mechanism and the positions `y`.
     ///
-    /// - `mechanism`: a mechanism in metres whose masses are those of the description
+    /// - `mechanism`: lengths in metres, masses of the description
     pub fn new(mechanism: Mechanism<Scalar<'g>>, y: &[Scalar<'g>]) -> Self {
         let plain = Formulation::plain(mechanism.bodies.len());
         Self { mechanism, plain, y: y.to_vec() }

@@ -90,8 +90,8 @@ fn summary(found: &Identification) -> Section {
     let mut table = Table::new(
         "joints",
         "Held-out: each contiguous fold of the data is predicted by the fit to the others. $R^2$ is centred. Samples in which a \
-         joint rests are left out: dry friction takes any value there up to the static one. One column counts them. Predictions are \
-         those of the written description. Offsets of single runs are not in it.",
+         joint rests are left out: dry friction can have any value up to the static friction. Column 'with rest' includes them. \
+         Predictions are those of the written description, without offsets of single runs.",
     )
     .column(rows_are(found), "joint", "")
     .column("$R^2$ held-out", "r_squared_held_out", "")
@@ -147,11 +147,11 @@ pub fn is_judged(joint: &JointEstimate) -> bool {
 fn friction(found: &Identification, units: &[&str]) -> Section {
     let words = match found.runs.is_empty() {
         true => {
-            "The laws that are written. Points, efforts and residuals over time need samples, and these are moments."
+            "The written laws. Moments have no samples, so there are no points, efforts and residuals over time."
         }
         false => {
-            "Points: measured effort minus the rigid body's, the offset, and friction under load where there is some. Line: the \
-             law that is written, at no load."
+            "Points: measured effort minus the rigid body's, the offset, and friction under load if identified. Line: the \
+             written law without load."
         }
     };
     let mut section = Section::new("friction", "Friction").block(text(words));
@@ -204,7 +204,7 @@ fn efforts(found: &Identification) -> Section {
     let times = times(&found.runs);
     let mut figure = Figure::new(
         "effort",
-        "Efforts at the joints, behind the gears, as measured and as the estimate predicts them; runs follow each other.",
+        "Efforts at the joints, after the gears: measured, and predicted by the estimate. Runs are in sequence.",
     );
     for (index, joint) in measured(found) {
         let curve = |runs: &[Vec<Vec<f64>>]| {
@@ -235,7 +235,7 @@ fn times(runs: &[PreparedRun]) -> Vec<f64> {
 
 fn residuals(found: &Identification, units: &[&str]) -> Section {
     let mut section = Section::new("residuals", "Residuals")
-        .block(text("Measured minus predicted effort. What is left should depend on nothing."));
+        .block(text("Measured minus predicted effort. This residual should depend on no other quantity."));
     for (index, joint) in measured(found) {
         let unit = units[index];
         let over = |label: &str, axis: &str, signal: &dyn Fn(&PreparedRun) -> &[f64]| {
@@ -305,14 +305,13 @@ fn data(found: &Identification) -> Section {
 }
 
 fn preparation(found: &Identification) -> Table {
-    let mut table =
-        Table::new("preparation", "What was found in the signals, and the filter that all of them passed.")
-            .column("joint", "joint", "")
-            .column("noise of positions", "noise", "")
-            .column("resolution", "resolution", "")
-            .column("filter", "bandwidth", "Hz")
-            .column("delay of the effort", "delay", "ms")
-            .column("remark", "remark", "");
+    let mut table = Table::new("preparation", "Properties of the signals, and the filter of all signals.")
+        .column("joint", "joint", "")
+        .column("noise of positions", "noise", "")
+        .column("resolution", "resolution", "")
+        .column("filter", "bandwidth", "Hz")
+        .column("delay of the effort", "delay", "ms")
+        .column("remark", "remark", "");
     for joint in &found.preparation.joints {
         table = table.row([
             Cell::text(joint.name.clone()),

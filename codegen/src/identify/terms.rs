@@ -14,7 +14,7 @@ const DIGITS: usize = 4;
 pub(super) fn table(found: &Identification) -> Table {
     let mut table = Table::new(
         "friction_terms",
-        "Terms that the laws were chosen from, those that were left out without a coefficient. Probability: the weight of all subsets of the terms that have it, by the Bayesian information criterion.",
+        "Candidate terms of the laws; terms that were not chosen have no coefficient. Probability: the weight of all subsets that contain the term, by the Bayesian information criterion.",
     )
     .column("joint", "joint", "")
     .column("term", "term", "")

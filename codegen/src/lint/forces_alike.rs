@@ -9,7 +9,7 @@ use gelenk_formula::Formula;
 
 /// Sees: two force laws between the same two points.
 /// Matters: the forces add up. One law may have been described twice.
-/// Example: a spring that a file has and an extension names otherwise.
+/// Example: a spring of the base file that the extension repeats with another name.
 /// Fixture: `springs_between_the_same_points_are_noted` in `codegen/tests/doubts.rs`.
 const FORCES_ALIKE: Rule = Rule::note("forces-alike");
 

@@ -10,7 +10,7 @@ use gelenk_findings::Rule;
 
 /// Sees: an input at a frame that cannot move any joint at the described values of the free parameters.
 /// Matters: its column of B is zero.
-/// Example: a propeller whose axis crosses that of the only joint before it.
+/// Example: a propeller whose axis intersects the axis of the only joint before it.
 /// Fixture: `codegen/tests/snapshots/bad/idle_inputs.toml.snap`.
 const MOVES_NOTHING: Rule = Rule::warning("input-moves-nothing");
 

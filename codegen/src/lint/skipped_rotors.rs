@@ -38,7 +38,7 @@ pub(super) fn warn(robot: &RobotDescription, model: &Model, report: &mut Report)
             if entries.is_empty() {
                 String::new()
             } else {
-                format!(" next to M's {}", listed(entries.into_iter()))
+                format!(", where M has {}", listed(entries.into_iter()))
             },
         );
         report.push(Some(rotor.inertia.span), SKIPPED.found(message));

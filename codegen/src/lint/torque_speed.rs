@@ -57,7 +57,7 @@ fn doubt_limits(name: &str, motor: &DriveDescription, report: &mut Report) {
     let beyond = |torque: Option<f64>| torque.filter(|torque| torque > stall_torque);
     let told = |kind: &str, torque: f64| {
         let [torque, stall] = [torque, *stall_torque].map(as_written);
-        format!("the {kind}torque of motor `{name}` is {torque} N m, and it has {stall} N m at rest")
+        format!("the {kind}torque of motor `{name}` is {torque} N m, but its stall torque is {stall} N m")
     };
     if let Some(torque) = beyond(motor.torque.nominal) {
         report.push(Some(*span), BEYOND_STALL.found(told("", torque)));

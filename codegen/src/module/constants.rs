@@ -314,7 +314,7 @@ fn input_limits(model: &Model, inputs: &[Actuator<'_>]) -> Vec<Constant> {
         numbers(
             "INPUT_LIMITS",
             "Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite \
-             where not described. `EFFORT_LIMITS` at the joint holds beside it.",
+             where not described. `EFFORT_LIMITS` at the joint also applies.",
             values,
         )
     });
@@ -366,7 +366,7 @@ fn torque_speed_lines(model: &Model) -> Option<[Constant; 2]> {
         ),
         constant(
             "TORQUE_SPEED_LIMITS",
-            "The limits there, by input: what its motor gives at rest, in the unit of the input; infinite where not \
+            "Limits of these lines, by input: the force of its motor at rest, in the unit of the input; infinite where not \
              described.",
             ConstantValue::Numbers(Dimension::Inputs, limits),
         ),
@@ -380,7 +380,7 @@ fn drives(model: &Model) -> Vec<Constant> {
     // Where all inputs are drives, there is a value for each input.
     let dimension = if are_all { Dimension::Inputs } else { Dimension::Fixed };
     let number = (!are_all).then(|| {
-        let summary = "So many of the inputs, the first ones, are drives. The others act at frames.";
+        let summary = "Number of inputs that are drives; these are first. The others act at frames.";
         constant("DRIVES", summary, ConstantValue::Count(count))
     });
     let of_drives = |name, summary, value: fn(&Drive) -> &Formula| {

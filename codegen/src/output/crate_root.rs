@@ -32,7 +32,7 @@ pub(super) fn begins_with(path: &Path, expected: &str) -> bool {
 /// Head of the crate's root.
 const ROOT: &str = "//! The robots of `models/` as generated Rust: plain functions on fixed-size arrays.\n\
     //!\n\
-    //! `gelenk generate` writes this crate; `gelenk check` tells whether it is fresh.\n";
+    //! `gelenk generate` writes this crate; `gelenk check` checks that it is up to date.\n";
 
 /// Generated modules in `folder` whose names are not in `modules`, sorted.
 ///

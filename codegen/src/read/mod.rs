@@ -234,7 +234,7 @@ fn note_followers(robot: &RobotDescription, report: &mut Report) {
     let found: Vec<_> = follows.collect();
     let Some((_, first)) = found.first() else { return };
     let names = listed(found.iter().map(|(joint, _)| joint.name.quoted()));
-    let message = format!("these joints still follow others, because `follows` describes it: {names}");
+    let message = format!("these joints still follow others, because `follows` is given: {names}");
     report.note(Some(first.span), "mimic-not-ignored", message);
     report.help(
         "`--ignore-mimic` frees joints with <mimic> in a URDF and joints of equalities in an MJCF; \

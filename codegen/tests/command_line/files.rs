@@ -144,7 +144,7 @@ fn a_plant_and_a_controller_have_models_of_their_own() {
     let (exact, smooth) = (read("arm.rs"), read("arm_control.rs"));
     assert!(exact.contains("The exact model, for plants."), "{exact}");
     assert!(!exact.contains("math::tanh(") && exact.contains("sign(v[0])"));
-    assert!(smooth.contains("tanh(50 v) stands for the sign(v) of pendulum"));
+    assert!(smooth.contains("tanh(50 v) replaces sign(v) of pendulum"));
     assert!(smooth.contains("v[0] * 50.0") && smooth.contains("tanh("), "{smooth}");
     fs::remove_file(folder.path().join("arm_control.rs")).unwrap();
     let stale = refused(folder.path(), &[&["check"], &pair[..]].concat());

@@ -24,7 +24,7 @@ fn columns_come_first_and_numbers_are_as_people_write_them() {
     let head = "note[columns]: time: `t`\nnote[columns]: positions: `q_{name}`, in rad as its header names no unit\nnote[columns]: efforts, as \
                 forces at the joints: `effort_{name}`, in N*m as its header names no unit\n";
     assert!(text.starts_with(head), "{text}");
-    assert!(text.contains("the description weighs ") && !has_an_exponent(&text), "{text}");
+    assert!(text.contains("the description has the weight ") && !has_an_exponent(&text), "{text}");
     let written = fs::read_to_string(arm.at("found.toml")).unwrap();
     let comments: Vec<&str> = written.lines().filter(|line| line.starts_with('#')).collect();
     assert!(

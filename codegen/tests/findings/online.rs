@@ -77,7 +77,7 @@ fn joints_that_a_replay_does_not_learn_are_named() {
     let output = identify(&of_pitch, &["--online", "--effort", "joint"]);
     let said = String::from_utf8_lossy(&output.stdout);
     assert!(
-        said.contains("not learned, without an input or without efforts in all rows: `roll`"),
+        said.contains("not learned, because the input or some efforts are missing: `roll`"),
         "{said}{output:?}"
     );
 }

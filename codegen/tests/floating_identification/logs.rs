@@ -116,7 +116,7 @@ fn unseen_flights_are_predicted() {
     let output = identify(folder.path(), &log(HEADERS[0], &flight(25.0, 1)), &["--validate", "other.csv"]);
     let said = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let validated = said.split("R² in the logs to validate").nth(1).unwrap();
+    let validated = said.split("R² in validation logs").nth(1).unwrap();
     let row = validated.lines().find(|line| line.contains("base_rx")).unwrap();
     let share: f64 = row.split_whitespace().nth(1).unwrap().parse().unwrap();
     assert!(share > 0.99, "{said}");

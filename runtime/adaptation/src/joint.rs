@@ -75,8 +75,9 @@ pub(super) struct Instant {
     pub velocity: f64,
     /// Described friction [N m or N].
     pub friction: f64,
-    /// Drive torque, and its part that the described robot without friction does not explain [N m or N].
+    /// Drive torque [N m or N].
     pub applied: f64,
+    /// Part of `applied` that the described robot without friction does not explain [N m or N].
     pub torque: f64,
     /// False in saturation.
     pub is_exact: bool,

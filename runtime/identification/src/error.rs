@@ -183,7 +183,7 @@ fn unexplained(subject: &Subject, [r_squared, least]: [f64; 2], reasons: &[Findi
         );
     }
     format!(
-        "the fit does not explain {subject}: R² {r_squared:.3} on held-out data, at least {least} is asked for{reasons}"
+        "the fit does not explain {subject}: R² {r_squared:.3} on held-out data, at least {least} is required{reasons}"
     )
 }
 

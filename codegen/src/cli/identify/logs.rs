@@ -33,12 +33,12 @@ use crate::read::Loaded;
 use crate::wording::{list, quoted};
 
 /// Sees: wrenches of the description that no log has.
-/// Matters: they are taken as zero.
+/// Matters: they are assumed to be zero.
 /// Example: a wrench at the tool.
 /// Fixture: `codegen/tests/findings/online.rs`.
 const WRENCHES: Rule = Rule::note("wrenches-zero");
 
-/// Sees: described friction that is not looked for.
+/// Sees: described friction that is not estimated.
 /// Matters: it stays as described.
 /// Example: friction of a joint that follows another one.
 /// Fixture: `codegen/tests/coupled_identification/described.rs`.
@@ -153,7 +153,7 @@ fn about<'a>(
 fn without_wrenches(model: &Model) -> Option<Finding> {
     about(WRENCHES, model.wrenches.iter().map(|wrench| wrench.name.as_str()), |names| {
         format!(
-            "the wrenches {names} are taken as zero; describe those that act as inputs (`[[inputs]]`), and log them"
+            "the wrenches {names} are assumed to be zero; if one acts, describe it as an input (`[[inputs]]`), and log it"
         )
     })
 }
@@ -163,7 +163,7 @@ fn as_described(arguments: &Identify, model: &Model, robot: &InterpretedRobot) -
     let kept = robot.shafts_as_described();
     let names = model.rubbing_drives().map(|drive| drive.name.as_str()).filter(|name| kept.contains(name));
     let reason = match arguments.friction_on {
-        FrictionPlace::Joints => "as --friction-on joints asks for",
+        FrictionPlace::Joints => "--friction-on joints was given",
         FrictionPlace::Shafts => "other drives move the same joints",
     };
     about(KEPT, names, |names| format!("friction on the shafts of {names} stays as described: {reason}"))
@@ -184,8 +184,8 @@ fn rotors_without_input(model: &Model) -> Option<Finding> {
     let drives = model.moving_drives().filter(|drive| drive.input == Input::None);
     about(ROTORS, drives.map(|drive| drive.name.as_str()), |names| {
         format!(
-            "rotors without an input ({names}) stay in the file as described: their identified inertia is in the table of \
-             parameters alone"
+            "rotors without an input ({names}) stay in the file as described: only the table of parameters has their \
+             identified inertia"
         )
     })
 }
@@ -196,8 +196,8 @@ fn replaced_load(model: &Model, found: &Identification) -> Option<Finding> {
     let described = model.joints().filter(|joint| !joint.load_friction.is_empty());
     about(LOAD_LOST, described.map(|joint| joint.name.as_str()).filter(|name| replaced(name)), |names| {
         format!(
-            "friction under load of {names} is described and was not identified: laws of the velocity alone replace it \
-             (--load-friction asks for it)"
+            "the described friction under load of {names} was not identified: laws of the velocity replace it \
+             (--load-friction identifies it)"
         )
     })
 }
@@ -264,7 +264,7 @@ fn describe(
     let values: Vec<f64> = found.estimate.parameters.iter().map(|parameter| parameter.value).collect();
     let (links, others) = values.split_at(PER_LINK * robot.bodies());
     if !found.estimate.consistent {
-        let message = "the estimate holds a body that cannot exist; nothing is written";
+        let message = "the estimate has a body that is not physical; nothing is written";
         return Err(Failure::Problem(message.to_owned()));
     }
     let bodies_of = |parameters: &[f64]| {
@@ -432,7 +432,7 @@ fn as_text(
     text.push_str(&validated(validation));
     text.push_str(&format!("\nwrote {}\n", output.display()));
     if let Some(page) = files.first() {
-        text.push_str(&format!("wrote {} and {} files of its numbers\n", page.display(), files.len() - 1));
+        text.push_str(&format!("wrote {} and {} data files\n", page.display(), files.len() - 1));
     }
     text
 }
@@ -442,7 +442,7 @@ fn validated(validation: &[JointValidation]) -> String {
     if validation.is_empty() {
         return String::new();
     }
-    let head = ["joint", "R² in the logs to validate", "with rest", "residual", "offset", "R² with it"]
+    let head = ["joint", "R² in validation logs", "with rest", "residual", "offset", "R² with it"]
         .map(str::to_owned)
         .to_vec();
     let rows = validation.iter().map(|joint| {

@@ -6,14 +6,14 @@ use gelenk_identification::identify::Identification;
 
 use gelenk_findings::{Finding, Rule};
 
-/// Sees: motor constants that logs of currents give.
-/// Matters: they are as right as the described masses.
+/// Sees: motor constants that are estimated from logs of currents.
+/// Matters: they are as accurate as the described masses.
 /// Example: 0.12 N·m/A.
 /// Fixture: `codegen/tests/external_arm/main.rs`.
 const ESTIMATED: Rule = Rule::note("motor-constant");
 
-/// Sees: a motor constant that is negative, or that no motor has.
-/// Matters: the current is in another unit, or the masses are described wrong.
+/// Sees: a motor constant that is negative or outside the usual range.
+/// Matters: the current is in another unit, or the described masses are wrong.
 /// Example: 300 N·m/A.
 /// Fixture: `codegen/tests/external_arm/said.rs`.
 const DOUBTFUL_CONSTANT: Rule = Rule::warning("motor-constant-doubtful");
@@ -35,7 +35,7 @@ pub(super) fn findings(found: &Identification) -> Vec<Finding> {
         let Uncertain { value, interval: [low, high], .. } = constant;
         let [value, low, high] = [value, low, high].map(|x| rounded(x, Some(0.5 * (high - low))));
         let message = format!(
-            "its motor constant is {value} N·m/A, {level:.0} % interval {low} to {high}, by the described masses and centres"
+            "its motor constant is {value} N·m/A, {level:.0} % interval {low} to {high}, for described masses and centres of mass"
         );
         ESTIMATED.found(message).joint(&joint.name)
     };
@@ -51,11 +51,11 @@ pub(super) fn add_doubts(found: &mut Identification) {
 fn doubt((joint, constant): (&JointEstimate, Uncertain)) -> Option<Finding> {
     let value = constant.value;
     let doubt = if value < 0.0 {
-        "is negative: current and position count in opposite directions".to_owned()
+        "is negative: current and position have opposite positive directions".to_owned()
     } else if joint.unit == "N·m" && !(USUAL[0]..=USUAL[1]).contains(&value) {
         format!(
-            "is none that motors have ({} to {}): is the current in another unit, as in --columns 'current=…[mA]'? The \
-             gear or the masses may be described wrong, too",
+            "is outside the usual range ({} to {}): check the unit of the current, as in --columns 'current=…[mA]', \
+             and the described gear and masses",
             USUAL[0], USUAL[1]
         )
     } else {

@@ -83,7 +83,7 @@ fn as_text(
     };
     text.push_str("\nrms error of predictions [N m or N]:\n");
     text.push_str(&table(&head, joints.iter().map(row)));
-    let head = ["joint", "term", "learned", "±", "acting", "shown by the motion"];
+    let head = ["joint", "term", "learned", "±", "acting", "excited by the motion"];
     let rows = joints.iter().flat_map(|joint| {
         let state = &joint.replay.state;
         TERM_NAMES.iter().enumerate().map(move |(k, term)| {
@@ -96,7 +96,7 @@ fn as_text(
     });
     if !unlearned.is_empty() {
         let names = list(unlearned.iter().map(String::as_str));
-        text.extend(["\nnot learned, without an input or without efforts in all rows: ", &names, "\n"]);
+        text.extend(["\nnot learned, because the input or some efforts are missing: ", &names, "\n"]);
     }
     text.push_str("\nterms that are added to the described friction, with 90 % intervals:\n");
     text.push_str(&table(&head, rows));

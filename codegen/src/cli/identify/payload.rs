@@ -67,7 +67,7 @@ fn carrier(arguments: &Identify, robot: &InterpretedRobot) -> Result<Carrier, Fa
     found.ok_or_else(|| {
         let of = arguments.payload_on.as_deref().unwrap_or_default();
         let known = list((0..joints.len()).map(link));
-        Failure::Usage(format!("--payload-on {of}: the robot's moving links are {known}"))
+        Failure::Usage(format!("--payload-on {of}: not a moving link; the moving links are {known}"))
     })
 }
 
@@ -125,7 +125,7 @@ fn as_text(found: &CarriedLoad, link: &str, robot: &InterpretedRobot, output: &P
     let mut text = print::lines(&found.findings);
     let payload = &found.payload;
     text.push_str(&format!("\nload on {link}, moments about its centre of mass:\n"));
-    let head = ["", "value", "95 % interval", "shown by the motion"].map(str::to_owned).to_vec();
+    let head = ["", "value", "95 % interval", "excited by the motion"].map(str::to_owned).to_vec();
     let rows = values(payload).into_iter().enumerate().map(|(place, (name, unit, value))| {
         let [low, high] = value.interval;
         let shown = if payload.shown[place] { "yes" } else { "no" };

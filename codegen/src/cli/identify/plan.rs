@@ -69,9 +69,9 @@ fn posture(text: &str, names: &[String]) -> Result<Vec<f64>, Failure> {
             fault(format!("there is no joint '{}'; the joints are {}", name.trim(), names.join(", ")))
         })?;
         let value: Option<f64> = value.trim().parse().ok().filter(|value: &f64| value.is_finite());
-        let value = value.ok_or_else(|| fault(format!("'{part}' has no number [rad or m]")))?;
+        let value = value.ok_or_else(|| fault(format!("'{part}' needs a number [rad or m]")))?;
         if positions[place].replace(value).is_some() {
-            return Err(fault(format!("joint {} stands twice", name.trim())));
+            return Err(fault(format!("joint {} is given twice", name.trim())));
         }
     }
     let without = names.iter().zip(&positions).filter(|(_, position)| position.is_none());
@@ -79,7 +79,7 @@ fn posture(text: &str, names: &[String]) -> Result<Vec<f64>, Failure> {
     match without.as_slice() {
         [] => Ok(positions.into_iter().flatten().collect()),
         missing => {
-            Err(fault(format!("a posture has a position for each joint; {} missing", missing.join(", "))))
+            Err(fault(format!("a posture needs a position for each joint; missing: {}", missing.join(", "))))
         }
     }
 }
@@ -92,16 +92,16 @@ fn beginning(plan: &Plan, robot: &InterpretedRobot) -> String {
     let turns = match robot.quaternion_joints().is_empty() {
         true => "",
         false => {
-            " (of a joint with a quaternion: the place of its origin where it slides, and the rotation vector)"
+            " (for a joint with a quaternion: the position of its origin if it translates, and the rotation vector)"
         }
     };
     let listed = format!("{}{turns}", listed.collect::<Vec<_>>().join(","));
     match &plan.approach {
         Some(approach) => format!(
-            "the first {:.2} s lead on a straight way of the joints from the given start to where the motion begins: {listed}\n",
+            "the first {:.2} s are a straight path in joint space from the given start to the start of the motion: {listed}\n",
             approach.seconds
         ),
-        None => format!("the motion begins at {listed}; bring the robot there first, or say --start\n"),
+        None => format!("the motion begins at {listed}; move the robot there first, or give --start\n"),
     }
 }
 
@@ -109,7 +109,7 @@ fn beginning(plan: &Plan, robot: &InterpretedRobot) -> String {
 fn require_plan_or_nothing(path: &Path, header: &str) -> Result<(), Failure> {
     match fs::read(path) {
         Ok(found) if !found.is_empty() && !found.starts_with(header.as_bytes()) => {
-            let message = "holds no plan for this robot; name another file with --output, or remove it first";
+            let message = "is not a plan for this robot; name another file with --output, or remove it first";
             Err(Failure::Problem(format!("{} {message}", path.display())))
         }
         // What cannot be read fails when it is to be written.
@@ -120,7 +120,7 @@ fn require_plan_or_nothing(path: &Path, header: &str) -> Result<(), Failure> {
 fn as_text(plan: &Plan, robot: &InterpretedRobot, path: &Path) -> String {
     let [inertial, friction] = plan.parameters;
     let mut text = format!(
-        "wrote {}: {} s that begin and end at rest, for {inertial} base parameters and {friction} of friction\n\
+        "wrote {}: {} s from rest to rest, for {inertial} base parameters and {friction} friction parameters\n\
          condition number of their regressor (columns of unit length): {:.0}\n",
         path.display(),
         plan.motion.period,
@@ -161,7 +161,7 @@ fn as_text(plan: &Plan, robot: &InterpretedRobot, path: &Path) -> String {
     text.push_str(&inputs_text(plan, robot));
     text.push_str(&print::lines(&plan.findings));
     text.push_str(
-        "note: obstacles, and links that meet each other, are not known here: look at the motion before the robot makes it\n",
+        "note: the plan does not check obstacles or collisions of links: check the motion before the robot executes it\n",
     );
     text
 }

@@ -38,7 +38,7 @@ impl Robot {
                 "its base floats, or it has a spherical joint".to_owned(),
                 "use a robot with a fixed base and one coordinate per joint",
             ),
-            (_, true, _) => ("use a robot with joints".to_owned(), "take a robot with joints"),
+            (_, true, _) => ("it has no joints".to_owned(), "use a robot with joints"),
             (.., Some(joint)) => {
                 (format!("no motor moves {}", quoted(joint)), "add a motor, or `--hold` the joint")
             }

@@ -47,7 +47,7 @@ fn remaining_at_joints(builder: &mut ArrayBuilder, moving: &Moving) -> ArrayId {
     let Moving { setup, motions, rotors, composites } = moving;
     let [remaining] = builder.map(
         "remaining_forces",
-        "What of the driving forces is left to accelerate.",
+        "Part of the driving forces that accelerates.",
         &[setup.screws, composites.force, setup.last],
         [("remaining_force", 1)],
         |rows| [vec![rows[2][0] - motion_of(rows[0]).dot(force_of(rows[1]))]],
@@ -58,7 +58,7 @@ fn remaining_at_joints(builder: &mut ArrayBuilder, moving: &Moving) -> ArrayId {
     let carried = rotors.carried(builder, motions);
     let [remaining] = builder.map(
         "remaining_at_rotors",
-        "What of the driving forces is left to accelerate the joints and their rotors.",
+        "Part of the driving forces that accelerates the joints and their rotors.",
         &[remaining, carried],
         [("remaining_with_rotors", 1)],
         |[remaining, carried]| [vec![remaining[0] - carried[0]]],
@@ -70,7 +70,7 @@ pub(super) fn mass_matrix(builder: &mut ArrayBuilder, moving: &Moving) -> ArrayI
     let Moving { setup, rotors, composites, .. } = moving;
     let [needed, diagonal] = builder.map(
         "unit_accelerations",
-        "What a unit acceleration of each joint needs.",
+        "Forces for a unit acceleration of each joint.",
         &[setup.screws, composites.inertia, setup.rotors],
         [("unit_force", 6), ("diagonal", 1)],
         |rows| {
@@ -139,7 +139,7 @@ fn disturb<'g>(
 }
 
 const ABOUT_DISTURBANCES: &str =
-    "How each joint disturbs the bodies beyond it, and what that asks of the joints before it.";
+    "Effect of each joint on the bodies beyond it, and the resulting forces at the joints before it.";
 
 fn disturbances(builder: &mut ArrayBuilder, moving: &Moving) -> [ArrayId; 7] {
     let Moving { setup, motions, composites, .. } = moving;

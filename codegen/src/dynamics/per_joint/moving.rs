@@ -51,7 +51,7 @@ pub(super) fn accelerate(builder: &mut ArrayBuilder, steady: Moving, acceleratio
     let gained = builder.sum_ancestors(gained, "added_acceleration");
     let [acceleration, force] = builder.map(
         "accelerated_bodies",
-        "Acceleration of each body, and the force that the added one needs.",
+        "Acceleration of each body, and the force for the added acceleration.",
         &[motions.inertia, motions.acceleration, gained],
         [("total_acceleration", 6), ("added_force", 6)],
         |rows| {
@@ -62,7 +62,7 @@ pub(super) fn accelerate(builder: &mut ArrayBuilder, steady: Moving, acceleratio
     let added = builder.sum_subtrees(force, "composite_added_force");
     let [force] = builder.map(
         "total_forces",
-        "Force of all that each joint carries.",
+        "Force of all bodies beyond each joint.",
         &[composites.force, added],
         [("composite_force", 6)],
         |rows| [flat(force_of(rows[0]) + force_of(rows[1]))],

@@ -29,7 +29,7 @@ impl Rotors {
         let momentum = setup.momenta?;
         let [swept, spin] = builder.map(
             "rotors_in_motion",
-            "How the bodies before the joints turn the rotors, and the rotors' spin.",
+            "Motion of the rotors with the bodies before the joints, and the rotors' spin.",
             &[momentum, motions.velocity, motions.joint_velocity, setup.rates],
             [("swept_rotor", 3), ("rotor_spin", 3)],
             |[momentum, velocity, own, rate]| {
@@ -85,7 +85,7 @@ impl Rotors {
         let sum = builder.sum_subtrees(moments, "composite_rotor_moment");
         let [force] = builder.map(
             "forces_with_rotors",
-            "Force of all that each joint carries, its rotors included.",
+            "Force of all bodies beyond each joint, rotors included.",
             &[force, sum, moments],
             [("force_with_rotors", 6)],
             |[force, sum, own]| {
@@ -103,7 +103,7 @@ impl Rotors {
         let sum = builder.sum_subtrees(self.spin, "composite_rotor_spin");
         let [flow] = builder.map(
             "flows_with_rotors",
-            "Momentum of all that each joint carries, its rotors included.",
+            "Momentum of all bodies beyond each joint, rotors included.",
             &[bodies.flow, sum, self.spin],
             [("flow_with_rotors", 12)],
             |[flow, sum, own]| {
@@ -134,7 +134,7 @@ impl Rotors {
     pub fn add_momentum(&self, builder: &mut ArrayBuilder, needed: ArrayId) -> ArrayId {
         let [needed] = builder.map(
             "unit_accelerations_with_rotors",
-            "What a unit acceleration of each joint and its rotor needs.",
+            "Forces for a unit acceleration of each joint and its rotor.",
             &[needed, self.momentum],
             [("unit_force_with_rotors", 6)],
             |[needed, momentum]| [flat(with_moment(force_of(needed), vector(momentum)))],
@@ -152,7 +152,7 @@ impl Rotors {
     ) -> (ArrayId, ArrayId) {
         let [gains, damping] = builder.map(
             "disturbances_with_rotors",
-            "How the joints before each one disturb it and its rotor.",
+            "Effect of the joints before each joint on it and its rotor.",
             &[gains, damping, self.momentum, self.swept],
             [("gains_with_rotors", 9), ("damping_with_rotors", 6)],
             |[gains, damping, momentum, swept]| {

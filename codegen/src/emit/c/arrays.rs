@@ -215,7 +215,7 @@ impl<'a> Emission<'a> {
 
     /// Adds the table of the relations of joints, if the joints are not a chain.
     fn add_relations(&self) {
-        let about = "Where joint j stands seen from joint i: -1 before it on its path to the base, 1 beyond it or the same, else 0.";
+        let about = "Relation of joint j to joint i: -1 if j is before i on its path to the base, 1 if beyond i or equal, else 0.";
         if !self.form.is_chain() {
             // As long as a number: columns of both stand in registers of one length.
             let ty = match self.context.options.scalar {

@@ -52,12 +52,12 @@ fn conventions(context: &Context<'_>) -> String {
         "How the functions are called:".to_owned(),
         String::new(),
         format!("- Numbers are `{ty}`. An argument or result `x: [N]` is an array of {n} numbers."),
-        format!("- A matrix `m: [N × N]` stands row by row: m[i * {n} + j] is the entry of row i and column j."),
-        "- Results are written through the last arguments, every entry of them, and nothing of what stood there is read. A".to_owned(),
+        format!("- A matrix `m: [N × N]` is stored row by row: m[i * {n} + j] is the entry of row i and column j."),
+        "- Results are written through the last arguments. Every entry is written, and no previous value is read. A".to_owned(),
         "  function whose only result is one number returns it.".to_owned(),
         "- Results must not overlap each other or an argument.".to_owned(),
         "- No function allocates, keeps a state or calls a library; each may be called from several threads at once.".to_owned(),
-        format!("- In the documentation names stand without their beginning, `{function}` of functions and `{capitals}` of constants."),
+        format!("- The documentation omits the prefix of names: `{function}` of functions and `{capitals}` of constants."),
     ];
     lines.iter().map(|line| format!("{}\n", format!("// {line}").trim_end())).collect()
 }

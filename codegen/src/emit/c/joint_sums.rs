@@ -16,11 +16,7 @@ impl Emission<'_> {
         let zero = self.context.literal(0.0);
         let padding = (self.form.joints.len()..self.row.len).map(|entry| format!("to[{entry}] = {zero};"));
         let sums: Vec<String> = sums.chain(padding).collect();
-        self.sum_function(
-            "sum_ancestors",
-            "Adds to each joint those before it on its path to the base.",
-            &sums,
-        )
+        self.sum_function("sum_ancestors", "Sums along the path of each joint to the base.", &sums)
     }
 
     pub(super) fn sum_subtrees(&self) -> String {
@@ -30,7 +26,7 @@ impl Emission<'_> {
         });
         let copy = format!("memcpy(to, from, {} * sizeof *to);", self.row.len);
         let sums: Vec<String> = std::iter::once(copy).chain(sums).collect();
-        self.sum_function("sum_subtrees", "Adds to each joint all beyond it.", &sums)
+        self.sum_function("sum_subtrees", "Sums over the subtree of each joint.", &sums)
     }
 
     /// Statements that sum a row over joints to a row over coordinates.
@@ -52,17 +48,17 @@ impl Emission<'_> {
         let of_joints = self.form.coordinates.iter().flat_map(|coordinates| &coordinates.of_joints);
         let sources: Vec<_> = of_joints.copied().map(Some).collect();
         let lengths = [self.row.coordinates, self.row.len];
-        self.gather("spread", "Gives each joint what its coordinate has.", lengths, &sources)
+        self.gather("spread", "Copies the values of coordinates to their joints.", lengths, &sources)
     }
 
     pub(super) fn gather_carriers(&self) -> String {
-        let about = "Gives each joint what its carrier has, and zero where that is the base.";
+        let about = "Copies the values of carriers to their joints; zero if the carrier is the base.";
         self.gather("gather_carriers", about, [self.row.len; 2], &self.form.carriers())
     }
 
     pub(super) fn gather_last(&self) -> String {
         let sources: Vec<_> = self.form.last().into_iter().map(Some).collect();
-        let about = "Gives each velocity of a joint what its last one has.";
+        let about = "Copies the value of a joint's last velocity to its others.";
         self.gather("gather_last", about, [self.row.len; 2], &sources)
     }
 

@@ -42,7 +42,7 @@ pub(super) fn declaration(context: &Context<'_>, function: &Function) -> Option<
         signature::result_label(name, &output.name, &lanes(&shape_text(&extents)))
     });
     let about = format!(
-        "{} of LANES states, which stand one after the other; each with the bits of that function.",
+        "{} of LANES states, stored one after the other; bit-identical to that function.",
         code(&function.name)
     );
     let items = inputs.chain(results).map(Block::Item);

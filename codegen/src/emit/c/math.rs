@@ -31,7 +31,7 @@ pub(super) fn multiply_add(context: &Context<'_>) -> String {
 }
 
 /// Name of the function that negates a fused multiply-add. Without it, gcc 12 replaces `−(a b + c)` by `−a b
-/// − c`, which is a zero with the opposite sign if it is zero.
+/// − c`. If the value is zero, this changes its sign.
 pub(super) fn negate_fused(context: &Context<'_>) -> String {
     context.negation.set(true);
     context.function("negated")

@@ -74,17 +74,17 @@ impl Emission<'_> {
         let of_joints = self.form.coordinates.iter().flat_map(|coordinates| &coordinates.of_joints);
         let sources: Vec<_> = of_joints.copied().map(Some).collect();
         let lengths = [self.row.coordinates, self.row.len];
-        self.gather("spread", "Gives each joint what its coordinate has.", lengths, &sources)
+        self.gather("spread", "Copies the values of coordinates to their joints.", lengths, &sources)
     }
 
     pub(super) fn gather_carriers(&self) -> Ident {
-        let about = "Gives each joint what its carrier has, and zero where that is the base.";
+        let about = "Copies the values of carriers to their joints; zero if the carrier is the base.";
         self.gather("gather_carriers", about, [self.row.len; 2], &self.form.carriers())
     }
 
     pub(super) fn gather_last(&self) -> Ident {
         let sources: Vec<_> = self.form.last().into_iter().map(Some).collect();
-        let about = "Gives each velocity of a joint what its last one has.";
+        let about = "Copies the value of a joint's last velocity to its others.";
         self.gather("gather_last", about, [self.row.len; 2], &sources)
     }
 
@@ -142,7 +142,7 @@ impl Emission<'_> {
         });
         self.sums(
             "sum_ancestors",
-            "Adds to each joint those before it on its path to the base.",
+            "Sums along the path of each joint to the base.",
             &sums.chain(padding).collect::<Vec<_>>(),
         )
     }
@@ -154,7 +154,11 @@ impl Emission<'_> {
             Some(quote!(to[#parent] += to[#index];))
         });
         let copy = std::iter::once(quote!(*to = *from;));
-        self.sums("sum_subtrees", "Adds to each joint all beyond it.", &copy.chain(sums).collect::<Vec<_>>())
+        self.sums(
+            "sum_subtrees",
+            "Sums over the subtree of each joint.",
+            &copy.chain(sums).collect::<Vec<_>>(),
+        )
     }
 
     fn sums(&self, name: &str, about: &str, statements: &[TokenStream]) -> Ident {

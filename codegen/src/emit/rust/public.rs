@@ -69,7 +69,7 @@ fn returning(
 fn storing(body: &Body<'_>, name: &Ident, signature: &Signature, statements: &TokenStream) -> TokenStream {
     let into = into_name(name);
     let documentation =
-        format!("`{name}` with its results written in place; nothing of what stood there is read.");
+        format!("`{name}` with its results written in place; their previous values are not read.");
     let arguments = &signature.arguments;
     let results = body.results.iter().zip(&signature.results);
     let results = results.map(|(name, ty)| quote!(#name: &mut #ty));

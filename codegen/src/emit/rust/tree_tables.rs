@@ -11,7 +11,7 @@ use crate::program::arrays::{Arrays, Relation};
 impl Emission<'_> {
     /// Adds the table of [`arrays::relation`] and returns its name.
     pub(super) fn add_relations(&self) -> Ident {
-        let about = "Where joint j stands seen from joint i: −1 before it on its path to the base, 1 beyond it or the same, else 0.";
+        let about = "Relation of joint j to joint i: −1 if j is before i on its path to the base, 1 if beyond i or equal, else 0.";
         self.add_table("RELATIONS", about, self.form.joints.len(), self.row.len, arrays::relation)
     }
 

@@ -74,7 +74,7 @@ pub static KINDS: [Kind; 11] = [
             ),
             (
                 "frame_NAME_jacobian_rate_times_velocity",
-                notes(&["The driven joints are accelerated as d says."]),
+                notes(&["The accelerations of the driven joints are those in d."]),
             ),
             (
                 "discretize step step_derivatives",
@@ -184,7 +184,7 @@ pub static KINDS: [Kind; 11] = [
             (
                 "inverse_dynamics_derivatives_and_mass_matrix forward_dynamics_derivatives inverse_dynamics_hessian",
                 Missing {
-                    why: ": M and M⁻¹ would be read as derivatives, which have another factor there",
+                    why: ": M and M⁻¹ are not the derivatives, which contain another factor",
                     help: "use `inverse_dynamics_derivatives` or `linearize`; the derivative of the former \
                            by accelerations is D M, see its documentation",
                 },

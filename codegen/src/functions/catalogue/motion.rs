@@ -69,7 +69,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         summary: "Bias forces `k − q_gravity`.",
         equation: "k − gravity_forces",
         arguments: &[Coordinates, Velocities],
-        results: &[("b", VECTOR, "what holds the accelerations at zero, without springs and friction")],
+        results: &[("b", VECTOR, "forces that hold the accelerations at zero, without springs and friction")],
         notes: &["Recursive Newton–Euler equations at ÿ = 0. Pinocchio calls this `nle`."],
         build: |equations, arguments| vec![vector(equations.bias_forces(&arguments.y, &arguments.v))],
         ..Quantity::PLAIN
@@ -137,10 +137,10 @@ pub(super) const QUANTITIES: &[Quantity] = &[
             (
                 "b",
                 VECTOR,
-                "k − gravity_forces: what holds the accelerations at zero, without springs and friction",
+                "k − gravity_forces: forces that hold the accelerations at zero, without springs and friction",
             ),
         ],
-        notes: &["What both have in common is computed once."],
+        notes: &["Common terms of both are computed once."],
         build: |equations, arguments| {
             let (mass, bias) = equations.mass_matrix_and_bias(&arguments.y, &arguments.v);
             vec![matrix(mass), vector(bias)]
@@ -176,7 +176,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
     Quantity {
         name: function_names::INVERSE_DYNAMICS_DERIVATIVES_AND_MASS_MATRIX,
         differentiates_friction: true,
-        summary: "Inverse dynamics with all its Jacobians; that by the accelerations is `M(y)`.",
+        summary: "Inverse dynamics with all its Jacobians; the Jacobian by the accelerations is `M(y)`.",
         equation: "δ(M ÿ + k − q) = ∂/∂y δy + ∂/∂ẏ δẏ + M δÿ",
         arguments: &[Coordinates, Velocities, Accelerations],
         results: &[

@@ -100,9 +100,7 @@ impl Argument {
                 "velocities v, written ẏ in equations; for a joint with a quaternion linear and angular \
                  velocity in the frame of its body"
             }
-            Accelerations if !model.quaternion_joints.is_empty() => {
-                "accelerations v̇, for which ÿ stands in equations"
-            }
+            Accelerations if !model.quaternion_joints.is_empty() => "accelerations v̇, written ÿ in equations",
             _ => self.meaning(),
         };
         ArgumentText { meaning: meaning.to_owned(), entries }

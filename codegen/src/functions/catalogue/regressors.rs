@@ -33,7 +33,7 @@ pub const QUANTITIES: &[Quantity] = &[
         results: &[(
             "W",
             REGRESSOR,
-            "rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; those of rotors stand last",
+            "rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; those of rotors are last",
         )],
         notes: &[
             "The inverse dynamics are `W π + τ − springs`, with friction τ and the springs' forces. Independent of the \

@@ -39,7 +39,7 @@ pub const QUANTITIES: &[Quantity] = &[
         summary: "Inverse dynamics: the joint forces of a motion on which wrenches act.",
         equation: "M(y) ÿ + k(y, ẏ) − q(y, ẏ) − wrench_forces(y, w)",
         arguments: &[Coordinates, Velocities, Accelerations, Wrenches],
-        results: &[("B u", VECTOR, "what the drives exert at the joints")],
+        results: &[("B u", VECTOR, "drive forces at the joints")],
         build: |equations, Arguments { y, v, a, w, .. }| {
             vec![vector(equations.inverse_dynamics_with_wrenches(MotionInput { y, v, a }, w))]
         },

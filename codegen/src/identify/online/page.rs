@@ -76,7 +76,7 @@ pub fn online_page(name: &str, joints: &[OnlineJoint], command: &str) -> Report 
     report.made_by = command.to_owned();
     let mut section = Section::new("joints", "Joints").block(text(
         "Left: friction at the joint's root-mean-square speed. Right: errors of the predictions, root mean square over 5 s. The batch law is the best \
-         of those fitted to the samples before each one; its number of terms and its stretch of time are chosen afterwards.",
+         of those fitted to the samples before each one; its number of terms and its time window are chosen afterwards.",
     ));
     for (index, joint) in joints.iter().enumerate() {
         section = section.block(Block::Figure(figure(index, joint)));
@@ -150,7 +150,7 @@ fn terms(joints: &[OnlineJoint]) -> Table {
     let table = Table::new(
         "terms",
         "Terms that the learned law adds to the described friction $\\tau_d$, $\\delta_1 \\tau_d + \\delta_2 v + \\delta_3 + \\delta_4 |\\tau_d|$, with half of \
-         their 90 % intervals. A term that the motion did not show is frozen.",
+         their 90 % intervals. A term that the motion did not excite is frozen.",
     )
     .column("joint", "joint", "")
     .column("term", "term", "")

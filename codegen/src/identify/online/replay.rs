@@ -157,13 +157,13 @@ fn rate(runs: &[Run]) -> Result<f64> {
         let own = 1.0 / median(steps.clone()).unwrap_or(1.0 / rate);
         if (own / rate - 1.0).abs() > OTHER_RATE {
             let message = format!(
-                "it has {own:.6} rows in a second, the logs as a whole {rate:.6}: replay logs of one rate"
+                "it has {own:.6} rows per second, but all logs together {rate:.6}: replay logs of one rate"
             );
             return Err(fault(&run.name, message));
         }
         if irregular * 10 > steps.len() {
             let message = format!(
-                "{irregular} of its {} steps of time differ from the period of {:.6} s by more than a tenth: a loop has periods of one length",
+                "{irregular} of its {} time steps differ from the period of {:.6} s by more than a tenth: a loop has a constant period",
                 steps.len(),
                 1.0 / rate
             );

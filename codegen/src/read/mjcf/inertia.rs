@@ -205,7 +205,7 @@ impl<'a> Reader<'_, 'a> {
             }
             (None, _) => {
                 let span = given.map_or(geom.element.span(), |given| given.span);
-                let message = format!("a {kind} needs more than {} positive sizes", size.len());
+                let message = format!("a {kind} needs more sizes than {}, all positive", size.len());
                 self.report.error(span, "geom-size", message);
                 None
             }

@@ -132,7 +132,7 @@ impl<'a> Reader<'_, 'a> {
                 format!("free joint `{}` must be the only joint of a body in <worldbody>", name.value);
             self.report.error(name.span, "free-joint", message);
             self.report.help(
-                "MuJoCo has free joints only there: replace the joint by slides and a ball, or move the body",
+                "MuJoCo requires this: use slide joints and a ball joint, or move the body to <worldbody>",
             );
         }
         if !frame.is_identity() {

@@ -54,7 +54,7 @@ pub(super) fn description(
     };
     let robot = document.root_element();
     if robot.tag_name().name() != "robot" {
-        let message = format!("the file holds a `{}`, not a `robot`", robot.tag_name().name());
+        let message = format!("the root element is `{}`, not `robot`", robot.tag_name().name());
         report.error(Span::new(source, robot.range()), "not-a-robot", message);
         return None;
     }

@@ -17,12 +17,12 @@ use gelenk_findings::{Finding, Rule};
 use std::ops::Range;
 
 /// Sees: a law that explains less than viscous and Coulomb friction would.
-/// Matters: the terms that were asked for are too few.
+/// Matters: more terms than the requested ones are needed.
 /// Example: `--friction viscous` of a joint with Coulomb friction.
 /// Fixture: `codegen/tests/external_arm/doubts.rs`.
 const TOO_FEW_TERMS: Rule = Rule::warning("too-few-terms");
 
-/// Sees: an offset of the efforts that costs more than a hundredth of R², and that is not written.
+/// Sees: an offset of the efforts that lowers R² by more than 0.01 and is not written.
 /// Matters: the written description predicts efforts without it.
 /// Example: a torque sensor with a zero error.
 /// Fixture: `codegen/tests/external_arm/offsets.rs`.

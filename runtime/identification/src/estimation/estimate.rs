@@ -30,7 +30,7 @@ use gelenk_findings::{Finding, Rule};
 use nalgebra::DVector;
 
 /// Sees: shares of the load that change from pass to pass.
-/// Matters: they are known less than their intervals say.
+/// Matters: their intervals are too narrow.
 /// Example: friction that is not in proportion to the load.
 /// Fixture: `estimation/tests/load.rs`.
 const UNSETTLED: Rule = Rule::warning("load-shares-unsettled");
@@ -117,7 +117,7 @@ fn untold(robot: &dyn Robot, error: &IdentificationError) -> Option<(usize, Find
         Some(driving) => (driving.message.clone(), driving.remedy.clone()),
         None if !reasons.iter().any(is_unexplained) => return None,
         None => {
-            let poor = format!("R² is {r_squared:.3} on held-out data, and at least {least} is asked for");
+            let poor = format!("R² is {r_squared:.3} on held-out data, and at least {least} is required");
             (format!("its effort is hardly explained: {poor}"), None)
         }
     };

@@ -19,32 +19,32 @@ use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
 use nalgebra::{DMatrix, DVector};
 
-/// Sees: how many offsets the measured forces have.
-/// Matters: an offset for each run takes up what differs from run to run.
+/// Sees: the number of offsets of the measured forces.
+/// Matters: an offset for each run absorbs differences between runs.
 /// Example: one offset for each joint.
 /// Fixture: `good` in `codegen/tests/findings/arm.rs`.
 const OFFSETS: Rule = Rule::note("offsets");
 
 /// Sees: the remaining delays of the efforts.
-/// Matters: intervals count how far a delay is known.
+/// Matters: intervals include the uncertainty of the delays.
 /// Example: 0.2 ± 0.3 ms.
 /// Fixture: `good` in `codegen/tests/findings/arm.rs`.
 const DELAYS: Rule = Rule::note("delays-estimated");
 
-/// Sees: the weight of the description, and how many combinations of inertial parameters the data decide.
-/// Matters: the description decides the others.
+/// Sees: the weight of the description, and the number of combinations of inertial parameters that the data determine.
+/// Matters: the description determines the others.
 /// Example: 12.3 of 30 combinations.
 /// Fixture: `good` in `codegen/tests/findings/arm.rs`.
 const WEIGHT: Rule = Rule::note("description-weight");
 
 /// Sees: a described body that the data contradict.
-/// Matters: its description counts for less.
+/// Matters: its description gets a smaller weight.
 /// Example: a link with a load in its hand.
 /// Fixture: `cable` in `codegen/tests/findings/arm.rs`.
 const CONTRADICTED: Rule = Rule::note("body-contradicted");
 
 /// Sees: a motor constant whose interval is wider than a factor of 2.
-/// Matters: torques, friction and inertia of the joint may be wrong by it.
+/// Matters: torques, friction and inertia of the joint may be wrong by this factor.
 /// Example: a joint with a vertical axis.
 /// Fixture: `estimation/tests/currents.rs`.
 const MOTOR_CONSTANT: Rule = Rule::warning("motor-constant-unknown");
@@ -196,7 +196,7 @@ impl Estimated<'_> {
                 "the delay of the efforts is estimated with all other parameters, and intervals include its uncertainty: {} in addition to the delay that was removed before",
                 said.join(", ")
             );
-            DELAYS.found(message).help("--delay takes one as known")
+            DELAYS.found(message).help("--delay sets a known delay")
         })
     }
 
@@ -216,8 +216,8 @@ impl Estimated<'_> {
         let names = self.robot.parameter_names();
         let all = self.solved.active.iter().filter(|&&global| global < names.len()).count();
         let weight = format!(
-            "the description weighs {}: the data decide {:.1} of {all} combinations of inertial parameters, \
-             the description decides the rest",
+            "the description has the weight {}: the data determine {:.1} of {all} combinations of inertial \
+             parameters, the description the rest",
             plain(self.chosen.weighting.description, 4),
             self.covariance.decided
         );
@@ -297,9 +297,8 @@ impl Estimated<'_> {
     fn untold_gains(&self) -> Vec<Finding> {
         let untold = |joint: &usize| !self.gain(*joint).has_one_size();
         let finding = |joint: usize| {
-            let message = "its motor constant is not known: the described bodies do not load the joint enough, or only by its inertia, \
-                           to which the drive's adds. Its torques may be wrong by a factor, with friction and inertia; its \
-                           currents are not";
+            let message = "its motor constant is unknown: the described bodies load the joint too little, or only by an inertia that \
+                           adds to the drive's. Its torques, friction and inertia may be wrong by a factor; its currents are not";
             let remedy = "describe `motor_constant`, from the data sheet or from a known load, or convert the currents to torques";
             MOTOR_CONSTANT.found(message).of(self.robot.subject(joint)).help(remedy)
         };
@@ -343,7 +342,7 @@ const UNEXPLAINED: Rule = Rule::error("unexplained-effort");
 pub(super) fn unexplained(robot: &dyn Robot, joint: usize) -> Finding {
     let remedy = "check sign, unit and assignment of the columns, that the robot moved freely, and how it is mounted (`gravity` of \
                   the description)";
-    UNEXPLAINED.found("nothing that was tried explains its effort").of(robot.subject(joint)).help(remedy)
+    UNEXPLAINED.found("no tested cause explains its effort").of(robot.subject(joint)).help(remedy)
 }
 
 /// Whether a finding is the one of [`unexplained`].

@@ -21,7 +21,7 @@ use gelenk_findings::{Finding, Rule, Severity, Subject};
 
 /// Sees: efforts of a joint that fit the rigid body better with the other sign.
 /// Matters: friction would drive the joint, and its masses would be wrong.
-/// Example: a torque that counts against the position.
+/// Example: a torque whose positive direction is opposite to that of the position.
 /// Fixture: `sign` in `codegen/tests/findings/arm.rs`.
 const OTHER_SIGN: Rule = Rule::error("other-sign");
 
@@ -31,20 +31,20 @@ const OTHER_SIGN: Rule = Rule::error("other-sign");
 /// Fixture: `estimation/tests/pendulum.rs`.
 const DRIVING: Rule = Rule::error("driving-friction");
 
-/// Sees: a log of too few samples to tell friction from chance.
-/// Matters: no sign can be doubted.
+/// Sees: a log with too few samples to distinguish friction from noise.
+/// Matters: a wrong sign cannot be detected.
 /// Example: 2 s of slow motion.
 /// Fixture: `a_wrong_sign_and_forces_that_are_noise_are_refused` in `estimation/tests/simulated.rs`.
 const TOO_SHORT: Rule = Rule::error("log-too-short");
 
 /// Sees: efforts that fit better without gravity, or with it if it is said to be compensated.
-/// Matters: masses come out wrong.
+/// Matters: the masses are wrong.
 /// Example: a driver that reports torques without the weight, as UR's ROS 2 driver does.
 /// Fixture: `without_gravity` in `codegen/tests/findings/arm.rs`.
 const GRAVITY: Rule = Rule::error("other-gravity");
 
 /// Sees: an effort that comes later or earlier than `--delay` says.
-/// Matters: inertia and friction take up a part of the delay.
+/// Matters: the delay causes errors of inertia and friction.
 /// Example: `--delay 0` where efforts are 50 ms early.
 /// Fixture: `efforts_that_come_early_are_moved` in `codegen/tests/external_arm/main.rs`.
 const DELAY: Rule = Rule::warning("other-delay");
@@ -68,8 +68,8 @@ pub(super) fn is_driving(finding: &Finding) -> bool {
 }
 
 fn driving() -> Finding {
-    let message = "its friction comes out as driving it. With the other sign of its effort friction would brake, but the motion \
-                   would not be explained better";
+    let message = "its estimated friction drives it. With the other sign of its effort friction would brake, but the fit would \
+                   not be better";
     let remedy = "check sign, unit and assignment of its columns, and whether the robot's controller compensates friction itself";
     DRIVING.found(message).help(remedy)
 }
@@ -349,7 +349,7 @@ fn gravity(task: &Task, chosen: &Chosen, ratio: Option<f64>) -> Result<Option<Fi
             "check that the vertical of the log's axes is that of the description, and the order of the quaternion's entries",
         )
     } else if compensated {
-        ("with", "leave out --gravity-compensated: the efforts seem to hold the weight")
+        ("with", "leave out --gravity-compensated: the efforts seem to contain the weight")
     } else {
         (
             "without",

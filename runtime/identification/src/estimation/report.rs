@@ -7,12 +7,12 @@ use super::result::{Estimate, Gravity};
 use gelenk_findings::{Finding, Rule};
 
 /// Sees: a robot that compensates the weight of its bodies as described.
-/// Matters: the efforts hold what they weigh beyond it.
+/// Matters: the efforts contain only the additional weight.
 /// Example: a load in the hand of a robot that holds itself.
 /// Fixture: `estimation/tests/simulated.rs`.
 const AS_DESCRIBED: Rule = Rule::note("compensated-as-described");
 
-/// Inputs of the returned estimate.
+/// Data from which the returned estimate is made.
 pub(super) struct Report<'a> {
     pub(super) fitted: Estimated<'a>,
     pub(super) runs: &'a [PreparedRun],
@@ -77,8 +77,8 @@ impl Report<'_> {
     fn gravity(&self) -> Option<Finding> {
         (self.fitted.gravity == Gravity::CompensatedAsDescribed).then(|| {
             AS_DESCRIBED.found(
-                "the robot compensates the weight of the bodies as described. What they weigh beyond it is in the efforts, and the \
-                 found bodies have it; if the robot's own model is another one, their weight is wrong by the difference",
+                "the robot compensates the weight of the described bodies. The efforts contain the additional weight, and so do \
+                 the estimated bodies; if the robot's own model differs, their weight is wrong by the difference",
             )
         })
     }

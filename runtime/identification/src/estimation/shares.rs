@@ -51,7 +51,7 @@ pub(crate) struct ShareSums {
     pub(crate) weights: Vec<f64>,
     /// Σ w (x − x̄)(x − x̄)ᵀ of each joint, with the columns x and their means x̄; Σ w x xᵀ of a joint with a quaternion.
     pub(crate) products: Vec<DMatrix<f64>>,
-    /// Sums of squares that outliers lost with their weight: Σ (1 − w) r² and Σ (1 − w)(z − z̄)² of each joint, with the
+    /// Sums of squares that the weights of outliers remove: Σ (1 − w) r² and Σ (1 − w)(z − z̄)² of each joint, with the
     /// residual r and the measured effort z.
     pub(crate) lost: Vec<[f64; 2]>,
 }

@@ -13,7 +13,7 @@ use gelenk_findings::{Finding, Rule, Subject};
 const FREE: f64 = 1e-12;
 
 /// Sees: efforts of a joint that another stiffness of its spring explains better, next to bodies that may change.
-/// Matters: bodies and friction take up a part of its force.
+/// Matters: its force causes errors of bodies and friction.
 /// Example: a cable that the joint winds up.
 /// Fixture: `spring` in `codegen/tests/findings/arm.rs`.
 const SPRING: Rule = Rule::warning("spring");

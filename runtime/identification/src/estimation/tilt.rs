@@ -240,7 +240,7 @@ fn seen(variance: DMatrix<f64>) -> DMatrix<f64> {
 }
 
 /// Sees: weights that another direction of gravity explains.
-/// Matters: bodies take up a part of the tilt.
+/// Matters: the tilt causes errors of the bodies.
 /// Example: a robot on a wedge of 5°.
 /// Fixture: `tilted` in `codegen/tests/findings/arm.rs`.
 const TILT: Rule = Rule::warning("tilted-gravity");

@@ -177,7 +177,7 @@ impl<'a> Design<'a> {
         }
         match self.information(&instants).cholesky() {
             Some(factor) => -2.0 * factor.l().diagonal().iter().map(|x| x.ln()).sum::<f64>(),
-            None => self.refusals.refuse("parameters that the motion does not show"),
+            None => self.refusals.refuse("parameters that the motion does not excite"),
         }
     }
 
@@ -236,7 +236,7 @@ impl<'a> Design<'a> {
         let beyond: Vec<String> = self.beyond(approach).collect();
         (!beyond.is_empty()).then(|| {
             format!(
-                "the way from the start needs more effort than the share that the plan may use: {}; go there more slowly, or start nearer",
+                "the path from the start needs more effort than the share that the plan may use: {}; go there more slowly, or start nearer",
                 beyond.join(", ")
             )
         })

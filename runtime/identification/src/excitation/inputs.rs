@@ -160,7 +160,7 @@ pub(super) fn require_driven(robot: &dyn Robot, states: &[Instant]) -> Result<()
     match robot.joint_names().into_iter().enumerate().find(|(joint, _)| !is_moved(*joint)) {
         Some((_, joint)) => Err(IdentificationError::File {
             place: format!("joint {joint}"),
-            message: "it has no drive, and no input at a frame moves it: no motion of it can be planned; describe the force that moves it (`drive`, \
+            message: "it has no drive, and no input at a frame moves it, so no motion can be planned; describe the force that moves it (`drive`, \
                       `[[drives]]`, `[[forces]]` with an `input`), or hold it (`held = 0`) for the plan and its logs"
                 .into(),
         }),
@@ -187,8 +187,8 @@ fn require_all_directions(joint: &QuaternionJoint, matrices: &[DMatrix<f64>]) ->
     Err(IdentificationError::File {
         place: format!("joint {}", joint.name),
         message: format!(
-            "no motion is planned if a {kind} joint is moved by its inputs in {moved} of its {} directions: in the others it \
-             would have to move as nothing moves it. Record free motions instead, which `gelenk identify` takes as they are; or \
+            "no motion is planned if a {kind} joint is moved by its inputs in {moved} of its {} directions: its motion in the \
+             others cannot be controlled. Record free motions instead, which `gelenk identify` accepts; or \
              describe the inputs that hold the joint while it moves (`[[inputs]]` with `frame` and `wrench`); or clamp what it \
              carries, describe it as fixed for the plan and its logs ({fixed}), and identify the rest from free motions",
             rows.len()

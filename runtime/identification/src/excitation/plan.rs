@@ -22,14 +22,14 @@ use gelenk_findings::{Finding, Rule};
 const ASSUMED: Rule = Rule::note("assumed-limits");
 
 /// Sees: a motion that is smaller than the limits allow.
-/// Matters: it shows less of inertia and friction.
+/// Matters: it excites inertia and friction less.
 /// Example: 60 % of the size.
 /// Fixture: `codegen/tests/motion_limits.rs`.
 const SMALLER: Rule = Rule::note("smaller-motion");
 
-/// Sees: a way to the motion that goes beyond a limit.
-/// Matters: the robot may not bear it.
-/// Example: efforts on the way from a given posture.
+/// Sees: a path to the motion that exceeds a limit.
+/// Matters: the robot may be unable to follow it.
+/// Example: efforts on the path from a given posture.
 /// Fixture: `codegen/tests/motion_limits.rs`.
 const APPROACH: Rule = Rule::note("approach-beyond-limits");
 
@@ -72,7 +72,7 @@ const SHOWN: usize = 10;
 /// the volume of the parameters' confidence ellipsoid. Σ_τ is the diagonal matrix of the squares of the usable efforts, or
 /// of the typical forces of joints without a limit of the effort. W has a column for each independent inertial parameter,
 /// and three columns for each joint without a quaternion: v, a smooth sign of v, and 1. Shafts of drives that act on several
-/// joints take rows of joints ([`crate::shafts`]), with the torque of their motors.
+/// joints replace rows of joints ([`crate::shafts`]), with the torque of their motors.
 ///
 /// The motion keeps the limits of the joints. Its forces keep the usable share of the efforts, of the motors' torques, and
 /// of the range that torque–speed lines leave at each speed. If inputs act at frames, as cylinders do, the motion keeps the
@@ -85,8 +85,8 @@ const SHOWN: usize = 10;
 /// - [`Shape`](IdentificationError::Shape): a start with a wrong number of positions
 /// - [`File`](IdentificationError::File): a joint that no input moves, or a joint with a quaternion that the inputs do not
 ///   move in all directions
-/// - [`NotConverged`](IdentificationError::NotConverged): no motion that was tried, down to a tenth of the size, determines
-///   all parameters within the limits
+/// - [`NotConverged`](IdentificationError::NotConverged): no tried motion, down to a tenth of the size that the limits allow,
+///   determines all parameters within the limits
 pub fn plan(robot: &dyn Robot, settings: &PlanSettings, progress: &mut dyn FnMut(&str)) -> Result<Plan> {
     check(settings)?;
     let chart = Chart::of(robot);
@@ -151,8 +151,7 @@ pub fn plan(robot: &dyn Robot, settings: &PlanSettings, progress: &mut dyn FnMut
 fn smaller(size: f64) -> Option<Finding> {
     (size < 1.0).then(|| {
         let message = format!(
-            "motions that use all of their share of positions, speeds or accelerations need more than the share of the efforts: this \
-             one has {:.0} % of their size",
+            "full-size motions need more than the allowed share of the efforts: this motion has {:.0} % of the full size",
             100.0 * size
         );
         SMALLER.found(message).help("with a longer period it can be larger")

@@ -56,8 +56,8 @@ pub(super) fn assumptions(robot: &dyn Robot, settings: &PlanSettings, chart: &Ch
     let turning: Vec<&str> = chart.rotations().map(|(name, _)| name).collect();
     let turn = (!turning.is_empty()).then(|| {
         format!(
-            "joints with a quaternion have no limits of position; they turn by up to {:.2} rad from the attitude in which their \
-             quaternion is 0, 0, 0, 1: {}",
+            "joints with a quaternion have no limits of position; they rotate by up to {:.2} rad from the quaternion 0, 0, 0, \
+             1: {}",
             settings.position_share * settings.turn,
             turning.join(", ")
         )

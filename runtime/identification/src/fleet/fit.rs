@@ -32,7 +32,7 @@ const OTHER_FILTERS: Rule = Rule::warning("different-filters");
 /// Fixture: `merge` in `codegen/tests/findings/arm.rs`.
 const OTHER_DELAYS: Rule = Rule::warning("different-delays");
 
-/// Sees: how many logs and samples moments hold.
+/// Sees: the number of logs and samples in moments.
 /// Matters: efforts and residuals over time are not known.
 /// Example: 3 logs, 4200 samples.
 /// Fixture: `merge` in `codegen/tests/findings/arm.rs`.

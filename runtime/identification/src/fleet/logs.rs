@@ -9,7 +9,7 @@ use gelenk_findings::{Finding, Rule};
 use std::collections::BTreeMap;
 
 /// Sees: warnings of fits to single logs, counted.
-/// Matters: what a part of the logs has in common may be a fault of the robot.
+/// Matters: a warning that many logs share may be a fault of the robot.
 /// Example: a delay in 12 of 100 logs.
 /// Fixture: `a_wrong_sign_is_refused_and_named` in `fleet/tests.rs`.
 const OF_LOGS: Rule = Rule::warning("doubts-of-logs");
@@ -106,7 +106,7 @@ pub(super) struct Share {
 pub(super) struct JointSums {
     /// Σ w, with the weights w of the samples.
     pub(super) weight: Exact,
-    /// Sums of squares that outliers lost with their weight: Σ (1 − w) r² and Σ (1 − w)(z − z̄)², in units of the effort,
+    /// Sums of squares that the weights of outliers remove: Σ (1 − w) r² and Σ (1 − w)(z − z̄)², in units of the effort,
     /// with the residual r and the measured effort z.
     pub(super) lost: [Exact; 2],
     /// Σ w (x − x̄)(x − x̄)ᵀ of the columns x with their means x̄; Σ w x xᵀ for a joint with a quaternion. Rows of the lower
@@ -146,7 +146,7 @@ impl LogMoments {
         };
         let rare = self.doubts.iter().filter(is_rare).count();
         let rare = (rare > 0).then(|| {
-            let message = format!("{rare} more doubts are of less than a tenth of the logs each");
+            let message = format!("{rare} more warnings each concern less than a tenth of the logs");
             OF_LOGS.found(message).help("--reduce names them for each log")
         });
         self.doubts.iter().filter(|doubt| !is_rare(doubt)).map(finding).chain(rare).collect()
@@ -292,8 +292,8 @@ fn require_same(first: &About, other: &About, before: &str, place: &str) -> Resu
     let fault = |message: String| Err(IdentificationError::File { place: place.into(), message });
     if first.description != other.description {
         return fault(format!(
-            "its moments belong to another description than those of {before}: reduce its logs again with the one \
-             that is meant, and the same options of reading"
+            "its moments belong to another description than those of {before}: reduce its logs again with the \
+             intended description and the same reading options"
         ));
     }
     for ((mine, remedy), (theirs, _)) in made_with(first).into_iter().zip(made_with(other)) {

@@ -7,19 +7,19 @@ use super::task::FrictionData;
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
 
-/// Sees: a law that explains less of left-out data than is asked for.
+/// Sees: a law that explains less of held-out data than required.
 /// Matters: it is noise.
 /// Example: a joint that moved once, slowly.
 /// Fixture: `friction/tests.rs`.
 const POOR_LAW: Rule = Rule::error("poor-law");
 
 /// Sees: a log that shows a small part of the described speeds.
-/// Matters: the law is a guess beyond.
+/// Matters: the law is an extrapolation at higher speeds.
 /// Example: a motion of 0.1 rad/s of a joint that may move at 3.
 /// Fixture: `laws_are_judged_at_speeds_that_the_joint_may_have` in `friction/findings.rs`.
 const SLOW_LOG: Rule = Rule::warning("slow-log");
 
-/// Sees: a law that takes more than the described effort at a speed that the data do not show.
+/// Sees: a law that exceeds the described effort at a speed outside the data.
 /// Matters: it is wrong there. Far beyond, it is refused.
 /// Example: a steep term of a slow log.
 /// Fixture: `laws_are_judged_at_speeds_that_the_joint_may_have` in `friction/findings.rs`.
@@ -56,7 +56,7 @@ impl<'a> Findings<'a> {
     pub(super) fn judge(&mut self, held_out: Option<f64>, least: f64) {
         let Some(r) = held_out.filter(|r| *r < least) else { return };
         let message = format!(
-            "the law explains nothing: R² on left-out data is {r:.3}, and at least {least} is asked for"
+            "the law explains nothing: R² on left-out data is {r:.3}, and at least {least} is required"
         );
         let remedy = "record motion with more speed and reversals, or leave the described friction as it is";
         self.add(POOR_LAW.found(message).help(remedy));
@@ -76,7 +76,7 @@ impl<'a> Findings<'a> {
         let shows_little = fastest < levels::SMALL_PART.get() * farthest;
         if shows_little {
             self.add(SLOW_LOG.found(format!(
-                "the speeds of the log reach {} {}, {:.1} % of the described limit: the law beyond them is a guess",
+                "the speeds of the log reach {} {}, {:.1} % of the described limit: beyond them the law is an extrapolation",
                 plain(fastest, 3),
                 self.data.velocity_unit,
                 100.0 * fastest / farthest
@@ -97,7 +97,7 @@ impl<'a> Findings<'a> {
 
     fn beyond_effort(&self, [speed, torque]: [f64; 2], effort: f64, fastest: f64) -> Finding {
         let message = format!(
-            "the law takes {} {} at {} {}, more than the described effort of {}: the data, with speeds up to {}, do not determine the friction there",
+            "the law needs {} {} at {} {}, more than the described effort of {}: the data, with speeds up to {}, do not determine the friction there",
             plain(torque, 3),
             self.unit,
             plain(speed, 3),

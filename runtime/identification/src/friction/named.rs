@@ -182,7 +182,7 @@ mod tests {
         assert!(fault("viscous,v").contains("twice"), "{}", fault("viscous,v"));
         assert!(fault("viscos").contains("viscos"), "{}", fault("viscos"));
         assert!(fault("viscos").contains("did you mean `viscous`?"), "{}", fault("viscos"));
-        assert!(fault("dry").contains("known are `viscous`"), "{}", fault("dry"));
+        assert!(fault("dry").contains("known names are `viscous`"), "{}", fault("dry"));
         assert!(fault("max(v, 0)").contains("max"), "{}", fault("max(v, 0)"));
         assert!(fault("tanh(v").contains("tanh(v"), "{}", fault("tanh(v"));
     }

@@ -12,7 +12,7 @@ use gelenk_findings::Rule;
 use gelenk_findings::digits::plain;
 use nalgebra::{DMatrix, DVector};
 
-/// Sees: a law by least squares that would drive the joint, or explode beyond the speeds in the data.
+/// Sees: a law by least squares that would drive the joint, or diverge beyond the speeds in the data.
 /// Matters: it was refitted so that it brakes.
 /// Example: terms that nearly cancel.
 /// Fixture: `friction/tests.rs`.
@@ -77,9 +77,9 @@ pub(super) fn restrict(
         return Ok((free, none));
     }
     findings.add(RESTRICTED.found(
-        "least squares would give a law that drives the joint at some speed, or that explodes beyond the speeds in the data; it \
-         was refitted under τ v ≥ 0, viscous friction ≥ 0 and bounded growth, and the standard errors take what this fixes for \
-         exact",
+        "least squares would give a law that drives the joint at some speed, or that diverges beyond the speeds in the data; it \
+         was refitted under τ v ≥ 0, viscous friction ≥ 0 and bounded growth, and the standard errors treat active constraints \
+         as exact",
     ));
     let mut coefficients = constrained_fit(reduced, 0, &free.active, rows)?;
     remove_rounding(&mut coefficients, reduced.moments(), samples);

@@ -22,7 +22,7 @@ use gelenk_findings::{Finding, Rule};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
-/// Sees: parameters of a Stribeck law that the data do not tell.
+/// Sees: parameters of a Stribeck law that the data do not determine.
 /// Matters: they are guesses.
 /// Example: a Stribeck speed below all speeds in the data.
 /// Fixture: `methods/stribeck/tests.rs`.
@@ -258,7 +258,7 @@ fn refuse_driving(fit: &StribeckFit, findings: &mut Findings) {
     let speeds = speeds.chain(slower(fastest)).chain(beyond().map(|factor| factor * fastest));
     let driving = speeds.filter(|v| fit.torque(*v) < -1e-9 * fit.torque(fastest).abs()).fold(0.0, f64::max);
     if driving > 0.0 {
-        let remedy = "let terms be chosen, which can be kept from it (--friction viscous,coulomb)";
+        let remedy = "use a law with chosen terms, which can be constrained (--friction viscous,coulomb)";
         let message = format!("the Stribeck law drives the joint at up to {}", plain(driving, 4));
         findings.add(DRIVES.found(message).help(remedy));
     }

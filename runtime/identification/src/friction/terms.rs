@@ -18,7 +18,7 @@ use super::task::{FrictionData, FrictionIdentification};
 use gelenk_findings::Rule;
 use nalgebra::DMatrix;
 
-/// Sees: terms that friction may have and that an offset hides.
+/// Sees: friction terms that cannot be distinguished from an offset.
 /// Matters: they are left out of the law.
 /// Example: Coulomb friction of a joint that moves in one direction.
 /// Fixture: `parameters_that_the_data_do_not_show` in `runtime/tests/identification_bad_input.rs`.

@@ -9,7 +9,7 @@ use gelenk_findings::Rule;
 pub(super) const MISSING: Rule = Rule::note("missing-values");
 
 /// Sees: text in a column of numbers.
-/// Matters: its rows are not used; a unit or a mark between thousands next to the number may be the reason.
+/// Matters: its rows are not used; a unit or a thousands separator may be the reason.
 /// Example: `x` below `u1`.
 /// Fixture: `incomplete_rows_are_left_out_by_number` in `log/tests/styles.rs`.
 pub(super) const NOT_A_NUMBER: Rule = Rule::note("not-a-number");
@@ -57,12 +57,12 @@ pub(super) const OUTLIER: Rule = Rule::note("outliers");
 pub(super) const VELOCITY_DISAGREES: Rule = Rule::note("velocity-disagrees");
 
 /// Sees: efforts that are at their largest or smallest value for a part of the motion.
-/// Matters: the model is wrong there, a sensor or a drive had its limit.
+/// Matters: the model is wrong there: a sensor or a drive was saturated.
 /// Example: a torque sensor that ends at 6 N m.
 /// Fixture: `efforts_that_are_cut_off_are_said_with_their_column_and_share` in `log/saturation.rs`.
 pub(super) const CUT_OFF: Rule = Rule::note("efforts-cut-off");
 
-/// Sees: columns that are commanded by their names where no measured ones are found, or a time in an unknown unit.
+/// Sees: columns with names of commanded values if no measured ones are found, or a time in an unknown unit.
 /// Matters: commanded values differ from measured ones by the control error.
 /// Example: `q_d1` without a `q1`.
 /// Fixture: `what_is_commanded_is_doubted_where_nothing_is_measured` in `log/tests/printed.rs`.

@@ -57,8 +57,8 @@ fn velocity(runs: &[Run], joint: usize) -> Option<String> {
     let ratio = qv / vv;
     if correlation.abs() < levels::RELATED.get() {
         return Some(format!(
-            "its column of velocities is hardly related to its positions (correlation {correlation:.2}): is it another \
-             joint's, or a commanded one?"
+            "its velocity column is hardly correlated with its positions ({correlation:.2}): check whether it is \
+             another joint's or commanded"
         ));
     }
     let size = ratio.abs();

@@ -312,7 +312,7 @@ fn require_most_readable(
     let worst = all.filter(|(_, gaps)| 2 * gaps.unread > total).max_by_key(|(_, gaps)| gaps.unread);
     let reason = match worst {
         Some((column, gaps)) => format!(
-            "{} has no number in {} of them, the first is `{}`. Marks between thousands, a decimal comma beside points, or a unit beside \
+            "{} has no number in {} of them, the first is `{}`. Thousands separators, a decimal comma next to points, or a unit next to \
              the number may be the reason: export plain numbers",
             column.map_or_else(String::new, |column| label(sheet, column)),
             gaps.unread,
@@ -384,9 +384,7 @@ pub(super) fn split(
     if kept.is_empty() {
         return Err(IdentificationError::File {
             place: source.into(),
-            message:
-                "no two samples follow each other in time within a run: is the time column the right one?"
-                    .into(),
+            message: "no two samples follow each other in time within a run: check the time column".into(),
         });
     }
     let named = kept.iter().zip(run_names(&samples, &kept, source));

@@ -17,7 +17,7 @@ pub(super) fn assumed_unit(step: i128) -> (f64, Option<String>) {
         _ => (1e-9, "ns"),
     };
     let message = format!(
-        "the time has no unit and steps by {steps}: taken as {name} ({:.6} Hz); --columns 'time=…[s]' says otherwise{}",
+        "the time has no unit and steps by {steps}: taken as {name} ({:.6} Hz); --columns 'time=…[s]' sets another unit{}",
         1.0 / (steps * factor),
         if steps == 1.0 { ", and the period of a counter of samples, as in 'time=…[4 ms]'" } else { "" }
     );

@@ -107,7 +107,7 @@ impl Equations {
         total
     }
 
-    /// Weights 1/σ² of each joint, from the residuals of the fit that they weight; zero for a joint at rest.
+    /// Weights 1/σ² of each joint, iterated: σ is that of the weighted fit's residuals. Zero for a joint at rest.
     pub(super) fn weights(&self) -> Result<Vec<f64>> {
         let all: Vec<Sums> = (0..self.joints).map(|j| self.joint(j)).collect();
         require_samples("a payload, samples of moving joints", 1, all.iter().map(|s| s.rows).sum())?;

@@ -16,13 +16,13 @@ use nalgebra::{DMatrix, RowDVector};
 /// Fixture: `payload/tests.rs`.
 const NO_LOAD: Rule = Rule::warning("no-load");
 
-/// Sees: values of the load that the motion does not show.
-/// Matters: they are those of a ball.
+/// Sees: values of the load that the motion does not excite.
+/// Matters: they are set to those of a ball.
 /// Example: moments of a load that never turned.
 /// Fixture: `payload/tests.rs`.
 const HIDDEN: Rule = Rule::warning("load-hidden");
 
-/// Sees: efforts that ask for a load that cannot exist.
+/// Sees: efforts whose best fit is a load that is not physical.
 /// Matters: the nearest possible one is stated.
 /// Example: a mass below 0.
 /// Fixture: `payload/tests.rs`.
@@ -125,12 +125,12 @@ fn findings(payload: &Payload, load: &ConsistentSolution, names: &[String]) -> V
         NAMES.iter().zip(payload.shown).filter(|(_, shown)| !shown).map(|(name, _)| *name).collect();
     let hidden = (!hidden.is_empty()).then(|| {
         let instead = if low > 0.0 { ": the values are those of a ball of 1500 kg/m³" } else { "" };
-        HIDDEN.found(format!("the motion does not show {} of the load{instead}", hidden.join(", ")))
+        HIDDEN.found(format!("the motion does not excite {} of the load{instead}", hidden.join(", ")))
     });
     let bound = (!load.on_boundary.is_empty()).then(|| {
         IMPOSSIBLE.found(
-            "the efforts ask for a load that cannot exist; the nearest possible one is stated, and the intervals do not know about \
-             the bound",
+            "the efforts lead to a load that is not physical; the nearest physical load is reported, and the intervals ignore this \
+             constraint",
         )
     });
     let of = |is_meant: &dyn Fn(usize) -> bool| -> Vec<&str> {

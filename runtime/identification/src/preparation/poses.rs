@@ -3,7 +3,7 @@
 //! The path of a joint is the sum of its displacements `y ⊖ y_before` from sample to sample. Paths are smoothed like the
 //! positions of other joints, and the rates of the paths are the velocities. A path does not determine the pose. So a
 //! smoothed pose is the nearest measured pose, moved by the difference of the smoothed and the measured path there. This
-//! difference has the size of the noise and of half a sample, so that rotations commute to second order.
+//! difference is at most the noise and the motion in half a period. It is small, so its rotations nearly commute.
 
 use super::super::pose::QuaternionJoint;
 use super::super::run::Run;

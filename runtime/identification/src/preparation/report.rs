@@ -38,12 +38,12 @@ const RESTS: Rule = Rule::note("rests");
 const SPIKES: Rule = Rule::note("position-spikes");
 
 /// Sees: an acceleration of which a tenth or more is noise.
-/// Matters: inertia comes out too small.
+/// Matters: the estimated inertia is too small.
 /// Example: a coarse encoder and a slow motion.
 /// Fixture: `short` in `codegen/tests/findings/arm.rs`.
 const NOISY: Rule = Rule::note("noisy-acceleration");
 
-/// Sees: a position or an effort that is new in a part of the rows only.
+/// Sees: a position or an effort that changes in only a part of the rows.
 /// Matters: repeated values are not measurements. They are left out.
 /// Example: efforts at 10 Hz in a log of 250 Hz.
 /// Fixture: `held` in `codegen/tests/findings/arm.rs`.
@@ -65,7 +65,7 @@ fn low_passed(band: Band) -> Finding {
     let Band { frequency, order } = band;
     let message = format!(
         "the efforts look as if they had passed a low-pass filter of {frequency:.3} Hz and order {order}, and the positions did \
-         not: positions and terms of friction pass it here"
+         not: this filter is applied to positions and friction terms"
     );
     let help = "record efforts without a filter; --bandwidth takes the efforts as they are";
     LOW_PASSED.found(message).help(help)
@@ -189,7 +189,7 @@ impl Recorded<'_> {
         let held = positions.chain(efforts).filter(|(.., hold)| *hold > 1.2);
         let finding = |(subject, what, hold): (Subject, &str, f64)| {
             let message =
-                format!("its {what} is new in one of {hold:.1} rows only; the repeats are left out");
+                format!("its {what} changes in only one of {hold:.1} rows; the repeated values are left out");
             HELD.found(message).of(subject).with("rows for each value", hold, "")
         };
         held.map(finding).collect()
@@ -236,7 +236,7 @@ impl Recorded<'_> {
 fn noisy(joint: &JointPreparation) -> Option<Finding> {
     (joint.moves && joint.acceleration_noise > 0.1).then(|| {
         let message = format!(
-            "{:.0} % of the power of its acceleration is noise: inertia comes out too small",
+            "{:.0} % of the power of its acceleration is noise: the estimated inertia is too small",
             100.0 * joint.acceleration_noise
         );
         let remedy = format!("move it faster, or use a smaller --bandwidth (it is {:.3})", joint.bandwidth);
@@ -268,7 +268,7 @@ fn delay_findings(joints: &[JointPreparation], is_significant: impl Fn(usize) ->
             }
             _ => DELAY.found(format!("the efforts of {of} come {by} the positions; this delay is removed")),
         };
-        let remedy = format!("--delay {seconds} takes it as known, --delay 0 leaves the efforts as they are");
+        let remedy = format!("--delay {seconds} sets this delay, --delay 0 does not shift the efforts");
         found.with("delay", delay, "s").help(remedy)
     };
     groups.into_iter().map(finding).collect()

@@ -12,7 +12,7 @@ use gelenk_findings::{Finding, Rule};
 /// Fixture: `shaft` in `codegen/tests/findings/shared.rs`.
 const SHAFTS: Rule = Rule::note("rows-of-shafts");
 
-/// Sees: friction that is described on a joint whose row a shaft takes.
+/// Sees: friction that is described on a joint whose row is replaced by that of a shaft.
 /// Matters: it is estimated near its description.
 /// Example: a seal at the joint of a differential wrist.
 /// Fixture: `codegen/tests/coupled_identification/shafts.rs`.

@@ -98,7 +98,7 @@ impl<'a> Robot<'a> {
             entry(
                 "PARAMETERS",
                 format!("{{{}}}", parameters.join(", ")),
-                "Described values of the free parameters, in the order of p behind the period.",
+                "Described values of the free parameters, in the order of p after the period.",
             ),
         ]
     }
@@ -152,9 +152,9 @@ impl<'a> Robot<'a> {
                 Some(self.n),
                 "Positions of joints that follow others, by the coordinates.",
             ),
-            of_followers("DEPENDENT_JOINT_OFFSETS", None, "Their positions where all coordinates are 0."),
-            of_followers("DEPENDENT_POSITION_LIMITS", Some(2), "Lowest and highest position of each."),
-            of_followers("DEPENDENT_VELOCITY_LIMITS", None, "Highest speed of each."),
+            of_followers("DEPENDENT_JOINT_OFFSETS", None, "Positions of the followers at coordinates 0."),
+            of_followers("DEPENDENT_POSITION_LIMITS", Some(2), "Lowest and highest position of followers."),
+            of_followers("DEPENDENT_VELOCITY_LIMITS", None, "Highest speed of followers."),
         ]
     }
 
@@ -170,16 +170,16 @@ impl<'a> Robot<'a> {
             entry(
                 "INPUT_RANGES",
                 array(&ranges.unwrap_or(unlimited), Some(2)),
-                "Lowest and highest value of each input beside that.",
+                "Further limits: lowest and highest value of each input.",
             ),
             entry(
                 "TORQUE_SPEED_SLOPES",
                 array(slopes.as_ref().unwrap_or(&zeros), Some(self.n)),
-                "C in |u + C v| <= limit, what motors give less the faster they turn: a row for each input.",
+                "C in |u + C v| <= limit, the torque-speed lines of the motors: a row for each input.",
             ),
             numbers(
                 "TORQUE_SPEED_LIMITS",
-                "The limits there, by input; infinite where a motor has no such line.",
+                "Limits of these lines, by input; infinite if a motor has no line.",
             ),
             entry(
                 "INPUT_MATRIX",
@@ -198,7 +198,7 @@ impl<'a> Robot<'a> {
             (has_efforts && self.input_matrix.is_none()).then_some("limits of forces at the joints");
         let is_missing = self.value("FOLLOWER_NAMES").is_some() || self.follow_driven_joints();
         let followers = is_missing.then_some("limits of joints that follow others");
-        let about = "Limits of the description that are no constant bounds of x and u.";
+        let about = "Described limits that are not constant bounds of x and u.";
         entry("LEFT_OUT", strings(efforts.into_iter().chain(followers)), about)
     }
 

@@ -36,7 +36,7 @@ impl Robot<'_> {
             ),
             true => (
                 "Forward dynamics: ẋ = (ḋ, v̇) of x = (d, v) under the inputs u, at the positions y_ref ⊕ d. A rotation in d is \
-                 less than a full turn; from there on ḋ is not a number.",
+                 less than a full turn; otherwise ḋ is not a number.",
                 format!("{}(x, v, 1, &e[{rate}], NULL, NULL);", self.context.function("about_rates")),
             ),
         };

@@ -38,7 +38,7 @@ pub(super) fn overview(context: &Context<'_>, externals: &[External]) -> String 
 }
 
 const REFERENCE: &str = "Positions are given as d, a small motion from the reference y_ref: y = y_ref ⊕ d. The quaternions of a \
-    reference are made unit ones, along which derivatives by them are taken; an evaluation fails where one is zero or not finite.";
+    reference are normalized, and derivatives by them include this; an evaluation fails if one is zero or not finite.";
 
 /// Text that all functions share, after the include of the module.
 pub(super) fn shared(context: &Context<'_>) -> String {

@@ -328,13 +328,15 @@ impl<'a> Form<'a> {
         let features = set.features();
         let first = features.and_then(|features| features.split(',').next());
         let needed = first.map_or(String::new(), |first| format!("; for processors with {first}"));
-        let documentation = format!("`{}` of eight states, the same bits as of each{needed}.", self.name);
+        let documentation =
+            format!("`{}` of eight states, bit-identical to single calls{needed}.", self.name);
         let mut documentation = DocComment::new(&documentation);
-        documentation.paragraph("Nothing that stood in the results is read.");
+        documentation.paragraph("Previous values of the results are not read.");
         if first.is_some() {
             documentation.heading("Safety");
-            documentation
-                .paragraph("The processor must have these instructions: `is_x86_feature_detected!` tells.");
+            documentation.paragraph(
+                "The processor must have these instructions: check with `is_x86_feature_detected!`.",
+            );
         }
         let features = features.map(|features| {
             quote! {

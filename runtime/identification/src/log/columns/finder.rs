@@ -215,7 +215,7 @@ impl<'a> Finder<'a> {
     pub(super) fn ambiguous(&self, kind: Kind, [one, other]: [String; 2]) -> IdentificationError {
         let key = kind.key();
         self.undecided(format!(
-            "both `{one}` and `{other}` could be the {}: --columns '{key}={one}' or '{key}={other}' settles it",
+            "both `{one}` and `{other}` could be the {}: use --columns '{key}={one}' or '{key}={other}'",
             kind.plural()
         ))
     }

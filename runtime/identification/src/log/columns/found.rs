@@ -89,12 +89,12 @@ impl Found {
     /// A warning if the columns are commanded.
     pub(super) fn if_commanded(&self) -> Option<Finding> {
         let why = match self.kind {
-            Kind::Position => "the joints did otherwise by the control error",
+            Kind::Position => "the joint positions differ by the control error",
             _ => "drives with a delay or a limit gave other efforts",
         };
         self.is_commanded.then(|| {
             let message = format!(
-                "the {} (`{}`) are commanded by their names, and no measured ones are found: {why}",
+                "the {} (`{}`) have names of commanded values, and no measured ones are found: {why}",
                 self.kind.plural(),
                 self.pattern
             );

@@ -216,7 +216,7 @@ impl Finder<'_> {
         let mut runs = self.headers.iter().filter(is_run);
         match (runs.next(), runs.next()) {
             (Some(a), Some(b)) => Err(self.undecided(format!(
-                "both `{}` and `{}` could be the number of the run: --columns 'run={}' settles it",
+                "both `{}` and `{}` could be the number of the run: use --columns 'run={}'",
                 a.text, b.text, a.text
             ))),
             (found, _) => Ok(found.map(|h| h.index)),

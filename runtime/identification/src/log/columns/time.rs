@@ -85,7 +85,7 @@ impl Finder<'_> {
         let mut rivals = candidates.iter().skip(1).filter(|(d, _)| d == doubt);
         if let Some((_, other)) = rivals.find(|(_, other)| !self.are_equal(header, other)) {
             return Err(self.undecided(format!(
-                "both `{}` and `{}` (columns {} and {}) could be the time: --columns 'time={}' or 'time={}' settles it",
+                "both `{}` and `{}` (columns {} and {}) could be the time: use --columns 'time={}' or 'time={}'",
                 header.text,
                 other.text,
                 header.index + 1,
