@@ -45,7 +45,10 @@ fn a_ball_joint_is_planned_and_identified_along_its_plan() {
     let said = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     println!("{said}");
-    assert!(said.contains("they rotate by up to 0.90 rad") && said.contains("and 0 friction parameters"), "{said}");
+    assert!(
+        said.contains("they rotate by up to 0.90 rad") && said.contains("and 0 friction parameters"),
+        "{said}"
+    );
     let text = fs::read_to_string(folder.path().join("plan.csv")).unwrap();
     let head = "t,q_hip_qx,q_hip_qy,q_hip_qz,q_hip_qw,dq_hip_rx,dq_hip_ry,dq_hip_rz,ddq_hip_rx,ddq_hip_ry,ddq_hip_rz\n";
     assert!(text.starts_with(head), "{}", text.lines().next().unwrap());
