@@ -246,7 +246,7 @@ fn help_lists_described_links_alone() {
     let wrong =
         load_onto(&[hook, "[[wrenches]]\nname = \"pull\"\nframe = \"rope\"\n"].concat(), "").unwrap_err();
     let told = wrong.to_string();
-    assert!(told.contains("known are `base`, `hook`") && !told.contains("hook_x"), "{told}");
+    assert!(told.contains("known names are `base`, `hook`") && !told.contains("hook_x"), "{told}");
 }
 
 /// A part of an origin that an extension does not name stays, as those of limits do.

@@ -317,5 +317,5 @@ fn urdf_text_needs_no_file() {
         .unwrap();
     let (model, notes) = from_urdf(&text, "ur5.urdf", &ReadOptions::default()).unwrap();
     assert_eq!(model.coordinates.len(), 6);
-    assert!(notes.to_string().contains("within 1e-4 of a multiple of 90°"), "{notes}");
+    assert!(notes.to_string().contains("within 1e-4 rad of a multiple of 90°"), "{notes}");
 }

@@ -190,7 +190,7 @@ fn a_plan_is_as_small_as_the_efforts_ask() {
     let line = "identify --plan robot.toml --harmonics 3 --seconds 10".split(' ').collect::<Vec<_>>();
     let (_kept, path) = folder(&slow_arm(5.0, "[-0.3, 0.3]"));
     let said = run(&path, &line);
-    assert!(said.contains("need more than the share of the efforts: this one has "), "{said}");
+    assert!(said.contains("need more than the allowed share of the efforts: this motion has "), "{said}");
     let refused = |effort: f64, tilt: &str| {
         let (_kept, path) = folder(&slow_arm(effort, tilt));
         let output =

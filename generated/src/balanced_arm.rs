@@ -57,7 +57,7 @@ pub const EFFORT_LIMITS: [f64; N] = [250.0, 90.0];
 pub const PEAK_EFFORT_LIMITS: [f64; N] = [250.0, 90.0];
 
 /// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite where
-/// not described. `EFFORT_LIMITS` at the joint holds beside it.
+/// not described. `EFFORT_LIMITS` at the joint also applies.
 pub const INPUT_LIMITS: [f64; M] = [1.5, 0.8];
 
 /// Largest magnitude of each input that its motor bears for a short time, in the unit of the input; the nominal
@@ -856,7 +856,7 @@ pub fn wrench_forces(y: &[f64; N], w: &[[f64; 6]; WRENCHES]) -> [f64; N] {
 /// - `a: [N]`: accelerations ÿ: `shoulder`, `elbow` in rad/s²
 /// - `w: [WRENCHES × 6]`: wrenches, each force (N), then moment about the origin of its frame (N m): `contact` in
 ///   the axes of the base
-/// - returns `B u: [N]`: what the drives exert at the joints
+/// - returns `B u: [N]`: drive forces at the joints
 ///
 /// Cost: 39 multiplications, 34 additions, 1 division, 4 function calls (3 `sin_cos`, 1 other).
 #[must_use]

@@ -52,7 +52,7 @@ pub const EFFORT_LIMITS: [f64; N] = [20.0, f64::INFINITY];
 pub const PEAK_EFFORT_LIMITS: [f64; N] = [20.0, f64::INFINITY];
 
 /// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite where
-/// not described. `EFFORT_LIMITS` at the joint holds beside it.
+/// not described. `EFFORT_LIMITS` at the joint also applies.
 pub const INPUT_LIMITS: [f64; M] = [f64::INFINITY];
 
 /// Largest magnitude of each input that its motor bears for a short time, in the unit of the input; the nominal
@@ -225,7 +225,7 @@ pub fn applied_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
 ///
 /// - `y: [N]`: coordinates: `cart` in m, `pole` in rad
 /// - `v: [N]`: velocities ẏ: `cart` in m/s, `pole` in rad/s
-/// - returns `b: [N]`: what holds the accelerations at zero, without springs and friction
+/// - returns `b: [N]`: forces that hold the accelerations at zero, without springs and friction
 ///
 /// Cost: 4 multiplications, 0 additions, 0 divisions, 1 function call (`sin_cos`).
 ///
@@ -374,11 +374,12 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
 /// - `y: [N]`: coordinates: `cart` in m, `pole` in rad
 /// - `v: [N]`: velocities ẏ: `cart` in m/s, `pole` in rad/s
 /// - returns `M: [N × N]`: symmetric, positive definite, both triangles filled
-/// - returns `b: [N]`: k − gravity\_forces: what holds the accelerations at zero, without springs and friction
+/// - returns `b: [N]`: k − gravity\_forces: forces that hold the accelerations at zero, without springs and
+///   friction
 ///
 /// Cost: 5 multiplications, 0 additions, 0 divisions, 1 function call (`sin_cos`).
 ///
-/// What both have in common is computed once.
+/// Common terms of both are computed once.
 #[inline]
 #[must_use]
 pub fn mass_matrix_and_bias_forces(
@@ -454,7 +455,7 @@ pub fn inverse_dynamics_derivatives(
     ([t11, t29], [[0.0, t30], [0.0, t31]], [[0.1, t32], [0.0, 0.002]])
 }
 
-/// Inverse dynamics with all its Jacobians; that by the accelerations is `M(y)`.
+/// Inverse dynamics with all its Jacobians; the Jacobian by the accelerations is `M(y)`.
 ///
 /// `δ(M ÿ + k − q) = ∂/∂y δy + ∂/∂ẏ δẏ + M δÿ`
 ///
@@ -809,7 +810,7 @@ pub fn inertial_parameters() -> [f64; 20] {
     pi
 }
 
-/// `inertial_parameters` with its results written in place; nothing of what stood there is read.
+/// `inertial_parameters` with its results written in place; their previous values are not read.
 pub fn inertial_parameters_into(pi: &mut [f64; 20]) {
     pi[0] = 1.0;
     pi[1] = 0.0;
@@ -841,7 +842,7 @@ pub fn inertial_parameters_into(pi: &mut [f64; 20]) {
 /// - `v: [N]`: velocities ẏ: `cart` in m/s, `pole` in rad/s
 /// - `a: [N]`: accelerations ÿ: `cart` in m/s², `pole` in rad/s²
 /// - returns `W: [N × 20]`: rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; those of
-///   rotors stand last
+///   rotors are last
 ///
 /// Cost: 11 multiplications, 5 additions, 0 divisions, 1 function call (`sin_cos`).
 ///
@@ -855,7 +856,7 @@ pub fn inertial_regressor(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [[f64; 20
     w
 }
 
-/// `inertial_regressor` with its results written in place; nothing of what stood there is read.
+/// `inertial_regressor` with its results written in place; their previous values are not read.
 pub fn inertial_regressor_into(
     y: &[f64; N],
     v: &[f64; N],

@@ -54,7 +54,7 @@ pub const EFFORT_LIMITS: [f64; N] = [120.0, 60.0, f64::INFINITY, f64::INFINITY];
 pub const PEAK_EFFORT_LIMITS: [f64; N] = [120.0, 60.0, f64::INFINITY, f64::INFINITY];
 
 /// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite where
-/// not described. `EFFORT_LIMITS` at the joint holds beside it.
+/// not described. `EFFORT_LIMITS` at the joint also applies.
 pub const INPUT_LIMITS: [f64; M] = [0.6, 0.35, 0.1, 0.1];
 
 /// Largest magnitude of each input that its motor bears for a short time, in the unit of the input; the nominal
@@ -70,7 +70,7 @@ pub const TORQUE_SPEED_SLOPES: [[f64; N]; 4] = [
     [0.0, 0.0, 0.032, -0.032],
 ];
 
-/// The limits there, by input: what its motor gives at rest, in the unit of the input; infinite where not
+/// Limits of these lines, by input: the force of its motor at rest, in the unit of the input; infinite where not
 /// described.
 pub const TORQUE_SPEED_LIMITS: [f64; M] = [f64::INFINITY, f64::INFINITY, 0.24, 0.24];
 
@@ -781,7 +781,7 @@ pub fn inverse_dynamics_derivatives(
     (b_u, d_dy, d_dv)
 }
 
-/// `inverse_dynamics_derivatives` with its results written in place; nothing of what stood there is read.
+/// `inverse_dynamics_derivatives` with its results written in place; their previous values are not read.
 pub fn inverse_dynamics_derivatives_into(
     y: &[f64; N],
     v: &[f64; N],
@@ -1250,7 +1250,7 @@ pub fn linearize(
     (a_y, a_v, b_x, c)
 }
 
-/// `linearize` with its results written in place; nothing of what stood there is read.
+/// `linearize` with its results written in place; their previous values are not read.
 pub fn linearize_into(
     y: &[f64; N],
     v: &[f64; N],

@@ -52,7 +52,7 @@ pub const EFFORT_LIMITS: [f64; N] = [f64::INFINITY, f64::INFINITY];
 pub const PEAK_EFFORT_LIMITS: [f64; N] = [f64::INFINITY, f64::INFINITY];
 
 /// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite where
-/// not described. `EFFORT_LIMITS` at the joint holds beside it.
+/// not described. `EFFORT_LIMITS` at the joint also applies.
 pub const INPUT_LIMITS: [f64; M] = [f64::INFINITY, f64::INFINITY];
 
 /// Largest magnitude of each input that its motor bears for a short time, in the unit of the input; the nominal
@@ -324,7 +324,7 @@ pub fn applied_forces(y: &[f64; N], v: &[f64; N], p: &Parameters) -> [f64; N] {
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
 /// - `p`: free parameters
-/// - returns `b: [N]`: what holds the accelerations at zero, without springs and friction
+/// - returns `b: [N]`: forces that hold the accelerations at zero, without springs and friction
 ///
 /// Cost: 17 multiplications, 6 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
@@ -629,11 +629,12 @@ pub fn forward_dynamics(
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
 /// - `p`: free parameters
 /// - returns `M: [N × N]`: symmetric, positive definite, both triangles filled
-/// - returns `b: [N]`: k − gravity\_forces: what holds the accelerations at zero, without springs and friction
+/// - returns `b: [N]`: k − gravity\_forces: forces that hold the accelerations at zero, without springs and
+///   friction
 ///
 /// Cost: 31 multiplications, 12 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
-/// What both have in common is computed once.
+/// Common terms of both are computed once.
 #[must_use]
 pub fn mass_matrix_and_bias_forces(
     y: &[f64; N],
@@ -799,7 +800,7 @@ pub fn inverse_dynamics_derivatives(
     ([t52, t54], [[t60, t69], [t80, t68]], [[t79, t81], [t78, 0.05]])
 }
 
-/// Inverse dynamics with all its Jacobians; that by the accelerations is `M(y)`.
+/// Inverse dynamics with all its Jacobians; the Jacobian by the accelerations is `M(y)`.
 ///
 /// `δ(M ÿ + k − q) = ∂/∂y δy + ∂/∂ẏ δẏ + M δÿ`
 ///
@@ -1410,7 +1411,7 @@ pub fn inertial_parameters(p: &Parameters) -> [f64; 20] {
     pi
 }
 
-/// `inertial_parameters` with its results written in place; nothing of what stood there is read.
+/// `inertial_parameters` with its results written in place; their previous values are not read.
 pub fn inertial_parameters_into(p: &Parameters, pi: &mut [f64; 20]) {
     pi[0] = p.m1;
     pi[1] = 0.0;
@@ -1461,7 +1462,7 @@ pub fn inertial_parameters_into(p: &Parameters, pi: &mut [f64; 20]) {
 /// - `a: [N]`: accelerations ÿ: `shoulder`, `elbow` in rad/s²
 /// - `p`: free parameters
 /// - returns `W: [N × 20]`: rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; those of
-///   rotors stand last
+///   rotors are last
 ///
 /// Cost: 18 multiplications, 11 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
@@ -1480,7 +1481,7 @@ pub fn inertial_regressor(
     w
 }
 
-/// `inertial_regressor` with its results written in place; nothing of what stood there is read.
+/// `inertial_regressor` with its results written in place; their previous values are not read.
 pub fn inertial_regressor_into(
     y: &[f64; N],
     v: &[f64; N],

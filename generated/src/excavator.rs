@@ -77,7 +77,7 @@ pub const PEAK_EFFORT_LIMITS: [f64; N] = [
 ];
 
 /// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite where
-/// not described. `EFFORT_LIMITS` at the joint holds beside it.
+/// not described. `EFFORT_LIMITS` at the joint also applies.
 pub const INPUT_LIMITS: [f64; M] = [90.0, 60000.0, 45000.0, 35000.0];
 
 /// Largest magnitude of each input that its motor bears for a short time, in the unit of the input; the nominal
@@ -92,7 +92,7 @@ pub const INPUT_RANGES: [[f64; 2]; M] = [
     [-35000.0, 22000.0],
 ];
 
-/// So many of the inputs, the first ones, are drives. The others act at frames.
+/// Number of inputs that are drives; these are first. The others act at frames.
 pub const DRIVES: usize = 1;
 
 /// Gear ratio of each drive: motor angle over joint angle.
@@ -1128,7 +1128,7 @@ pub fn inverse_dynamics_derivatives(
     (b_u, d_dy, d_dv)
 }
 
-/// `inverse_dynamics_derivatives` with its results written in place; nothing of what stood there is read.
+/// `inverse_dynamics_derivatives` with its results written in place; their previous values are not read.
 pub fn inverse_dynamics_derivatives_into(
     y: &[f64; N],
     v: &[f64; N],
@@ -1810,7 +1810,7 @@ pub fn linearize(
     (a_y, a_v, b_x, c)
 }
 
-/// `linearize` with its results written in place; nothing of what stood there is read.
+/// `linearize` with its results written in place; their previous values are not read.
 pub fn linearize_into(
     y: &[f64; N],
     v: &[f64; N],
@@ -2959,7 +2959,7 @@ pub fn input_forces_derivatives(
     (b_u, d_dy)
 }
 
-/// `input_forces_derivatives` with its results written in place; nothing of what stood there is read.
+/// `input_forces_derivatives` with its results written in place; their previous values are not read.
 pub fn input_forces_derivatives_into(
     y: &[f64; N],
     u: &[f64; M],

@@ -49,7 +49,7 @@ pub const EFFORT_LIMITS: [f64; N] = [40.0, 16.0];
 pub const PEAK_EFFORT_LIMITS: [f64; N] = [90.0, 32.0];
 
 /// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite where
-/// not described. `EFFORT_LIMITS` at the joint holds beside it.
+/// not described. `EFFORT_LIMITS` at the joint also applies.
 pub const INPUT_LIMITS: [f64; M] = [0.4, 0.2];
 
 /// Largest magnitude of each input that its motor bears for a short time, in the unit of the input; the nominal
@@ -272,7 +272,7 @@ pub fn applied_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
 ///
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
-/// - returns `b: [N]`: what holds the accelerations at zero, without springs and friction
+/// - returns `b: [N]`: forces that hold the accelerations at zero, without springs and friction
 ///
 /// Cost: 10 multiplications, 5 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
@@ -564,11 +564,12 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
 /// - returns `M: [N × N]`: symmetric, positive definite, both triangles filled
-/// - returns `b: [N]`: k − gravity\_forces: what holds the accelerations at zero, without springs and friction
+/// - returns `b: [N]`: k − gravity\_forces: forces that hold the accelerations at zero, without springs and
+///   friction
 ///
 /// Cost: 12 multiplications, 7 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
-/// What both have in common is computed once.
+/// Common terms of both are computed once.
 ///
 /// The load `τ_l` is the drive force without friction, `M ÿ + k − gravity_forces − spring_forces`. Friction is
 /// `friction_torques + |τ_l| load_friction` (Hamon, Gautier and Garrec 2010).
@@ -1091,7 +1092,7 @@ pub fn inertial_parameters() -> [f64; 22] {
     pi
 }
 
-/// `inertial_parameters` with its results written in place; nothing of what stood there is read.
+/// `inertial_parameters` with its results written in place; their previous values are not read.
 pub fn inertial_parameters_into(pi: &mut [f64; 22]) {
     pi[0] = 4.0;
     pi[1] = 0.0;
@@ -1125,7 +1126,7 @@ pub fn inertial_parameters_into(pi: &mut [f64; 22]) {
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
 /// - `a: [N]`: accelerations ÿ: `shoulder`, `elbow` in rad/s²
 /// - returns `W: [N × 22]`: rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; those of
-///   rotors stand last
+///   rotors are last
 ///
 /// Cost: 20 multiplications, 11 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
@@ -1141,7 +1142,7 @@ pub fn inertial_regressor(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [[f64; 22
     w
 }
 
-/// `inertial_regressor` with its results written in place; nothing of what stood there is read.
+/// `inertial_regressor` with its results written in place; their previous values are not read.
 pub fn inertial_regressor_into(
     y: &[f64; N],
     v: &[f64; N],

@@ -350,7 +350,7 @@ pub const PEAK_EFFORT_LIMITS: [f64; N] = [
 ];
 
 /// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite where
-/// not described. `EFFORT_LIMITS` at the joint holds beside it.
+/// not described. `EFFORT_LIMITS` at the joint also applies.
 pub const INPUT_LIMITS: [f64; M] = [
     f64::INFINITY,
     f64::INFINITY,
@@ -601,7 +601,7 @@ pub fn inertial_parameters() -> [f64; 130] {
     pi
 }
 
-/// `inertial_parameters` with its results written in place; nothing of what stood there is read.
+/// `inertial_parameters` with its results written in place; their previous values are not read.
 pub fn inertial_parameters_into(pi: &mut [f64; 130]) {
     pi[0] = 7.277000000000002;
     pi[1] = 0.146116152;
@@ -1270,8 +1270,8 @@ pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 326] = [
 ///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `FL_hip`,
 ///   `FL_thigh`, `FL_calf`, `FR_hip`, `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`,
 ///   `RR_thigh`, `RR_calf` in rad/s
-/// - `a: [N]`: accelerations v̇, for which ÿ stands in equations: `base_x`, `base_y`, `base_z` in m/s²,
-///   `base_rx`, `base_ry`, `base_rz`, `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`, `FR_thigh`, `FR_calf`, `RL_hip`,
+/// - `a: [N]`: accelerations v̇, written ÿ in equations: `base_x`, `base_y`, `base_z` in m/s², `base_rx`,
+///   `base_ry`, `base_rz`, `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`, `FR_thigh`, `FR_calf`, `RL_hip`,
 ///   `RL_thigh`, `RL_calf`, `RR_hip`, `RR_thigh`, `RR_calf` in rad/s²
 /// - returns `W_b: [N × 94]`: rows by coordinate, columns in the order of `BASE_PARAMETER_NAMES`
 ///
@@ -1287,7 +1287,7 @@ pub fn base_regressor(y: &[f64; NY], v: &[f64; N], a: &[f64; N]) -> [[f64; 94]; 
     w_b
 }
 
-/// `base_regressor` with its results written in place; nothing of what stood there is read.
+/// `base_regressor` with its results written in place; their previous values are not read.
 pub fn base_regressor_into(
     y: &[f64; NY],
     v: &[f64; N],
@@ -7286,12 +7286,12 @@ fn base_regressor_part_2(
 ///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `FL_hip`,
 ///   `FL_thigh`, `FL_calf`, `FR_hip`, `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`,
 ///   `RR_thigh`, `RR_calf` in rad/s
-/// - `a: [N]`: accelerations v̇, for which ÿ stands in equations: `base_x`, `base_y`, `base_z` in m/s²,
-///   `base_rx`, `base_ry`, `base_rz`, `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`, `FR_thigh`, `FR_calf`, `RL_hip`,
+/// - `a: [N]`: accelerations v̇, written ÿ in equations: `base_x`, `base_y`, `base_z` in m/s², `base_rx`,
+///   `base_ry`, `base_rz`, `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`, `FR_thigh`, `FR_calf`, `RL_hip`,
 ///   `RL_thigh`, `RL_calf`, `RR_hip`, `RR_thigh`, `RR_calf` in rad/s²
 /// - `w: [WRENCHES × 6]`: wrenches, each force (N), then moment about the origin of its frame (N m): `FL_foot`,
 ///   `FR_foot`, `RL_foot`, `RR_foot`, `push` in the axes of the base
-/// - returns `B u: [N]`: what the drives exert at the joints
+/// - returns `B u: [N]`: drive forces at the joints
 ///
 /// Cost: 993 multiplications, 952 additions, 0 divisions, 16 function calls (`sin_cos`).
 #[inline]
@@ -7307,7 +7307,7 @@ pub fn inverse_dynamics_with_wrenches(
     b_u
 }
 
-/// `inverse_dynamics_with_wrenches` with its results written in place; nothing of what stood there is read.
+/// `inverse_dynamics_with_wrenches` with its results written in place; their previous values are not read.
 pub fn inverse_dynamics_with_wrenches_into(
     y: &[f64; NY],
     v: &[f64; N],
@@ -9566,7 +9566,7 @@ pub fn forward_dynamics_with_wrenches(
     a
 }
 
-/// `forward_dynamics_with_wrenches` with its results written in place; nothing of what stood there is read.
+/// `forward_dynamics_with_wrenches` with its results written in place; their previous values are not read.
 pub fn forward_dynamics_with_wrenches_into(
     y: &[f64; NY],
     v: &[f64; N],
@@ -14561,7 +14561,7 @@ pub fn frame_middle_jacobian(y: &[f64; NY]) -> [[f64; N]; 6] {
     j
 }
 
-/// `frame_middle_jacobian` with its results written in place; nothing of what stood there is read.
+/// `frame_middle_jacobian` with its results written in place; their previous values are not read.
 pub fn frame_middle_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
     j[0][3] = 0.0;
     j[0][4] = 0.0;
@@ -14942,7 +14942,7 @@ pub fn frame_fl_foot_jacobian(y: &[f64; NY]) -> [[f64; N]; 6] {
     j
 }
 
-/// `frame_fl_foot_jacobian` with its results written in place; nothing of what stood there is read.
+/// `frame_fl_foot_jacobian` with its results written in place; their previous values are not read.
 pub fn frame_fl_foot_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
     j[0][9] = 0.0;
     j[0][10] = 0.0;
@@ -15655,7 +15655,7 @@ pub fn frame_fr_foot_jacobian(y: &[f64; NY]) -> [[f64; N]; 6] {
     j
 }
 
-/// `frame_fr_foot_jacobian` with its results written in place; nothing of what stood there is read.
+/// `frame_fr_foot_jacobian` with its results written in place; their previous values are not read.
 pub fn frame_fr_foot_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
     j[0][6] = 0.0;
     j[0][7] = 0.0;
@@ -16371,7 +16371,7 @@ pub fn frame_rl_foot_jacobian(y: &[f64; NY]) -> [[f64; N]; 6] {
     j
 }
 
-/// `frame_rl_foot_jacobian` with its results written in place; nothing of what stood there is read.
+/// `frame_rl_foot_jacobian` with its results written in place; their previous values are not read.
 pub fn frame_rl_foot_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
     j[0][6] = 0.0;
     j[0][7] = 0.0;
@@ -17086,7 +17086,7 @@ pub fn frame_rr_foot_jacobian(y: &[f64; NY]) -> [[f64; N]; 6] {
     j
 }
 
-/// `frame_rr_foot_jacobian` with its results written in place; nothing of what stood there is read.
+/// `frame_rr_foot_jacobian` with its results written in place; their previous values are not read.
 pub fn frame_rr_foot_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
     j[0][6] = 0.0;
     j[0][7] = 0.0;

@@ -91,7 +91,7 @@ pub const DEPENDENT_VELOCITY_LIMITS: [f64; 5] = [
 ];
 
 /// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite where
-/// not described. `EFFORT_LIMITS` at the joint holds beside it.
+/// not described. `EFFORT_LIMITS` at the joint also applies.
 pub const INPUT_LIMITS: [f64; M] = [f64::INFINITY, f64::INFINITY];
 
 /// Largest magnitude of each input that its motor bears for a short time, in the unit of the input; the nominal

@@ -1,6 +1,6 @@
 //! The robots of `models/` as generated Rust: plain functions on fixed-size arrays.
 //!
-//! `gelenk generate` writes this crate; `gelenk check` tells whether it is fresh.
+//! `gelenk generate` writes this crate; `gelenk check` checks that it is up to date.
 #![no_std]
 
 /// The robot `balanced_arm`.

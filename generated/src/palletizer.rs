@@ -85,7 +85,7 @@ pub const DEPENDENT_VELOCITY_LIMITS: [f64; 3] = [
 ];
 
 /// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite where
-/// not described. `EFFORT_LIMITS` at the joint holds beside it.
+/// not described. `EFFORT_LIMITS` at the joint also applies.
 pub const INPUT_LIMITS: [f64; M] = [10.0, 12.0, 10.0, 1.0];
 
 /// Largest magnitude of each input that its motor bears for a short time, in the unit of the input; the nominal
@@ -1222,7 +1222,7 @@ pub fn inverse_dynamics_derivatives(
     (b_u, d_dy, d_dv)
 }
 
-/// `inverse_dynamics_derivatives` with its results written in place; nothing of what stood there is read.
+/// `inverse_dynamics_derivatives` with its results written in place; their previous values are not read.
 pub fn inverse_dynamics_derivatives_into(
     y: &[f64; N],
     v: &[f64; N],
@@ -2284,7 +2284,7 @@ pub fn linearize(
     (a_y, a_v, b_x, c)
 }
 
-/// `linearize` with its results written in place; nothing of what stood there is read.
+/// `linearize` with its results written in place; their previous values are not read.
 pub fn linearize_into(
     y: &[f64; N],
     v: &[f64; N],

@@ -73,7 +73,7 @@ pub const EFFORT_LIMITS: [f64; N] = [87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0];
 pub const PEAK_EFFORT_LIMITS: [f64; N] = [87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0];
 
 /// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite where
-/// not described. `EFFORT_LIMITS` at the joint holds beside it.
+/// not described. `EFFORT_LIMITS` at the joint also applies.
 pub const INPUT_LIMITS: [f64; M] = [
     f64::INFINITY,
     f64::INFINITY,
@@ -156,7 +156,7 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     m
 }
 
-/// `mass_matrix` with its results written in place; nothing of what stood there is read.
+/// `mass_matrix` with its results written in place; their previous values are not read.
 pub fn mass_matrix_into(y: &[f64; N], m: &mut [[f64; N]; N]) {
     m[6][6] = 0.006684151967360947;
     let angle_panda_joint7_offset = y[6] + 0.6689225306301614;
@@ -1273,7 +1273,7 @@ pub fn input_matrix() -> [[f64; M]; N] {
     b
 }
 
-/// `input_matrix` with its results written in place; nothing of what stood there is read.
+/// `input_matrix` with its results written in place; their previous values are not read.
 pub fn input_matrix_into(b: &mut [[f64; M]; N]) {
     b[0][0] = 1.0;
     b[0][1] = 0.0;
@@ -3073,7 +3073,7 @@ pub fn inverse_dynamics_derivatives(
     (b_u, d_dy, d_dv)
 }
 
-/// `inverse_dynamics_derivatives` with its results written in place; nothing of what stood there is read.
+/// `inverse_dynamics_derivatives` with its results written in place; their previous values are not read.
 pub fn inverse_dynamics_derivatives_into(
     y: &[f64; N],
     v: &[f64; N],
@@ -3730,7 +3730,7 @@ pub fn forward_dynamics_derivatives(
     (a, da_dy, da_dv, m_inverse)
 }
 
-/// `forward_dynamics_derivatives` with its results written in place; nothing of what stood there is read.
+/// `forward_dynamics_derivatives` with its results written in place; their previous values are not read.
 pub fn forward_dynamics_derivatives_into(
     y: &[f64; N],
     v: &[f64; N],
@@ -4461,7 +4461,7 @@ pub fn linearize(
     (a_y, a_v, b_x, c)
 }
 
-/// `linearize` with its results written in place; nothing of what stood there is read.
+/// `linearize` with its results written in place; their previous values are not read.
 pub fn linearize_into(
     y: &[f64; N],
     v: &[f64; N],
@@ -4706,7 +4706,7 @@ pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     j
 }
 
-/// `frame_tool_jacobian` with its results written in place; nothing of what stood there is read.
+/// `frame_tool_jacobian` with its results written in place; their previous values are not read.
 pub fn frame_tool_jacobian_into(y: &[f64; N], j: &mut [[f64; N]; 6]) {
     j[2][0] = 0.0;
     j[3][0] = 0.0;
@@ -4955,7 +4955,7 @@ pub fn frame_tool_jacobian_into(y: &[f64; N], j: &mut [[f64; N]; 6]) {
     j[5][6] = minus_y_axis_panda_joint6_z;
 }
 
-/// Acceleration of each body, and the force that the added one needs.
+/// Acceleration of each body, and the force for the added acceleration.
 #[allow(clippy::needless_range_loop, reason = "one index for all arrays")]
 fn accelerated_bodies(
     inertia: &[[f64; 8]; 10],
@@ -5846,7 +5846,7 @@ fn body_forces(
     }
 }
 
-/// How each joint disturbs the bodies beyond it, and what that asks of the joints before it.
+/// Effect of each joint on the bodies beyond it, and the resulting forces at the joints before it.
 #[allow(clippy::needless_range_loop, reason = "one index for all arrays")]
 #[allow(
     clippy::too_many_arguments,
@@ -6263,7 +6263,7 @@ fn disturbances(
     }
 }
 
-/// How each joint disturbs the bodies beyond it, and what that asks of the joints before it.
+/// Effect of each joint on the bodies beyond it, and the resulting forces at the joints before it.
 #[allow(clippy::needless_range_loop, reason = "one index for all arrays")]
 #[allow(
     clippy::too_many_arguments,
@@ -6755,7 +6755,7 @@ fn joint_velocities(
     }
 }
 
-/// What of the driving forces is left to accelerate.
+/// Part of the driving forces that accelerates.
 #[allow(clippy::needless_range_loop, reason = "one index for all arrays")]
 fn remaining_forces(
     screws: &[[f64; 8]; 6],
@@ -6781,7 +6781,7 @@ fn remaining_forces(
     }
 }
 
-/// Adds to each joint those before it on its path to the base.
+/// Sums along the path of each joint to the base.
 fn sum_ancestors<const R: usize>(from: &[[f64; 8]; R], to: &mut [[f64; 8]; R]) {
     for (from, to) in from.iter().zip(to) {
         to[0] = from[0];
@@ -6794,7 +6794,7 @@ fn sum_ancestors<const R: usize>(from: &[[f64; 8]; R], to: &mut [[f64; 8]; R]) {
     }
 }
 
-/// Adds to each joint all beyond it.
+/// Sums over the subtree of each joint.
 fn sum_subtrees<const R: usize>(from: &[[f64; 8]; R], to: &mut [[f64; 8]; R]) {
     for (from, to) in from.iter().zip(to) {
         *to = *from;
@@ -6807,7 +6807,7 @@ fn sum_subtrees<const R: usize>(from: &[[f64; 8]; R], to: &mut [[f64; 8]; R]) {
     }
 }
 
-/// Force of all that each joint carries.
+/// Force of all bodies beyond each joint.
 #[allow(clippy::needless_range_loop, reason = "one index for all arrays")]
 fn total_forces(
     composite_bias: &[[f64; 8]; 6],
@@ -6830,7 +6830,7 @@ fn total_forces(
     }
 }
 
-/// What a unit acceleration of each joint needs.
+/// Forces for a unit acceleration of each joint.
 #[allow(clippy::needless_range_loop, reason = "one index for all arrays")]
 fn unit_accelerations(
     screws: &[[f64; 8]; 6],

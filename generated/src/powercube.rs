@@ -53,7 +53,7 @@ pub const EFFORT_LIMITS: [f64; N] = [44.8, 44.8];
 pub const PEAK_EFFORT_LIMITS: [f64; N] = [80.5, 80.5];
 
 /// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite where
-/// not described. `EFFORT_LIMITS` at the joint holds beside it.
+/// not described. `EFFORT_LIMITS` at the joint also applies.
 pub const INPUT_LIMITS: [f64; M] = [0.2782608695652174, 0.2782608695652174];
 
 /// Largest magnitude of each input that its motor bears for a short time, in the unit of the input; the nominal
@@ -308,7 +308,7 @@ pub fn applied_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
 ///
 /// - `y: [N]`: coordinates: `beta`, `gamma` in rad
 /// - `v: [N]`: velocities ẏ: `beta`, `gamma` in rad/s
-/// - returns `b: [N]`: what holds the accelerations at zero, without springs and friction
+/// - returns `b: [N]`: forces that hold the accelerations at zero, without springs and friction
 ///
 /// Cost: 10 multiplications, 5 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
@@ -606,11 +606,12 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
 /// - `y: [N]`: coordinates: `beta`, `gamma` in rad
 /// - `v: [N]`: velocities ẏ: `beta`, `gamma` in rad/s
 /// - returns `M: [N × N]`: symmetric, positive definite, both triangles filled
-/// - returns `b: [N]`: k − gravity\_forces: what holds the accelerations at zero, without springs and friction
+/// - returns `b: [N]`: k − gravity\_forces: forces that hold the accelerations at zero, without springs and
+///   friction
 ///
 /// Cost: 12 multiplications, 7 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
-/// What both have in common is computed once.
+/// Common terms of both are computed once.
 #[inline]
 #[must_use]
 pub fn mass_matrix_and_bias_forces(
@@ -783,7 +784,7 @@ pub fn inverse_dynamics_derivatives(
     ([t110, t111], [[t112, t113], [t68, t114]], [[t97, t115], [t91, t109]])
 }
 
-/// Inverse dynamics with all its Jacobians; that by the accelerations is `M(y)`.
+/// Inverse dynamics with all its Jacobians; the Jacobian by the accelerations is `M(y)`.
 ///
 /// `δ(M ÿ + k − q) = ∂/∂y δy + ∂/∂ẏ δẏ + M δÿ`
 ///
@@ -1674,9 +1675,9 @@ fn linearize_each<const W: usize>(
     }
 }
 
-/// `linearize` of eight states, the same bits as of each.
+/// `linearize` of eight states, bit-identical to single calls.
 ///
-/// Nothing that stood in the results is read.
+/// Previous values of the results are not read.
 #[inline(never)]
 pub fn linearize_lanes(
     y: &[Lanes; N],
@@ -1690,13 +1691,13 @@ pub fn linearize_lanes(
     linearize_each::<4>(y, v, u, a_y, a_v, b_x, c);
 }
 
-/// `linearize` of eight states, the same bits as of each; for processors with avx2.
+/// `linearize` of eight states, bit-identical to single calls; for processors with avx2.
 ///
-/// Nothing that stood in the results is read.
+/// Previous values of the results are not read.
 ///
 /// # Safety
 ///
-/// The processor must have these instructions: `is_x86_feature_detected!` tells.
+/// The processor must have these instructions: check with `is_x86_feature_detected!`.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
 #[inline(never)]
@@ -1712,13 +1713,13 @@ pub fn linearize_lanes_avx2(
     linearize_each::<4>(y, v, u, a_y, a_v, b_x, c);
 }
 
-/// `linearize` of eight states, the same bits as of each; for processors with avx512f.
+/// `linearize` of eight states, bit-identical to single calls; for processors with avx512f.
 ///
-/// Nothing that stood in the results is read.
+/// Previous values of the results are not read.
 ///
 /// # Safety
 ///
-/// The processor must have these instructions: `is_x86_feature_detected!` tells.
+/// The processor must have these instructions: check with `is_x86_feature_detected!`.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
 #[inline(never)]
@@ -1856,7 +1857,7 @@ pub fn inertial_parameters() -> [f64; 22] {
     pi
 }
 
-/// `inertial_parameters` with its results written in place; nothing of what stood there is read.
+/// `inertial_parameters` with its results written in place; their previous values are not read.
 pub fn inertial_parameters_into(pi: &mut [f64; 22]) {
     pi[0] = 3.3777;
     pi[1] = 0.0;
@@ -1890,7 +1891,7 @@ pub fn inertial_parameters_into(pi: &mut [f64; 22]) {
 /// - `v: [N]`: velocities ẏ: `beta`, `gamma` in rad/s
 /// - `a: [N]`: accelerations ÿ: `beta`, `gamma` in rad/s²
 /// - returns `W: [N × 22]`: rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; those of
-///   rotors stand last
+///   rotors are last
 ///
 /// Cost: 21 multiplications, 12 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
@@ -1904,7 +1905,7 @@ pub fn inertial_regressor(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [[f64; 22
     w
 }
 
-/// `inertial_regressor` with its results written in place; nothing of what stood there is read.
+/// `inertial_regressor` with its results written in place; their previous values are not read.
 pub fn inertial_regressor_into(
     y: &[f64; N],
     v: &[f64; N],
@@ -2138,7 +2139,7 @@ pub fn friction_regressor(v: &[f64; N]) -> [[f64; 9]; N] {
     r
 }
 
-/// `friction_regressor` with its results written in place; nothing of what stood there is read.
+/// `friction_regressor` with its results written in place; their previous values are not read.
 pub fn friction_regressor_into(v: &[f64; N], r: &mut [[f64; 9]; N]) {
     r[0][0] = v[0];
     r[0][4] = 0.0;

@@ -49,7 +49,7 @@ pub const EFFORT_LIMITS: [f64; N] = [44.8];
 pub const PEAK_EFFORT_LIMITS: [f64; N] = [80.5];
 
 /// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite where
-/// not described. `EFFORT_LIMITS` at the joint holds beside it.
+/// not described. `EFFORT_LIMITS` at the joint also applies.
 pub const INPUT_LIMITS: [f64; M] = [0.2782608695652174];
 
 /// Largest magnitude of each input that its motor bears for a short time, in the unit of the input; the nominal
@@ -220,7 +220,7 @@ pub fn applied_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
 ///
 /// - `y: [N]`: coordinates: `alpha` in rad
 /// - `v: [N]`: velocities ẏ: `alpha` in rad/s
-/// - returns `b: [N]`: what holds the accelerations at zero, without springs and friction
+/// - returns `b: [N]`: forces that hold the accelerations at zero, without springs and friction
 ///
 /// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
 ///
@@ -336,11 +336,12 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
 /// - `y: [N]`: coordinates: `alpha` in rad
 /// - `v: [N]`: velocities ẏ: `alpha` in rad/s
 /// - returns `M: [N × N]`: symmetric, positive definite, both triangles filled
-/// - returns `b: [N]`: k − gravity\_forces: what holds the accelerations at zero, without springs and friction
+/// - returns `b: [N]`: k − gravity\_forces: forces that hold the accelerations at zero, without springs and
+///   friction
 ///
 /// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
 ///
-/// What both have in common is computed once.
+/// Common terms of both are computed once.
 #[inline]
 #[must_use]
 pub fn mass_matrix_and_bias_forces(
@@ -390,7 +391,7 @@ pub fn inverse_dynamics_derivatives(
     ([t6], [[0.0]], [[t10]])
 }
 
-/// Inverse dynamics with all its Jacobians; that by the accelerations is `M(y)`.
+/// Inverse dynamics with all its Jacobians; the Jacobian by the accelerations is `M(y)`.
 ///
 /// `δ(M ÿ + k − q) = ∂/∂y δy + ∂/∂ẏ δẏ + M δÿ`
 ///
@@ -624,7 +625,7 @@ pub fn inertial_parameters() -> [f64; 11] {
 /// - `v: [N]`: velocities ẏ: `alpha` in rad/s
 /// - `a: [N]`: accelerations ÿ: `alpha` in rad/s²
 /// - returns `W: [N × 11]`: rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; those of
-///   rotors stand last
+///   rotors are last
 ///
 /// Cost: 1 multiplication, 0 additions, 0 divisions, 0 function calls.
 ///

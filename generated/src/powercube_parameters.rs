@@ -54,7 +54,7 @@ pub const EFFORT_LIMITS: [f64; N] = [44.8, 44.8];
 pub const PEAK_EFFORT_LIMITS: [f64; N] = [80.5, 80.5];
 
 /// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite where
-/// not described. `EFFORT_LIMITS` at the joint holds beside it.
+/// not described. `EFFORT_LIMITS` at the joint also applies.
 pub const INPUT_LIMITS: [f64; M] = [0.2782608695652174, 0.2782608695652174];
 
 /// Largest magnitude of each input that its motor bears for a short time, in the unit of the input; the nominal
@@ -422,7 +422,7 @@ pub fn applied_forces(y: &[f64; N], v: &[f64; N], p: &Parameters) -> [f64; N] {
 /// - `y: [N]`: coordinates: `beta`, `gamma` in rad
 /// - `v: [N]`: velocities ẏ: `beta`, `gamma` in rad/s
 /// - `p`: free parameters
-/// - returns `b: [N]`: what holds the accelerations at zero, without springs and friction
+/// - returns `b: [N]`: forces that hold the accelerations at zero, without springs and friction
 ///
 /// Cost: 14 multiplications, 8 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
@@ -830,11 +830,12 @@ pub fn forward_dynamics(
 /// - `v: [N]`: velocities ẏ: `beta`, `gamma` in rad/s
 /// - `p`: free parameters
 /// - returns `M: [N × N]`: symmetric, positive definite, both triangles filled
-/// - returns `b: [N]`: k − gravity\_forces: what holds the accelerations at zero, without springs and friction
+/// - returns `b: [N]`: k − gravity\_forces: forces that hold the accelerations at zero, without springs and
+///   friction
 ///
 /// Cost: 19 multiplications, 14 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
-/// What both have in common is computed once.
+/// Common terms of both are computed once.
 #[inline]
 #[must_use]
 pub fn mass_matrix_and_bias_forces(
@@ -1074,7 +1075,7 @@ pub fn inverse_dynamics_derivatives(
     ([t160, t161], [[t162, t163], [t99, t164]], [[t139, t165], [t132, t159]])
 }
 
-/// Inverse dynamics with all its Jacobians; that by the accelerations is `M(y)`.
+/// Inverse dynamics with all its Jacobians; the Jacobian by the accelerations is `M(y)`.
 ///
 /// `δ(M ÿ + k − q) = ∂/∂y δy + ∂/∂ẏ δẏ + M δÿ`
 ///
@@ -1918,7 +1919,7 @@ pub fn inertial_parameters(p: &Parameters) -> [f64; 22] {
     pi
 }
 
-/// `inertial_parameters` with its results written in place; nothing of what stood there is read.
+/// `inertial_parameters` with its results written in place; their previous values are not read.
 pub fn inertial_parameters_into(p: &Parameters, pi: &mut [f64; 22]) {
     pi[0] = 3.3777;
     pi[1] = 0.0;
@@ -1958,7 +1959,7 @@ pub fn inertial_parameters_into(p: &Parameters, pi: &mut [f64; 22]) {
 /// - `a: [N]`: accelerations ÿ: `beta`, `gamma` in rad/s²
 /// - `p`: free parameters
 /// - returns `W: [N × 22]`: rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; those of
-///   rotors stand last
+///   rotors are last
 ///
 /// Cost: 21 multiplications, 12 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
@@ -1977,7 +1978,7 @@ pub fn inertial_regressor(
     w
 }
 
-/// `inertial_regressor` with its results written in place; nothing of what stood there is read.
+/// `inertial_regressor` with its results written in place; their previous values are not read.
 pub fn inertial_regressor_into(
     y: &[f64; N],
     v: &[f64; N],
@@ -2241,7 +2242,7 @@ pub fn friction_regressor(v: &[f64; N], p: &Parameters) -> [[f64; 14]; N] {
     r
 }
 
-/// `friction_regressor` with its results written in place; nothing of what stood there is read.
+/// `friction_regressor` with its results written in place; their previous values are not read.
 pub fn friction_regressor_into(v: &[f64; N], p: &Parameters, r: &mut [[f64; 14]; N]) {
     let _ = p;
     r[0][0] = 1.0;

@@ -78,7 +78,7 @@ pub const EFFORT_LIMITS: [f64; N] = [44.8, 44.8, 44.8, 10.0, 12.0, 2.0];
 pub const PEAK_EFFORT_LIMITS: [f64; N] = [80.5, 80.5, 80.5, 10.0, 12.0, 2.0];
 
 /// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite where
-/// not described. `EFFORT_LIMITS` at the joint holds beside it.
+/// not described. `EFFORT_LIMITS` at the joint also applies.
 pub const INPUT_LIMITS: [f64; M] = [
     0.2782608695652174,
     0.2782608695652174,

@@ -134,7 +134,7 @@ pub const PEAK_EFFORT_LIMITS: [f64; N] = [
 ];
 
 /// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite where
-/// not described. `EFFORT_LIMITS` at the joint holds beside it.
+/// not described. `EFFORT_LIMITS` at the joint also applies.
 pub const INPUT_LIMITS: [f64; M] = [8.0, 8.0, 8.0, 8.0];
 
 /// Largest magnitude of each input that its motor bears for a short time, in the unit of the input; the nominal
@@ -144,7 +144,7 @@ pub const PEAK_INPUT_LIMITS: [f64; M] = [8.0, 8.0, 8.0, 8.0];
 /// Lowest and highest value of each input, in its unit; infinite where not described.
 pub const INPUT_RANGES: [[f64; 2]; M] = [[0.0, 8.0], [0.0, 8.0], [0.0, 8.0], [0.0, 8.0]];
 
-/// So many of the inputs, the first ones, are drives. The others act at frames.
+/// Number of inputs that are drives; these are first. The others act at frames.
 pub const DRIVES: usize = 0;
 
 /// Pairs of coordinates i, j: friction at i may jump where velocity j changes its sign, because a law has an
@@ -230,7 +230,7 @@ pub fn mass_matrix(y: &[f64; NY]) -> [[f64; N]; N] {
     m
 }
 
-/// `mass_matrix` with its results written in place; nothing of what stood there is read.
+/// `mass_matrix` with its results written in place; their previous values are not read.
 pub fn mass_matrix_into(y: &[f64; NY], m: &mut [[f64; N]; N]) {
     let _ = y;
     m[0][0] = 1.52;
@@ -461,7 +461,7 @@ pub fn applied_forces(y: &[f64; NY], v: &[f64; N]) -> [f64; N] {
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
 /// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
 ///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
-/// - returns `b: [N]`: what holds the accelerations at zero, without springs and friction
+/// - returns `b: [N]`: forces that hold the accelerations at zero, without springs and friction
 ///
 /// Cost: 32 multiplications, 16 additions, 0 divisions, 0 function calls.
 ///
@@ -547,7 +547,7 @@ pub fn input_matrix(y: &[f64; NY]) -> [[f64; M]; N] {
     b
 }
 
-/// `input_matrix` with its results written in place; nothing of what stood there is read.
+/// `input_matrix` with its results written in place; their previous values are not read.
 pub fn input_matrix_into(y: &[f64; NY], b: &mut [[f64; M]; N]) {
     let _ = y;
     b[0][0] = 0.0;
@@ -604,7 +604,7 @@ pub fn equations_of_motion(
     (m, k, q)
 }
 
-/// `equations_of_motion` with its results written in place; nothing of what stood there is read.
+/// `equations_of_motion` with its results written in place; their previous values are not read.
 pub fn equations_of_motion_into(
     y: &[f64; NY],
     v: &[f64; N],
@@ -723,8 +723,8 @@ pub fn equations_of_motion_into(
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
 /// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
 ///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
-/// - `a: [N]`: accelerations v̇, for which ÿ stands in equations: `base_x`, `base_y`, `base_z` in m/s²,
-///   `base_rx`, `base_ry`, `base_rz` in rad/s²
+/// - `a: [N]`: accelerations v̇, written ÿ in equations: `base_x`, `base_y`, `base_z` in m/s², `base_rx`,
+///   `base_ry`, `base_rz` in rad/s²
 /// - returns `B u: [N]`: drive forces at the joints; u\_ff = B⁻¹ times these
 ///
 /// Cost: 35 multiplications, 28 additions, 0 divisions, 0 function calls.
@@ -929,11 +929,12 @@ pub fn forward_dynamics(y: &[f64; NY], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
 /// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
 ///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - returns `M: [N × N]`: symmetric, positive definite, both triangles filled
-/// - returns `b: [N]`: k − gravity\_forces: what holds the accelerations at zero, without springs and friction
+/// - returns `b: [N]`: k − gravity\_forces: forces that hold the accelerations at zero, without springs and
+///   friction
 ///
 /// Cost: 32 multiplications, 16 additions, 0 divisions, 0 function calls.
 ///
-/// What both have in common is computed once.
+/// Common terms of both are computed once.
 #[inline]
 #[must_use]
 pub fn mass_matrix_and_bias_forces(
@@ -946,7 +947,7 @@ pub fn mass_matrix_and_bias_forces(
     (m, b)
 }
 
-/// `mass_matrix_and_bias_forces` with its results written in place; nothing of what stood there is read.
+/// `mass_matrix_and_bias_forces` with its results written in place; their previous values are not read.
 pub fn mass_matrix_and_bias_forces_into(
     y: &[f64; NY],
     v: &[f64; N],
@@ -1055,8 +1056,8 @@ pub fn mass_matrix_and_bias_forces_into(
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
 /// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
 ///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
-/// - `a: [N]`: accelerations v̇, for which ÿ stands in equations: `base_x`, `base_y`, `base_z` in m/s²,
-///   `base_rx`, `base_ry`, `base_rz` in rad/s²
+/// - `a: [N]`: accelerations v̇, written ÿ in equations: `base_x`, `base_y`, `base_z` in m/s², `base_rx`,
+///   `base_ry`, `base_rz` in rad/s²
 /// - returns `B u: [N]`: the forces M ÿ + k − q, on the joint side
 /// - returns `∂/∂y: [N × N]`: row i = force i
 /// - returns `∂/∂ẏ: [N × N]`: row i = force i, friction included
@@ -1083,7 +1084,7 @@ pub fn inverse_dynamics_derivatives(
     (b_u, d_dy, d_dv)
 }
 
-/// `inverse_dynamics_derivatives` with its results written in place; nothing of what stood there is read.
+/// `inverse_dynamics_derivatives` with its results written in place; their previous values are not read.
 pub fn inverse_dynamics_derivatives_into(
     y: &[f64; NY],
     v: &[f64; N],
@@ -1290,7 +1291,7 @@ pub fn inverse_dynamics_derivatives_into(
     d_dv[5][4] = t117;
 }
 
-/// Inverse dynamics with all its Jacobians; that by the accelerations is `M(y)`.
+/// Inverse dynamics with all its Jacobians; the Jacobian by the accelerations is `M(y)`.
 ///
 /// `δ(M ÿ + k − q) = ∂/∂y δy + ∂/∂ẏ δẏ + M δÿ`
 ///
@@ -1298,8 +1299,8 @@ pub fn inverse_dynamics_derivatives_into(
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
 /// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
 ///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
-/// - `a: [N]`: accelerations v̇, for which ÿ stands in equations: `base_x`, `base_y`, `base_z` in m/s²,
-///   `base_rx`, `base_ry`, `base_rz` in rad/s²
+/// - `a: [N]`: accelerations v̇, written ÿ in equations: `base_x`, `base_y`, `base_z` in m/s², `base_rx`,
+///   `base_ry`, `base_rz` in rad/s²
 /// - returns `B u: [N]`: the forces M ÿ + k − q, on the joint side
 /// - returns `∂/∂y: [N × N]`: row i = force i
 /// - returns `∂/∂ẏ: [N × N]`: row i = force i, friction included
@@ -1340,8 +1341,8 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     (b_u, d_dy, d_dv, m)
 }
 
-/// `inverse_dynamics_derivatives_and_mass_matrix` with its results written in place; nothing of what stood there
-/// is read.
+/// `inverse_dynamics_derivatives_and_mass_matrix` with its results written in place; their previous values are
+/// not read.
 pub fn inverse_dynamics_derivatives_and_mass_matrix_into(
     y: &[f64; NY],
     v: &[f64; N],
@@ -1634,7 +1635,7 @@ pub fn forward_dynamics_derivatives(
     (a, da_dy, da_dv, m_inverse)
 }
 
-/// `forward_dynamics_derivatives` with its results written in place; nothing of what stood there is read.
+/// `forward_dynamics_derivatives` with its results written in place; their previous values are not read.
 pub fn forward_dynamics_derivatives_into(
     y: &[f64; NY],
     v: &[f64; N],
@@ -1989,7 +1990,7 @@ pub fn linearize(
     (a_y, a_v, b_x, c, d)
 }
 
-/// `linearize` with its results written in place; nothing of what stood there is read.
+/// `linearize` with its results written in place; their previous values are not read.
 #[allow(
     clippy::too_many_arguments,
     reason = "blocks of fixed size need no type of their own"
@@ -2505,10 +2506,10 @@ pub fn inertial_parameters() -> [f64; 10] {
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
 /// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
 ///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
-/// - `a: [N]`: accelerations v̇, for which ÿ stands in equations: `base_x`, `base_y`, `base_z` in m/s²,
-///   `base_rx`, `base_ry`, `base_rz` in rad/s²
+/// - `a: [N]`: accelerations v̇, written ÿ in equations: `base_x`, `base_y`, `base_z` in m/s², `base_rx`,
+///   `base_ry`, `base_rz` in rad/s²
 /// - returns `W: [N × 10]`: rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; those of
-///   rotors stand last
+///   rotors are last
 ///
 /// Cost: 22 multiplications, 25 additions, 0 divisions, 0 function calls.
 ///
@@ -2522,7 +2523,7 @@ pub fn inertial_regressor(y: &[f64; NY], v: &[f64; N], a: &[f64; N]) -> [[f64; 1
     w
 }
 
-/// `inertial_regressor` with its results written in place; nothing of what stood there is read.
+/// `inertial_regressor` with its results written in place; their previous values are not read.
 pub fn inertial_regressor_into(
     y: &[f64; NY],
     v: &[f64; N],
@@ -2700,8 +2701,8 @@ pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 10] = [
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
 /// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
 ///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
-/// - `a: [N]`: accelerations v̇, for which ÿ stands in equations: `base_x`, `base_y`, `base_z` in m/s²,
-///   `base_rx`, `base_ry`, `base_rz` in rad/s²
+/// - `a: [N]`: accelerations v̇, written ÿ in equations: `base_x`, `base_y`, `base_z` in m/s², `base_rx`,
+///   `base_ry`, `base_rz` in rad/s²
 /// - returns `W_b: [N × 10]`: rows by coordinate, columns in the order of `BASE_PARAMETER_NAMES`
 ///
 /// Cost: 22 multiplications, 25 additions, 0 divisions, 0 function calls.
@@ -2716,7 +2717,7 @@ pub fn base_regressor(y: &[f64; NY], v: &[f64; N], a: &[f64; N]) -> [[f64; 10]; 
     w_b
 }
 
-/// `base_regressor` with its results written in place; nothing of what stood there is read.
+/// `base_regressor` with its results written in place; their previous values are not read.
 pub fn base_regressor_into(
     y: &[f64; NY],
     v: &[f64; N],
@@ -2907,7 +2908,7 @@ pub fn input_forces_derivatives(
     (b_u, d_dy)
 }
 
-/// `input_forces_derivatives` with its results written in place; nothing of what stood there is read.
+/// `input_forces_derivatives` with its results written in place; their previous values are not read.
 pub fn input_forces_derivatives_into(
     y: &[f64; NY],
     u: &[f64; M],
@@ -3073,7 +3074,7 @@ pub fn frame_front_right_jacobian(y: &[f64; NY]) -> [[f64; N]; 6] {
     j
 }
 
-/// `frame_front_right_jacobian` with its results written in place; nothing of what stood there is read.
+/// `frame_front_right_jacobian` with its results written in place; their previous values are not read.
 pub fn frame_front_right_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
     j[3][0] = 0.0;
     j[3][1] = 0.0;
@@ -3380,7 +3381,7 @@ pub fn frame_rear_left_jacobian(y: &[f64; NY]) -> [[f64; N]; 6] {
     j
 }
 
-/// `frame_rear_left_jacobian` with its results written in place; nothing of what stood there is read.
+/// `frame_rear_left_jacobian` with its results written in place; their previous values are not read.
 pub fn frame_rear_left_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
     j[3][0] = 0.0;
     j[3][1] = 0.0;
@@ -3686,7 +3687,7 @@ pub fn frame_front_left_jacobian(y: &[f64; NY]) -> [[f64; N]; 6] {
     j
 }
 
-/// `frame_front_left_jacobian` with its results written in place; nothing of what stood there is read.
+/// `frame_front_left_jacobian` with its results written in place; their previous values are not read.
 pub fn frame_front_left_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
     j[3][0] = 0.0;
     j[3][1] = 0.0;
@@ -3991,7 +3992,7 @@ pub fn frame_rear_right_jacobian(y: &[f64; NY]) -> [[f64; N]; 6] {
     j
 }
 
-/// `frame_rear_right_jacobian` with its results written in place; nothing of what stood there is read.
+/// `frame_rear_right_jacobian` with its results written in place; their previous values are not read.
 pub fn frame_rear_right_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
     j[3][0] = 0.0;
     j[3][1] = 0.0;

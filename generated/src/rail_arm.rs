@@ -58,7 +58,7 @@ pub const EFFORT_LIMITS: [f64; N] = [90.0, 40.0];
 pub const PEAK_EFFORT_LIMITS: [f64; N] = [90.0, 40.0];
 
 /// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite where
-/// not described. `EFFORT_LIMITS` at the joint holds beside it.
+/// not described. `EFFORT_LIMITS` at the joint also applies.
 pub const INPUT_LIMITS: [f64; M] = [0.6, 0.35];
 
 /// Largest magnitude of each input that its motor bears for a short time, in the unit of the input; the nominal
@@ -302,7 +302,7 @@ pub fn applied_forces(y: &[f64; N], v: &[f64; N], d: &[[f64; 3]; DRIVEN]) -> [f6
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
 /// - `d: [DRIVEN × 3]`: driven coordinates, each its position, velocity and acceleration: `rail` in m, m/s, m/s²
-/// - returns `b: [N]`: what holds the accelerations at zero, without springs and friction
+/// - returns `b: [N]`: forces that hold the accelerations at zero, without springs and friction
 ///
 /// Cost: 15 multiplications, 8 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
@@ -613,11 +613,12 @@ pub fn forward_dynamics(
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
 /// - `d: [DRIVEN × 3]`: driven coordinates, each its position, velocity and acceleration: `rail` in m, m/s, m/s²
 /// - returns `M: [N × N]`: symmetric, positive definite, both triangles filled
-/// - returns `b: [N]`: k − gravity\_forces: what holds the accelerations at zero, without springs and friction
+/// - returns `b: [N]`: k − gravity\_forces: forces that hold the accelerations at zero, without springs and
+///   friction
 ///
 /// Cost: 17 multiplications, 10 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
-/// What both have in common is computed once.
+/// Common terms of both are computed once.
 ///
 /// It contains M\_d d̈, the inertial forces of the driven joints' accelerations, so that M ÿ + k = q + B u holds
 /// for the other joints.
@@ -780,7 +781,7 @@ pub fn inverse_dynamics_derivatives(
     ([t44, t53], [[t87, t70], [t57, t65]], [[t82, t88], [t77, t86]])
 }
 
-/// Inverse dynamics with all its Jacobians; that by the accelerations is `M(y)`.
+/// Inverse dynamics with all its Jacobians; the Jacobian by the accelerations is `M(y)`.
 ///
 /// `δ(M ÿ + k − q) = ∂/∂y δy + ∂/∂ẏ δẏ + M δÿ`
 ///
@@ -1422,7 +1423,7 @@ pub fn inertial_parameters() -> [f64; 32] {
     pi
 }
 
-/// `inertial_parameters` with its results written in place; nothing of what stood there is read.
+/// `inertial_parameters` with its results written in place; their previous values are not read.
 pub fn inertial_parameters_into(pi: &mut [f64; 32]) {
     pi[0] = 7.0;
     pi[1] = 0.07;
@@ -1467,7 +1468,7 @@ pub fn inertial_parameters_into(pi: &mut [f64; 32]) {
 /// - `a: [N]`: accelerations ÿ: `shoulder`, `elbow` in rad/s²
 /// - `d: [DRIVEN × 3]`: driven coordinates, each its position, velocity and acceleration: `rail` in m, m/s, m/s²
 /// - returns `W: [N × 32]`: rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; those of
-///   rotors stand last
+///   rotors are last
 ///
 /// Cost: 23 multiplications, 14 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
@@ -1486,7 +1487,7 @@ pub fn inertial_regressor(
     w
 }
 
-/// `inertial_regressor` with its results written in place; nothing of what stood there is read.
+/// `inertial_regressor` with its results written in place; their previous values are not read.
 pub fn inertial_regressor_into(
     y: &[f64; N],
     v: &[f64; N],
@@ -1825,7 +1826,7 @@ pub fn frame_flange_jacobian(y: &[f64; N], d: &[[f64; 3]; DRIVEN]) -> [[f64; 3];
     j
 }
 
-/// `frame_flange_jacobian` with its results written in place; nothing of what stood there is read.
+/// `frame_flange_jacobian` with its results written in place; their previous values are not read.
 pub fn frame_flange_jacobian_into(
     y: &[f64; N],
     d: &[[f64; 3]; DRIVEN],
@@ -1882,7 +1883,7 @@ pub fn frame_flange_jacobian_into(
 ///
 /// Cost: 14 multiplications, 8 additions, 0 divisions, 3 function calls (`sin_cos`).
 ///
-/// The driven joints are accelerated as d says.
+/// The accelerations of the driven joints are those in d.
 #[inline]
 #[must_use]
 pub fn frame_flange_jacobian_rate_times_velocity(

@@ -231,7 +231,7 @@ pub const PEAK_EFFORT_LIMITS: [f64; N] = [
 ];
 
 /// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite where
-/// not described. `EFFORT_LIMITS` at the joint holds beside it.
+/// not described. `EFFORT_LIMITS` at the joint also applies.
 pub const INPUT_LIMITS: [f64; M] = [f64::INFINITY, f64::INFINITY, f64::INFINITY];
 
 /// Largest magnitude of each input that its motor bears for a short time, in the unit of the input; the nominal
@@ -308,7 +308,7 @@ pub fn mass_matrix(y: &[f64; NY]) -> [[f64; N]; N] {
     m
 }
 
-/// `mass_matrix` with its results written in place; nothing of what stood there is read.
+/// `mass_matrix` with its results written in place; their previous values are not read.
 pub fn mass_matrix_into(y: &[f64; NY], m: &mut [[f64; N]; N]) {
     m[0][0] = 47.2;
     m[0][1] = 0.0;
@@ -927,7 +927,7 @@ pub fn input_matrix() -> [[f64; M]; N] {
     b
 }
 
-/// `input_matrix` with its results written in place; nothing of what stood there is read.
+/// `input_matrix` with its results written in place; their previous values are not read.
 pub fn input_matrix_into(b: &mut [[f64; M]; N]) {
     b[0][0] = 0.0;
     b[0][1] = 0.0;
@@ -977,8 +977,8 @@ pub fn input_matrix_into(b: &mut [[f64; M]; N]) {
 /// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
 ///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `wheel_x`,
 ///   `wheel_y`, `wheel_z`, `boom_rx`, `boom_ry`, `boom_rz` in rad/s
-/// - `a: [N]`: accelerations v̇, for which ÿ stands in equations: `base_x`, `base_y`, `base_z` in m/s²,
-///   `base_rx`, `base_ry`, `base_rz`, `wheel_x`, `wheel_y`, `wheel_z`, `boom_rx`, `boom_ry`, `boom_rz` in rad/s²
+/// - `a: [N]`: accelerations v̇, written ÿ in equations: `base_x`, `base_y`, `base_z` in m/s², `base_rx`,
+///   `base_ry`, `base_rz`, `wheel_x`, `wheel_y`, `wheel_z`, `boom_rx`, `boom_ry`, `boom_rz` in rad/s²
 /// - returns `B u: [N]`: drive forces at the joints; u\_ff = B⁻¹ times these
 ///
 /// Cost: 156 multiplications, 150 additions, 0 divisions, 0 function calls.
@@ -2012,8 +2012,8 @@ pub fn forward_dynamics(y: &[f64; NY], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
 /// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
 ///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `wheel_x`,
 ///   `wheel_y`, `wheel_z`, `boom_rx`, `boom_ry`, `boom_rz` in rad/s
-/// - `a: [N]`: accelerations v̇, for which ÿ stands in equations: `base_x`, `base_y`, `base_z` in m/s²,
-///   `base_rx`, `base_ry`, `base_rz`, `wheel_x`, `wheel_y`, `wheel_z`, `boom_rx`, `boom_ry`, `boom_rz` in rad/s²
+/// - `a: [N]`: accelerations v̇, written ÿ in equations: `base_x`, `base_y`, `base_z` in m/s², `base_rx`,
+///   `base_ry`, `base_rz`, `wheel_x`, `wheel_y`, `wheel_z`, `boom_rx`, `boom_ry`, `boom_rz` in rad/s²
 /// - returns `B u: [N]`: the forces M ÿ + k − q, on the joint side
 /// - returns `∂/∂y: [N × N]`: row i = force i
 /// - returns `∂/∂ẏ: [N × N]`: row i = force i, friction included
@@ -2040,7 +2040,7 @@ pub fn inverse_dynamics_derivatives(
     (b_u, d_dy, d_dv)
 }
 
-/// `inverse_dynamics_derivatives` with its results written in place; nothing of what stood there is read.
+/// `inverse_dynamics_derivatives` with its results written in place; their previous values are not read.
 pub fn inverse_dynamics_derivatives_into(
     y: &[f64; NY],
     v: &[f64; N],
@@ -3615,7 +3615,7 @@ pub fn linearize(
     (a_y, a_v, b_x, c, d)
 }
 
-/// `linearize` with its results written in place; nothing of what stood there is read.
+/// `linearize` with its results written in place; their previous values are not read.
 #[allow(
     clippy::too_many_arguments,
     reason = "blocks of fixed size need no type of their own"

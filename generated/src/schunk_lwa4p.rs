@@ -91,7 +91,7 @@ pub const PEAK_EFFORT_LIMITS: [f64; N] = [
 ];
 
 /// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite where
-/// not described. `EFFORT_LIMITS` at the joint holds beside it.
+/// not described. `EFFORT_LIMITS` at the joint also applies.
 pub const INPUT_LIMITS: [f64; M] = [
     f64::INFINITY,
     f64::INFINITY,
@@ -182,7 +182,7 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     m
 }
 
-/// `mass_matrix` with its results written in place; nothing of what stood there is read.
+/// `mass_matrix` with its results written in place; their previous values are not read.
 #[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
 pub fn mass_matrix_into(y: &[f64; N], m: &mut [[f64; N]; N]) {
     m[4][5] = 0.0;
@@ -837,7 +837,7 @@ pub fn input_matrix() -> [[f64; M]; N] {
     b
 }
 
-/// `input_matrix` with its results written in place; nothing of what stood there is read.
+/// `input_matrix` with its results written in place; their previous values are not read.
 pub fn input_matrix_into(b: &mut [[f64; M]; N]) {
     b[0][0] = 160.0;
     b[0][1] = 0.0;
@@ -1981,7 +1981,7 @@ pub fn inertial_parameters() -> [f64; 66] {
     pi
 }
 
-/// `inertial_parameters` with its results written in place; nothing of what stood there is read.
+/// `inertial_parameters` with its results written in place; their previous values are not read.
 pub fn inertial_parameters_into(pi: &mut [f64; 66]) {
     pi[0] = 3.9;
     pi[1] = 0.0;
@@ -2059,7 +2059,7 @@ pub fn inertial_parameters_into(pi: &mut [f64; 66]) {
 /// - `v: [N]`: velocities ẏ: `joint_1`, `joint_2`, `joint_3`, `joint_4`, `joint_5`, `joint_6` in rad/s
 /// - `a: [N]`: accelerations ÿ: `joint_1`, `joint_2`, `joint_3`, `joint_4`, `joint_5`, `joint_6` in rad/s²
 /// - returns `W: [N × 66]`: rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; those of
-///   rotors stand last
+///   rotors are last
 ///
 /// Cost: 544 multiplications, 418 additions, 0 divisions, 5 function calls (`sin_cos`).
 ///
@@ -2074,7 +2074,7 @@ pub fn inertial_regressor(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [[f64; 66
     w
 }
 
-/// `inertial_regressor` with its results written in place; nothing of what stood there is read.
+/// `inertial_regressor` with its results written in place; their previous values are not read.
 #[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
 pub fn inertial_regressor_into(
     y: &[f64; N],

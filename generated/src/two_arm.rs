@@ -81,7 +81,7 @@ pub const PEAK_EFFORT_LIMITS: [f64; N] = [
 ];
 
 /// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite where
-/// not described. `EFFORT_LIMITS` at the joint holds beside it.
+/// not described. `EFFORT_LIMITS` at the joint also applies.
 pub const INPUT_LIMITS: [f64; M] = [f64::INFINITY, 0.4, 0.4, 0.4, 0.4, 0.4, 0.4];
 
 /// Largest magnitude of each input that its motor bears for a short time, in the unit of the input; the nominal
@@ -143,7 +143,7 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     m
 }
 
-/// `mass_matrix` with its results written in place; nothing of what stood there is read.
+/// `mass_matrix` with its results written in place; their previous values are not read.
 pub fn mass_matrix_into(y: &[f64; N], m: &mut [[f64; N]; N]) {
     m[1][3] = 0.0;
     m[1][4] = 0.0;
@@ -668,7 +668,7 @@ pub fn input_matrix() -> [[f64; M]; N] {
     b
 }
 
-/// `input_matrix` with its results written in place; nothing of what stood there is read.
+/// `input_matrix` with its results written in place; their previous values are not read.
 pub fn input_matrix_into(b: &mut [[f64; M]; N]) {
     b[0][0] = 1.0;
     b[0][1] = 0.0;

@@ -71,7 +71,7 @@ pub const EFFORT_LIMITS: [f64; N] = [60.0, 60.0, 30.0, 10.0, 12.0, f64::INFINITY
 pub const PEAK_EFFORT_LIMITS: [f64; N] = [60.0, 60.0, 30.0, 10.0, 12.0, f64::INFINITY];
 
 /// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite where
-/// not described. `EFFORT_LIMITS` at the joint holds beside it.
+/// not described. `EFFORT_LIMITS` at the joint also applies.
 pub const INPUT_LIMITS: [f64; M] = [0.7, 0.7, 0.25, 0.08, 0.1, 0.06];
 
 /// Largest magnitude of each input that its motor bears for a short time, in the unit of the input; the nominal

@@ -71,7 +71,7 @@ pub const EFFORT_LIMITS: [f64; N] = [150.0, 150.0, 150.0, 28.0, 28.0, 28.0];
 pub const PEAK_EFFORT_LIMITS: [f64; N] = [150.0, 150.0, 150.0, 28.0, 28.0, 28.0];
 
 /// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite where
-/// not described. `EFFORT_LIMITS` at the joint holds beside it.
+/// not described. `EFFORT_LIMITS` at the joint also applies.
 pub const INPUT_LIMITS: [f64; M] = [
     f64::INFINITY,
     f64::INFINITY,
@@ -167,7 +167,7 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     m
 }
 
-/// `mass_matrix` with its results written in place; nothing of what stood there is read.
+/// `mass_matrix` with its results written in place; their previous values are not read.
 pub fn mass_matrix_into(y: &[f64; N], m: &mut [[f64; N]; N]) {
     m[4][5] = 0.0;
     m[5][4] = 0.0;
@@ -685,7 +685,7 @@ pub fn applied_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
 ///   `wrist_2_joint`, `wrist_3_joint` in rad
 /// - `v: [N]`: velocities ẏ: `shoulder_pan_joint`, `shoulder_lift_joint`, `elbow_joint`, `wrist_1_joint`,
 ///   `wrist_2_joint`, `wrist_3_joint` in rad/s
-/// - returns `b: [N]`: what holds the accelerations at zero, without springs and friction
+/// - returns `b: [N]`: forces that hold the accelerations at zero, without springs and friction
 ///
 /// Cost: 98 multiplications, 76 additions, 0 divisions, 5 function calls (`sin_cos`).
 ///
@@ -915,7 +915,7 @@ pub fn input_matrix() -> [[f64; M]; N] {
     b
 }
 
-/// `input_matrix` with its results written in place; nothing of what stood there is read.
+/// `input_matrix` with its results written in place; their previous values are not read.
 pub fn input_matrix_into(b: &mut [[f64; M]; N]) {
     b[0][0] = 1.0;
     b[0][1] = 0.0;
@@ -983,7 +983,7 @@ pub fn equations_of_motion(
     (m, k, q)
 }
 
-/// `equations_of_motion` with its results written in place; nothing of what stood there is read.
+/// `equations_of_motion` with its results written in place; their previous values are not read.
 pub fn equations_of_motion_into(
     y: &[f64; N],
     v: &[f64; N],
@@ -2052,11 +2052,12 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
 /// - `v: [N]`: velocities ẏ: `shoulder_pan_joint`, `shoulder_lift_joint`, `elbow_joint`, `wrist_1_joint`,
 ///   `wrist_2_joint`, `wrist_3_joint` in rad/s
 /// - returns `M: [N × N]`: symmetric, positive definite, both triangles filled
-/// - returns `b: [N]`: k − gravity\_forces: what holds the accelerations at zero, without springs and friction
+/// - returns `b: [N]`: k − gravity\_forces: forces that hold the accelerations at zero, without springs and
+///   friction
 ///
 /// Cost: 141 multiplications, 113 additions, 0 divisions, 5 function calls (`sin_cos`).
 ///
-/// What both have in common is computed once.
+/// Common terms of both are computed once.
 #[inline]
 #[must_use]
 pub fn mass_matrix_and_bias_forces(
@@ -2069,7 +2070,7 @@ pub fn mass_matrix_and_bias_forces(
     (m, b)
 }
 
-/// `mass_matrix_and_bias_forces` with its results written in place; nothing of what stood there is read.
+/// `mass_matrix_and_bias_forces` with its results written in place; their previous values are not read.
 pub fn mass_matrix_and_bias_forces_into(
     y: &[f64; N],
     v: &[f64; N],
@@ -2441,7 +2442,7 @@ pub fn inverse_dynamics_derivatives(
     (b_u, d_dy, d_dv)
 }
 
-/// `inverse_dynamics_derivatives` with its results written in place; nothing of what stood there is read.
+/// `inverse_dynamics_derivatives` with its results written in place; their previous values are not read.
 pub fn inverse_dynamics_derivatives_into(
     y: &[f64; N],
     v: &[f64; N],
@@ -3450,7 +3451,7 @@ pub fn inverse_dynamics_derivatives_into(
     d_dv[5][3] = t904;
 }
 
-/// Inverse dynamics with all its Jacobians; that by the accelerations is `M(y)`.
+/// Inverse dynamics with all its Jacobians; the Jacobian by the accelerations is `M(y)`.
 ///
 /// `δ(M ÿ + k − q) = ∂/∂y δy + ∂/∂ẏ δẏ + M δÿ`
 ///
@@ -3497,8 +3498,8 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     (b_u, d_dy, d_dv, m)
 }
 
-/// `inverse_dynamics_derivatives_and_mass_matrix` with its results written in place; nothing of what stood there
-/// is read.
+/// `inverse_dynamics_derivatives_and_mass_matrix` with its results written in place; their previous values are
+/// not read.
 pub fn inverse_dynamics_derivatives_and_mass_matrix_into(
     y: &[f64; N],
     v: &[f64; N],
@@ -4618,7 +4619,7 @@ pub fn forward_dynamics_derivatives(
     (a, da_dy, da_dv, m_inverse)
 }
 
-/// `forward_dynamics_derivatives` with its results written in place; nothing of what stood there is read.
+/// `forward_dynamics_derivatives` with its results written in place; their previous values are not read.
 pub fn forward_dynamics_derivatives_into(
     y: &[f64; N],
     v: &[f64; N],
@@ -6927,7 +6928,7 @@ pub fn linearize(
     (a_y, a_v, b_x, c)
 }
 
-/// `linearize` with its results written in place; nothing of what stood there is read.
+/// `linearize` with its results written in place; their previous values are not read.
 pub fn linearize_into(
     y: &[f64; N],
     v: &[f64; N],
@@ -9854,7 +9855,7 @@ pub fn inertial_parameters() -> [f64; 60] {
     pi
 }
 
-/// `inertial_parameters` with its results written in place; nothing of what stood there is read.
+/// `inertial_parameters` with its results written in place; their previous values are not read.
 pub fn inertial_parameters_into(pi: &mut [f64; 60]) {
     pi[0] = 3.7;
     pi[1] = 0.0;
@@ -9929,7 +9930,7 @@ pub fn inertial_parameters_into(pi: &mut [f64; 60]) {
 /// - `a: [N]`: accelerations ÿ: `shoulder_pan_joint`, `shoulder_lift_joint`, `elbow_joint`, `wrist_1_joint`,
 ///   `wrist_2_joint`, `wrist_3_joint` in rad/s²
 /// - returns `W: [N × 60]`: rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; those of
-///   rotors stand last
+///   rotors are last
 ///
 /// Cost: 454 multiplications, 366 additions, 0 divisions, 5 function calls (`sin_cos`).
 ///
@@ -9943,7 +9944,7 @@ pub fn inertial_regressor(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [[f64; 60
     w
 }
 
-/// `inertial_regressor` with its results written in place; nothing of what stood there is read.
+/// `inertial_regressor` with its results written in place; their previous values are not read.
 pub fn inertial_regressor_into(
     y: &[f64; N],
     v: &[f64; N],
@@ -11409,7 +11410,7 @@ pub fn base_regressor(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [[f64; 36]; N
     w_b
 }
 
-/// `base_regressor` with its results written in place; nothing of what stood there is read.
+/// `base_regressor` with its results written in place; their previous values are not read.
 pub fn base_regressor_into(
     y: &[f64; N],
     v: &[f64; N],
@@ -12535,7 +12536,7 @@ pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     j
 }
 
-/// `frame_tool_jacobian` with its results written in place; nothing of what stood there is read.
+/// `frame_tool_jacobian` with its results written in place; their previous values are not read.
 pub fn frame_tool_jacobian_into(y: &[f64; N], j: &mut [[f64; N]; 6]) {
     j[2][0] = 0.0;
     j[3][0] = 0.0;

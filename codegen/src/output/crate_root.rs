@@ -29,10 +29,10 @@ pub(super) fn begins_with(path: &Path, expected: &str) -> bool {
     read.is_ok() && start == expected.as_bytes()
 }
 
-/// Head of the crate's root.
+/// Beginning of the crate's root, which identifies it. A new text would refuse files of older versions.
 const ROOT: &str = "//! The robots of `models/` as generated Rust: plain functions on fixed-size arrays.\n\
     //!\n\
-    //! `gelenk generate` writes this crate; `gelenk check` checks that it is up to date.\n";
+    //! `gelenk generate` writes this crate";
 
 /// Generated modules in `folder` whose names are not in `modules`, sorted.
 ///
@@ -75,7 +75,7 @@ pub fn root_text(modules: &[(String, String)]) -> String {
     let mut modules: Vec<&(String, String)> = modules.iter().collect();
     modules.sort_by_key(|(name, _)| name);
     modules.dedup_by_key(|(name, _)| name);
-    let mut text = format!("{ROOT}#![no_std]\n");
+    let mut text = format!("{ROOT}; `gelenk check` checks that it is up to date.\n#![no_std]\n");
     for (name, documentation) in modules {
         text.push('\n');
         for line in documentation.lines() {

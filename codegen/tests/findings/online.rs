@@ -65,7 +65,7 @@ fn identify(description: &str, arguments: &[&str]) -> Output {
 fn wrenches_without_a_log_are_named() {
     let output = identify(&[WRIST, WRENCH].concat(), &["--effort", "joint", "--accept-poor"]);
     let said = String::from_utf8(output.stdout).unwrap();
-    assert!(said.contains("note[wrenches-zero]: the wrenches `contact` are taken as zero"), "{said}");
+    assert!(said.contains("note[wrenches-zero]: the wrenches `contact` are assumed to be zero"), "{said}");
 }
 
 #[test]

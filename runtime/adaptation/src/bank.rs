@@ -76,6 +76,9 @@ pub(super) struct Track {
     pub state: Gaussian,
     /// Logarithm of the weight; the likeliest filter has 0.
     pub weight: f64,
+    pub correlation: Correlation,
+    /// Number of correlated samples that count as one.
+    pub correlated: f64,
 }
 
 /// One filter per rate of drift.
@@ -92,20 +95,13 @@ pub(super) struct Track {
 /// where 1 − α is the interval between samples divided by the memory. All filters share the noise variance
 /// σ², which is estimated from the errors e: `σ² ← σ² (1 + (Σ w_l e²/S_l − 1)/n)` (West, Harrison, *Bayesian
 /// Forecasting and Dynamic Models*, 1997, section 10.8). With separate variances the fastest filter would
-/// interpret noise as drift. The filters use c σ² as noise variance; c is the number of correlated samples
-/// that count as one. It is estimated from the residuals of one more filter, which drifts with the average
-/// rate and uses σ²: residuals of a filter that a large c makes slow are correlated because it lags. In
-/// directions that φ does not excite, the mean of a filter is constant and the covariance grows with the
-/// drift; nothing is forgotten without replacement.
+/// interpret noise as drift. Each filter estimates from its residuals the number c_l of correlated samples
+/// that count as one, and uses c_l σ² as noise variance. A lagging filter has correlated residuals and must
+/// not slow down the others, so c is the smallest c_l. In directions that φ does not excite, the mean of a
+/// filter is constant and the covariance grows with the drift; nothing is forgotten without replacement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Bank {
     pub tracks: [Track; RATES],
-    /// Filter as if samples were independent.
-    pub independent: Gaussian,
-    /// Correlation of its residuals.
-    pub correlation: Correlation,
-    /// Number of correlated samples that count as one.
-    pub correlated: f64,
     /// Noise variance, and its weight in samples.
     pub noise: f64,
     pub taken: f64,
@@ -114,15 +110,9 @@ pub(super) struct Bank {
 impl Bank {
     /// - `noise`: initial noise variance
     pub(super) fn new(prior: &[f64; TERMS], noise: f64) -> Self {
-        let independent = Gaussian::prior(prior);
-        Self {
-            tracks: [Track { state: independent, weight: 0.0 }; RATES],
-            independent,
-            correlation: Correlation::NEW,
-            correlated: 1.0,
-            noise,
-            taken: FIRST_WEIGHT,
-        }
+        let (state, correlation) = (Gaussian::prior(prior), Correlation::NEW);
+        let track = Track { state, weight: 0.0, correlation, correlated: 1.0 };
+        Self { tracks: [track; RATES], noise, taken: FIRST_WEIGHT }
     }
 
     /// Advances by `dt` (s). Returns the share of the prior by which the average of the filters widens.
@@ -133,20 +123,17 @@ impl Bank {
         for (track, time) in self.tracks.iter_mut().zip(times) {
             track.state.widen(dt / time, prior);
         }
-        let share = weights.iter().zip(times).map(|(weight, time)| weight * dt / time).sum();
-        self.independent.widen(share, prior);
-        share
+        weights.iter().zip(times).map(|(weight, time)| weight * dt / time).sum()
     }
 
     /// Widens all filters by a share of the prior.
     pub(super) fn widen(&mut self, share: f64, prior: &[f64; TERMS]) {
         self.tracks.iter_mut().for_each(|track| track.state.widen(share, prior));
-        self.independent.widen(share, prior);
     }
 
     /// Separates the next sample from the previous one.
     pub(super) fn pause(&mut self) {
-        self.correlation.last = 0.0;
+        self.tracks.iter_mut().for_each(|track| track.correlation.last = 0.0);
     }
 
     /// Updates with a sample.
@@ -155,6 +142,7 @@ impl Bank {
     /// - `least`: smallest noise variance
     pub(super) fn update(&mut self, sample: &Sample, forgetting: f64, least: f64) {
         self.taken = forgetting * self.taken + 1.0;
+        let correlated = self.correlated();
         let weights = self.weights();
         let mut ratios = 0.0;
         for (track, weight) in self.tracks.iter_mut().zip(weights) {
@@ -162,16 +150,19 @@ impl Bank {
             let variance = track.state.variance(&sample.phi) + self.noise;
             let ratio = error * error / variance;
             ratios += weight * ratio;
-            track.weight = forgetting * track.weight - 0.5 * (log(variance) + ratio) / self.correlated;
-            track.state.update(&sample.phi, error, self.noise * self.correlated);
+            track.weight = forgetting * track.weight - 0.5 * (log(variance) + ratio) / correlated;
+            track.state.update(&sample.phi, error, self.noise * track.correlated);
+            let residual = sample.torque - dot(&sample.phi, &track.state.mean);
+            track.correlated = track.correlation.take(residual, sample.share, sample.forwards, forgetting);
         }
+        self.noise = (self.noise * (1.0 + (ratios - 1.0) / self.taken)).max(least);
         let largest = self.tracks.iter().fold(f64::NEG_INFINITY, |largest, track| largest.max(track.weight));
         self.tracks.iter_mut().for_each(|track| track.weight -= largest);
-        let residual = |law: &Gaussian| sample.torque - dot(&sample.phi, &law.mean);
-        self.independent.update(&sample.phi, residual(&self.independent), self.noise);
-        self.correlated =
-            self.correlation.take(residual(&self.independent), sample.share, sample.forwards, forgetting);
-        self.noise = (self.noise * (1.0 + (ratios - 1.0) / self.taken)).max(least);
+    }
+
+    /// Smallest number of correlated samples that count as one.
+    pub(super) fn correlated(&self) -> f64 {
+        self.tracks.iter().fold(f64::INFINITY, |least, track| least.min(track.correlated))
     }
 
     /// Mean and covariance over the filters.

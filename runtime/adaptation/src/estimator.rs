@@ -211,14 +211,15 @@ impl<const N: usize> Adaptation<N> {
             return None;
         }
         let DescribedForces { forces, friction } = described(&y, &v, &a);
-        let delay = self.settings.delay;
+        let ends = [self.settings.delay, (self.settings.delay + 1).min(MOST_DELAY)];
         let instant = |i: usize| Instant {
             position: y[i],
             velocity: v[i],
             friction: friction[i],
+            measured: ends.map(|ago| self.torques[ago][i]),
             applied: torques[i],
             torque: torques[i] - forces[i],
-            is_exact: !(self.saturated[delay][i] || self.saturated[(delay + 1).min(MOST_DELAY)][i]),
+            is_exact: !ends.iter().any(|ago| self.saturated[*ago][i]),
         };
         let instants: [Instant; N] = core::array::from_fn(instant);
         let finite = |instant: &Instant| instant.torque.is_finite() && instant.friction.is_finite();
@@ -239,7 +240,7 @@ impl<const N: usize> Adaptation<N> {
                 since: joint.since,
                 errors: joint.comparison.errors(),
                 noise: root(joint.bank.noise),
-                correlated: joint.bank.correlated,
+                correlated: joint.bank.correlated(),
                 is_learning: joint.settling == 0,
             })
         })

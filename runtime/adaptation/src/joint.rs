@@ -75,7 +75,9 @@ pub(super) struct Instant {
     pub velocity: f64,
     /// Described friction [N m or N].
     pub friction: f64,
-    /// Drive torque [N m or N].
+    /// Drive torques of the periods before and after the instant [N m or N], the later one first.
+    pub measured: [f64; 2],
+    /// Their mean [N m or N].
     pub applied: f64,
     /// Part of `applied` that the described robot without friction does not explain [N m or N].
     pub torque: f64,
@@ -117,6 +119,8 @@ pub(super) struct Joint {
     /// Last torque, and the number of its repetitions.
     pub torque: f64,
     pub repeated: u32,
+    /// Magnitude of the torque of the stuck sensor, or at the end of its range; NaN before the first.
+    pub stuck: f64,
     /// Periods until the filter has settled, and periods until the next sample.
     pub settling: u32,
     pub waiting: u32,
@@ -141,6 +145,7 @@ impl Joint {
             direction: 0.0,
             torque: 0.0,
             repeated: 0,
+            stuck: f64::NAN,
             settling: derived.settle,
             waiting: derived.stride + index as u32 % derived.stride,
             prediction: None,
@@ -194,9 +199,13 @@ impl Joint {
         let [scale_term, viscous, offset, asymmetry] = terms(scale.shape(now.friction, v, derived.rest), v);
         let signals = [scale_term, viscous, offset, asymmetry, now.torque, now.applied];
         let filtered = self.filter.take(&signals, derived.weight);
-        self.repeated = if now.applied == self.torque { self.repeated.saturating_add(1) } else { 0 };
-        self.torque = now.applied;
-        let is_exact = now.is_exact && self.repeated < REPEATED;
+        self.repeated = if now.measured[0] == self.torque { self.repeated.saturating_add(1) } else { 0 };
+        self.torque = now.measured[0];
+        if self.repeated >= REPEATED {
+            self.stuck = self.torque.abs();
+        }
+        // With noise, a torque near the end of the range is clipped in single periods.
+        let is_exact = now.is_exact && now.measured.iter().all(|torque| torque.abs() != self.stuck);
         if direction == 0.0 || direction != self.direction || !is_exact {
             self.pause(derived);
         }

@@ -113,7 +113,7 @@ impl<const N: usize, const P: usize> LoadEstimator<N, P> {
         let deviation = root(known);
         self.comparison.whole([0.0; 2], derived.keep);
         self.comparison.take([torque / deviation, error / deviation]);
-        let noise = joint.bank.noise * joint.bank.correlated + of_friction;
+        let noise = joint.bank.noise * joint.bank.correlated() + of_friction;
         self.law.update(column, torque - dot(column, &self.law.mean), noise);
     }
 

@@ -1,6 +1,5 @@
 //! Saving and restoring of the learned state as numbers.
 
-use super::bank::{Bank, Gaussian};
 use super::correlation::CELLS;
 use super::estimator::Adaptation;
 use super::joint::Joint;
@@ -12,11 +11,10 @@ const ORIGIN: usize = 6;
 /// Names of the parts of the origin, in this order.
 const PARTS: [&str; ORIGIN] =
     ["description", "description", "number of joints", "period", "time constant", "delay"];
-/// Numbers of a law: mean and covariance.
-const LAW: usize = TERMS + TERMS * TERMS;
-/// Numbers of a joint: filters with their weights, the filter of independent samples, the average, cells, noise and correlation,
-/// comparison.
-const JOINT: usize = super::bank::RATES * (LAW + 1) + 2 * LAW + 2 * CELLS + 5 + 8;
+/// Numbers of a filter: mean, covariance, cells, and four of weight and correlation.
+const TRACK: usize = TERMS + TERMS * TERMS + 2 * CELLS + 4;
+/// Numbers of a joint: filters, noise with its weight, mean and covariance of the law, comparison.
+const JOINT: usize = super::bank::RATES * TRACK + 2 + TERMS + TERMS * TERMS + 8;
 
 impl<const N: usize> Adaptation<N> {
     /// Length of the saved state.
@@ -89,15 +87,17 @@ impl<const N: usize> Adaptation<N> {
 /// Whether an estimator can have these numbers: finite, with variances and counts that are not negative.
 fn is_possible(joint: &Joint, numbers: &[f64]) -> bool {
     let counts = |values: &[f64]| values.iter().all(|value| *value >= 0.0);
-    let bank = &joint.bank;
-    let mut laws = bank.tracks.iter().map(|track| &track.state).chain([&bank.independent, &joint.law]);
+    let tracks = joint.bank.tracks.iter().all(|track| {
+        (0..TERMS).all(|k| track.state.covariance[k][k] >= 0.0)
+            && counts(&track.correlation.counts)
+            && track.correlated >= 1.0
+    });
     let comparison = &joint.comparison;
     numbers.iter().all(|number| number.is_finite())
-        && laws.all(|law| (0..TERMS).all(|k| law.covariance[k][k] >= 0.0))
-        && counts(&bank.correlation.counts)
-        && bank.correlated >= 1.0
-        && bank.noise > 0.0
-        && bank.taken >= 0.0
+        && tracks
+        && (0..TERMS).all(|k| joint.law.covariance[k][k] >= 0.0)
+        && joint.bank.noise > 0.0
+        && joint.bank.taken >= 0.0
         && counts(&comparison.squares)
         && counts(&[comparison.all[0], comparison.all[1], comparison.all[3]])
         && counts(&[comparison.taken, comparison.excluded])
@@ -106,21 +106,16 @@ fn is_possible(joint: &Joint, numbers: &[f64]) -> bool {
 /// All saved numbers of a joint.
 fn each(joint: &mut Joint) -> impl Iterator<Item = &mut f64> {
     let Joint { bank, law, comparison, .. } = joint;
-    let Bank { tracks, independent, correlation, correlated, noise, taken } = bank;
-    let tracks = tracks.iter_mut().flat_map(|track| numbers(&mut track.state).chain([&mut track.weight]));
-    let cells = correlation.counts.iter_mut().chain(&mut correlation.sums);
-    let of_noise = [&mut correlation.squares, &mut correlation.products, correlated, noise, taken];
+    let tracks = bank.tracks.iter_mut().flat_map(|track| {
+        let correlation = &mut track.correlation;
+        let sums = correlation.counts.iter_mut().chain(&mut correlation.sums);
+        let last =
+            [&mut track.weight, &mut track.correlated, &mut correlation.squares, &mut correlation.products];
+        let state = track.state.mean.iter_mut().chain(track.state.covariance.as_flattened_mut());
+        state.chain(sums).chain(last)
+    });
+    let noise = [&mut bank.noise, &mut bank.taken];
     let counts = [&mut comparison.taken, &mut comparison.excluded];
-    tracks
-        .chain(numbers(independent))
-        .chain(numbers(law))
-        .chain(cells)
-        .chain(of_noise)
-        .chain(&mut comparison.squares)
-        .chain(&mut comparison.all)
-        .chain(counts)
-}
-
-fn numbers(law: &mut Gaussian) -> impl Iterator<Item = &mut f64> {
-    law.mean.iter_mut().chain(law.covariance.as_flattened_mut())
+    let law = law.mean.iter_mut().chain(law.covariance.as_flattened_mut());
+    tracks.chain(noise).chain(law).chain(&mut comparison.squares).chain(&mut comparison.all).chain(counts)
 }

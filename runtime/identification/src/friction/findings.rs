@@ -143,7 +143,7 @@ mod tests {
         assert_eq!(said(24.0, 2.0), none);
         let (warnings, refusals) = said(30.0, 2.0);
         assert!(
-            warnings[0].contains("[law-beyond-effort]: the law takes 120 ") && refusals.is_empty(),
+            warnings[0].contains("[law-beyond-effort]: the law needs 120 ") && refusals.is_empty(),
             "{warnings:?}"
         );
         let (warnings, refusals) = said(300.0, 2.0);

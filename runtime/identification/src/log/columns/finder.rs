@@ -294,7 +294,7 @@ fn misfit(label: &str, kind: Kind, unit: Unit, wanted: &[&str]) -> String {
         let gon = if kind == Kind::Position { format!(" or '{key}=…[gon]'") } else { String::new() };
         return format!(
             "column {label} is in Grad, which are degrees in German and gons, hundredths of a right angle, elsewhere: \
-             --columns '{key}=…[deg{behind}]'{gon} settles it"
+             use --columns '{key}=…[deg{behind}]'{gon}"
         );
     }
     let article = if name.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };

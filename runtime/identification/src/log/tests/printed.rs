@@ -58,7 +58,7 @@ fn what_is_commanded_is_doubted_where_nothing_is_measured() {
     let doubts = |header: &str, columns| warnings(&read(header, ",1,2,3,4", columns));
     let all = doubts("t,q_d1,q_d2,tau_cmd1,tau_cmd2\n", None);
     assert!(
-        all[0].contains("column-doubtful]: the positions (`q_d{}`) are commanded by their names"),
+        all[0].contains("column-doubtful]: the positions (`q_d{}`) have names of commanded values"),
         "{all:?}"
     );
     assert!(

@@ -298,7 +298,7 @@ fn joints_that_look_wrong_are_named() {
             &["velocity-disagrees"],
             "the slope is 0.01745 times the column; velocities in deg/s would explain it",
         ),
-        ("other joint", |_, j| j[0][1] = j[1][1], &["velocity-disagrees"], "hardly related"),
+        ("other joint", |_, j| j[0][1] = j[1][1], &["velocity-disagrees"], "hardly correlated"),
         ("no velocity", |_, j| j[0][1] = 0.0, &["velocity-disagrees"], "is zero while it moves"),
     ];
     for (name, change, kinds, part) in cases {
