@@ -148,7 +148,7 @@ mod tests {
         );
         let (warnings, refusals) = said(300.0, 2.0);
         assert!(
-            warnings.is_empty() && refusals[0].contains("[law-beyond-effort]: the law takes 1200 "),
+            warnings.is_empty() && refusals[0].contains("[law-beyond-effort]: the law needs 1200 "),
             "{refusals:?}"
         );
         // A log that shows a small part of the speeds tells nothing of the others.
