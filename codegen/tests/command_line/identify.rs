@@ -211,7 +211,7 @@ fn a_plan_begins_where_the_robot_stands() {
     for (start, reason) in [
         ("shoulder=0.3", "missing: elbow"),
         ("shoulder=0.3,wrist=1", "there is no joint 'wrist'; the joints are shoulder, elbow"),
-        ("shoulder=0.3,elbow=up", "'elbow=up' has no number"),
+        ("shoulder=0.3,elbow=up", "'elbow=up' needs a number"),
         ("shoulder=1,shoulder=2", "joint shoulder is given twice"),
         ("shoulder=99,elbow=0", "start of joint shoulder = 99 is not possible"),
     ] {

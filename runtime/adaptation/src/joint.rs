@@ -119,8 +119,8 @@ pub(super) struct Joint {
     /// Last torque, and the number of its repetitions.
     pub torque: f64,
     pub repeated: u32,
-    /// Magnitude of the torque of the stuck sensor, or at the end of its range; NaN before the first.
-    pub stuck: f64,
+    /// Magnitude of the torque of the stuck sensor, or at the end of its range.
+    pub stuck: Option<f64>,
     /// Periods until the filter has settled, and periods until the next sample.
     pub settling: u32,
     pub waiting: u32,
@@ -145,7 +145,7 @@ impl Joint {
             direction: 0.0,
             torque: 0.0,
             repeated: 0,
-            stuck: f64::NAN,
+            stuck: None,
             settling: derived.settle,
             waiting: derived.stride + index as u32 % derived.stride,
             prediction: None,
@@ -202,10 +202,10 @@ impl Joint {
         self.repeated = if now.measured[0] == self.torque { self.repeated.saturating_add(1) } else { 0 };
         self.torque = now.measured[0];
         if self.repeated >= REPEATED {
-            self.stuck = self.torque.abs();
+            self.stuck = Some(self.torque.abs());
         }
         // With noise, a torque near the end of the range is clipped in single periods.
-        let is_exact = now.is_exact && now.measured.iter().all(|torque| torque.abs() != self.stuck);
+        let is_exact = now.is_exact && now.measured.iter().all(|torque| Some(torque.abs()) != self.stuck);
         if direction == 0.0 || direction != self.direction || !is_exact {
             self.pause(derived);
         }
