@@ -82,7 +82,7 @@ fn identified() -> [FrictionResult; 2] {
         let mut result = settings.identify(&data).expect("a friction law").result;
         // The published friction falls nowhere: Stribeck's words would mean nothing, his curve can still be tracked with.
         assert!(result.refusals().all(|refusal| refusal.code == "no-stribeck-law"), "{:?}", result.findings);
-        result.accept();
+        result.findings.clear();
         result
     })
 }

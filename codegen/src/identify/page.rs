@@ -3,7 +3,6 @@
 use gelenk_findings::digits;
 use gelenk_findings::{Severity, texts};
 use gelenk_identification::estimation::{JointEstimate, Uncertain};
-use gelenk_identification::friction::FrictionReport;
 use gelenk_identification::identify::{Identification, JointFriction};
 use gelenk_identification::methods::subset::{SubsetValidation, ValidatedSubset};
 use gelenk_identification::robot::Robot;
@@ -74,16 +73,10 @@ pub fn has_rest(found: &Identification) -> bool {
     found.estimate.joints.iter().any(|joint| joint.rest > 0.0)
 }
 
-/// The report on the friction law of a row; `None` if the row has no law.
-pub(crate) fn law_report(found: &Identification, row: usize) -> Option<&FrictionReport> {
-    let of_row = found.friction.iter().find(|friction| friction.joint == row);
-    of_row.and_then(|friction| friction.report.as_ref().ok())
-}
-
 /// Formula of the friction law of a joint, or a dash if the joint has no law.
 #[must_use]
 pub fn law(found: &Identification, joint: usize) -> String {
-    law_report(found, joint).map_or_else(|| "–".to_owned(), |report| report.result.formula())
+    found.law(joint).map_or_else(|| "–".to_owned(), |report| report.result.formula())
 }
 
 fn summary(found: &Identification) -> Section {

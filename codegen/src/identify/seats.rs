@@ -14,7 +14,6 @@ const ROUNDING: f64 = 1e-9;
 ///
 /// - `ratios`: for each shaft, its motion for a unit of motion of each joint
 /// - `free`: for each joint, whether its row may be taken
-#[must_use]
 pub(super) fn seats(ratios: &[Vec<f64>], free: &[bool]) -> Vec<Option<usize>> {
     let joints = free.len();
     let mut rows = DMatrix::<f64>::identity(joints, joints);

@@ -1,7 +1,7 @@
 //! Errors of data and settings, with the numbers that show the fault.
 
+use gelenk_findings::Finding;
 use gelenk_findings::digits::plain;
-use gelenk_findings::{Finding, Subject};
 use thiserror::Error;
 
 /// Error of an identification step. Every message names the quantity, its value and a remedy.
@@ -147,18 +147,6 @@ pub enum IdentificationError {
         /// Numbers at the end of the iteration.
         detail: String,
     },
-    /// The fit explains too little of a joint's force on held-out data.
-    #[error("{}", unexplained(subject, [*r_squared, *least], reasons))]
-    Unexplained {
-        /// The joint, or the shaft that takes the joint's row.
-        subject: Subject,
-        /// Centred R² on held-out data.
-        r_squared: f64,
-        /// Smallest accepted R².
-        least: f64,
-        /// Likely reasons.
-        reasons: Vec<Finding>,
-    },
     /// Findings refuse the result.
     #[error("{}", findings.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
     Found {
@@ -175,16 +163,19 @@ pub enum IdentificationError {
     },
 }
 
-fn unexplained(subject: &Subject, [r_squared, least]: [f64; 2], reasons: &[Finding]) -> String {
-    let reasons: String = reasons.iter().map(|reason| format!("\n{reason}")).collect();
-    if r_squared >= least {
-        return format!(
-            "the fit of {subject} is doubted, though R² is {r_squared:.3} on held-out data{reasons}"
-        );
+/// A file, a part of it, or a part of the robot, at which data have a fault.
+pub(crate) struct Place(String);
+
+/// The place with this name.
+pub(crate) fn at(place: impl Into<String>) -> Place {
+    Place(place.into())
+}
+
+impl Place {
+    /// The error that there is a fault at this place.
+    pub(crate) fn fault(self, message: impl Into<String>) -> IdentificationError {
+        IdentificationError::File { place: self.0, message: message.into() }
     }
-    format!(
-        "the fit does not explain {subject}: R² {r_squared:.3} on held-out data, at least {least} is required{reasons}"
-    )
 }
 
 impl IdentificationError {

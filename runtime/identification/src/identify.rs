@@ -107,6 +107,13 @@ impl Identification {
         self.shafts.as_ref()?.shaft(row).map(|shaft| shaft.name.as_str())
     }
 
+    /// Report on the friction law of a row; `None` if the row has no law.
+    #[must_use]
+    pub fn law(&self, row: usize) -> Option<&FrictionReport> {
+        let of_row = self.friction.iter().find(|friction| friction.joint == row);
+        of_row.and_then(|friction| friction.report.as_ref().ok())
+    }
+
     /// Described friction terms of joints whose rows shafts take, with their estimated factors; `None` if no shaft takes a
     /// row.
     #[must_use]

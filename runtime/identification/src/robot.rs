@@ -1,6 +1,6 @@
 //! Interface of a robot for the identification, for compiled and interpreted equations of motion.
 
-use super::error::{IdentificationError, Result};
+use super::error::{Result, at};
 use super::pose::QuaternionJoint;
 use gelenk_dynamics::dynamics::{Dynamics, Limits, load};
 use gelenk_findings::Subject;
@@ -182,7 +182,6 @@ pub struct TorqueSpeedLine {
 
 impl TorqueSpeedLine {
     /// Lowest and highest input at velocities ẏ.
-    #[must_use]
     pub(crate) fn range(&self, v: &[f64]) -> [f64; 2] {
         let taken: f64 = self.slopes.iter().zip(v).map(|(slope, v)| slope * v).sum();
         [-self.limit - taken, self.limit - taken]
@@ -206,14 +205,13 @@ pub struct JointTerm {
 /// - `help`: the end of the message
 ///
 /// # Errors
-/// [`IdentificationError::File`] with the name of the first joint of this kind.
+/// [`IdentificationError::File`](crate::error::IdentificationError::File) with the name of the first joint of this kind.
 pub(crate) fn require_no_driven(robot: &dyn Robot, what: &str, help: &str) -> Result<()> {
     let names = robot.joint_names().into_iter().zip(robot.unmeasured());
     match names.filter(|(_, unmeasured)| *unmeasured).map(|(name, _)| name).next() {
-        Some(joint) => Err(IdentificationError::File {
-            place: format!("joint {joint}"),
-            message: format!("{what} where a joint is driven: {help}"),
-        }),
+        Some(joint) => {
+            Err(at(format!("joint {joint}")).fault(format!("{what} where a joint is driven: {help}")))
+        }
         None => Ok(()),
     }
 }
@@ -224,14 +222,11 @@ pub(crate) fn require_no_driven(robot: &dyn Robot, what: &str, help: &str) -> Re
 /// - `help`: the end of the message
 ///
 /// # Errors
-/// [`IdentificationError::File`] with the name of the first joint with a quaternion.
+/// [`IdentificationError::File`](crate::error::IdentificationError::File) with the name of the first joint with a quaternion.
 pub(crate) fn require_no_quaternions(robot: &dyn Robot, what: &str, help: &str) -> Result<()> {
     let Some(joint) = robot.quaternion_joints().into_iter().next() else { return Ok(()) };
     let kind = if joint.is_floating { "floating" } else { "spherical" };
-    Err(IdentificationError::File {
-        place: format!("joint {}", joint.name),
-        message: format!("{what} where a joint is {kind}: {help}"),
-    })
+    Err(at(format!("joint {}", joint.name)).fault(format!("{what} where a joint is {kind}: {help}")))
 }
 
 /// For each joint, whether its row of B has a single entry whose column has no other entry.

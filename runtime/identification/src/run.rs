@@ -1,6 +1,8 @@
 //! Recorded motions as they were measured ([`Run`]), and prepared for the regression ([`PreparedRun`]).
 
+use super::error::{Result, at, require_finite, require_length};
 use super::numeric::shifted::{shifted, slope};
+use super::robot::Robot;
 use std::ops::Range;
 
 /// A part of a log without interruption. All columns have samples at the same times.
@@ -78,6 +80,43 @@ pub struct PreparedRun {
 }
 
 impl PreparedRun {
+    /// Fails unless the run has all columns of a robot, of the same length and with finite values.
+    ///
+    /// - `effort`: kind of efforts of the other runs
+    /// - `may_lack`: whether an effort may be missing, so that its column is NaN
+    pub(crate) fn check(&self, robot: &dyn Robot, effort: Effort, may_lack: bool) -> Result<()> {
+        let name = &self.name;
+        if self.effort != effort {
+            let message = format!("its efforts are {:?}, those of the first run are {effort:?}", self.effort);
+            return Err(at(name).fault(message));
+        }
+        let (joints, quaternions) = (robot.joint_names().len(), robot.quaternion_joints().len());
+        let kinds = [
+            ("positions", &self.positions, joints),
+            ("velocities", &self.velocities, joints),
+            ("accelerations", &self.accelerations, joints),
+            ("poses", &self.poses, if quaternions > 0 { joints + quaternions } else { 0 }),
+            (
+                "efforts",
+                &self.efforts,
+                if effort == Effort::Joint { joints } else { robot.input_names().len() },
+            ),
+        ];
+        for (what, columns, expected) in kinds {
+            let what = format!("{what} of {name}");
+            require_length(&what, expected, columns.len())?;
+            for column in columns {
+                require_length(&format!("samples of {what}"), self.times.len(), column.len())?;
+                let is_missing =
+                    may_lack && std::ptr::eq(columns, &self.efforts) && column.iter().all(|u| u.is_nan());
+                if !is_missing {
+                    require_finite(&what, column)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
     /// The entries of y. They are the joints' positions if the robot has no quaternion.
     pub(crate) fn coordinates(&self) -> &[Vec<f64>] {
         if self.poses.is_empty() { &self.positions } else { &self.poses }

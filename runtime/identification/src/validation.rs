@@ -190,8 +190,7 @@ impl<'a> Prediction<'a> {
 
     /// The friction law of a joint; `None` if it has no law.
     fn law(&self, joint: usize) -> Option<&'a FrictionResult> {
-        let law = self.found.friction.iter().find(|friction| friction.joint == joint);
-        law.and_then(|law| law.report.as_ref().ok()).map(|report| &report.result)
+        self.found.law(joint).map(|report| &report.result)
     }
 
     fn set_friction(&mut self, run: &PreparedRun, filter: &Filter) -> Result<()> {

@@ -48,7 +48,7 @@ pub(super) fn as_json(
                 "term": term.basis, "coefficient": uncertain(&term.coefficient),
             })),
         });
-        let law = page::law_report(found, index);
+        let law = found.law(index);
         joint["friction_terms"] = law.map_or(Value::Null, terms_as_json);
         joint["friction_pareto"] = law.map_or(Value::Null, front_as_json);
         joint["friction_resolved_from"] = json!(law.and_then(|report| report.result.resolved_from));

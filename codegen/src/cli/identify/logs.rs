@@ -7,7 +7,6 @@ use clap::ValueEnum;
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
 use gelenk_identification::estimation::JointEstimate;
-use gelenk_identification::friction::FrictionReport;
 use gelenk_identification::identify::{Identification, IdentificationSettings, identify};
 use gelenk_identification::log::ColumnOptions;
 use gelenk_identification::result::FrictionResult;
@@ -192,7 +191,8 @@ fn rotors_without_input(model: &Model) -> Option<Finding> {
 
 /// Finding about load-dependent friction of the description that laws of the velocity replace.
 fn replaced_load(model: &Model, found: &Identification) -> Option<Finding> {
-    let replaced = |name: &str| laws(found).any(|law| law.result.joint == name && law.result.load.is_empty());
+    let laws = || found.friction.iter().filter_map(|joint| joint.report.as_ref().ok());
+    let replaced = |name: &str| laws().any(|law| law.result.joint == name && law.result.load.is_empty());
     let described = model.joints().filter(|joint| !joint.load_friction.is_empty());
     about(LOAD_LOST, described.map(|joint| joint.name.as_str()).filter(|name| replaced(name)), |names| {
         format!(
@@ -284,7 +284,7 @@ fn describe(
     let of_joints = found.friction.iter().filter(|law| found.shaft(law.joint).is_none());
     let friction = of_joints.filter_map(|law| law.report.as_ref().ok());
     let friction: Vec<FrictionResult> = friction.map(|report| report.result.clone()).collect();
-    let has_law: Vec<bool> = (0..identified.len()).map(|joint| law(found, joint).is_some()).collect();
+    let has_law: Vec<bool> = (0..identified.len()).map(|joint| found.law(joint).is_some()).collect();
     let provenance = provenance(found, findings, command);
     let name = output.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     Ok(write_identified(
@@ -323,7 +323,7 @@ fn drive_tables(
             continue;
         }
         tables.extend(drive_table(described, &identified)?);
-        if drive.coordinate().is_some_and(|joint| law(found, joint).is_none()) {
+        if drive.coordinate().is_some_and(|joint| found.law(joint).is_none()) {
             tables.extend(kept_friction(model, described, drive));
         }
     }
@@ -342,21 +342,12 @@ fn identified_drive<'a>(
     let Some(row) = shaft.or(drive.coordinate()) else { return IdentifiedShaft { rotor, ..nothing } };
     let estimate = &found.estimate.joints[row];
     IdentifiedShaft {
-        friction: shaft.and_then(|row| law(found, row)),
+        friction: shaft.and_then(|row| found.law(row)).map(|report| &report.result),
         rotor,
         added: estimate.armature.map(|inertia| inertia.value),
         motor_constant: estimate.gain.map(|gain| gain.value),
         ..nothing
     }
-}
-
-/// The identified friction law of a joint or shaft; `None` if there is none.
-fn law(found: &Identification, row: usize) -> Option<&FrictionResult> {
-    page::law_report(found, row).map(|report| &report.result)
-}
-
-fn laws(found: &Identification) -> impl Iterator<Item = &FrictionReport> {
-    found.friction.iter().filter_map(|joint| joint.report.as_ref().ok())
 }
 
 /// Comments at the top of the written description: command, hashes of the logs, fits and findings.

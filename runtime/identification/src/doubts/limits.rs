@@ -1,6 +1,6 @@
 //! Comparison of positions, speeds and efforts of joints with their described limits.
 
-use super::super::log::{Recording, are_minutes, is_seen, unit_value};
+use super::super::log::{ColumnLabels, Recording, are_minutes, is_seen, unit_value};
 use super::super::numeric::statistics::span;
 use super::super::pose::rows_of;
 use super::super::robot::{FollowerLimits, JointLimits, Robot};
@@ -45,6 +45,7 @@ pub(crate) fn beyond(robot: &dyn Robot, recording: &Recording, prepared: &[Prepa
 }
 
 /// Values of a joint and their limits.
+#[derive(Default)]
 struct Range<'a> {
     joint: &'a str,
     /// Values of each run.
@@ -91,16 +92,44 @@ impl Log<'_> {
             unit: self.unit(joint).to_owned(),
             ..Range::positions(self.limits(joint).position)
         };
-        let pattern = &labels.pattern;
+        // Angles and lengths may be in other units.
+        let of_unit = |unit: &str| {
+            let all =
+                self.joints.iter().filter(|joint| self.unit(**joint) == unit).map(|joint| range(*joint));
+            let times = all.filter_map(|range| Some(range.excess(&range.values.concat())?.times));
+            likely(times.reduce(f64::max)?, if unit == "m" { LENGTHS } else { ANGLES })
+        };
+        let units: Vec<Option<&str>> = self.joints.iter().map(|joint| of_unit(self.unit(*joint))).collect();
         self.worst(self.joints.iter().map(|joint| range(*joint)), |times, unit| {
-            let known = likely(times, if unit == "m" { LENGTHS } else { ANGLES });
-            let known =
-                known.map(|name| format!("they look like {name}: --columns 'position={pattern}[{name}]'"));
+            let known = of_unit(unit).map(|name| {
+                format!("they look like {name}: --columns 'position={}'", self.with_units(labels, &units))
+            });
             known.or_else(|| {
-                let counts = format!("counts have a factor: --columns 'position={pattern}[0.001 {unit}]'");
+                let counts =
+                    format!("counts have a factor: --columns 'position={}[0.001 {unit}]'", labels.pattern);
                 Some(counts).filter(|_| times > levels::FAR_AWAY.get())
             })
         })
+    }
+
+    /// The columns of the joints in the form that `--columns` takes, with units; as a list if units differ.
+    fn with_units(&self, labels: &ColumnLabels, units: &[Option<&str>]) -> String {
+        let bracket = |unit: &Option<&str>| unit.map_or_else(String::new, |unit| format!("[{unit}]"));
+        match units {
+            [first, others @ ..] if others.iter().all(|other| other == first) => {
+                format!("{}{}", labels.pattern, bracket(first))
+            }
+            _ => {
+                let column = |joint: &usize| {
+                    labels
+                        .columns
+                        .get(*joint)
+                        .map_or("?", |label| label.trim_start_matches("number ").trim_matches('`'))
+                };
+                let all = self.joints.iter().map(column).zip(units);
+                all.map(|(column, unit)| format!("{column}{}", bracket(unit))).collect::<Vec<_>>().join("|")
+            }
+        }
     }
 
     fn speeds(&self) -> Option<Finding> {
@@ -233,26 +262,16 @@ struct Excess {
 }
 
 impl Range<'static> {
-    fn new(limits: [f64; 2], tolerance: f64, far: f64) -> Self {
-        Self {
-            joint: "",
-            values: Vec::new(),
-            what: String::new(),
-            unit: String::new(),
-            limits,
-            tolerance,
-            far,
-        }
-    }
-
     fn positions(limits: [f64; 2]) -> Self {
         let range = (limits[1] - limits[0]).min(TAU);
-        Self::new(limits, levels::ROUNDED_POSITIONS.get() * range, levels::FAR_AWAY.get())
+        let tolerance = levels::ROUNDED_POSITIONS.get() * range;
+        Self { limits, tolerance, far: levels::FAR_AWAY.get(), ..Self::default() }
     }
 
     /// The range of values with magnitudes up to a limit.
     fn within(limit: f64) -> Self {
-        Self::new([-limit, limit], levels::ROUNDED.get() * limit, levels::FAR.get())
+        let tolerance = levels::ROUNDED.get() * limit;
+        Self { limits: [-limit, limit], tolerance, far: levels::FAR.get(), ..Self::default() }
     }
 }
 

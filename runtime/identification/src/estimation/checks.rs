@@ -48,11 +48,6 @@ pub(super) struct Checked<'a> {
     pub(super) loads_are_known: bool,
 }
 
-/// Whether a finding says that the residual follows the acceleration.
-pub(super) fn is_of_acceleration(finding: &Finding) -> bool {
-    finding.code == ACCELERATION.code
-}
-
 impl Checked<'_> {
     /// Doubts about each moving joint, and findings about joints without a measured effort or without motion.
     pub(super) fn findings(&self) -> Vec<Finding> {

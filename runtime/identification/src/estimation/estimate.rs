@@ -3,10 +3,10 @@
 use super::super::error::{IdentificationError, Result, require_finite};
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
-use super::checks::{Checked, is_of_acceleration};
+use super::checks::Checked;
 use super::choice::{Chosen, Freedom, choose};
 use super::delays::FirstFit;
-use super::estimated::{Estimated, is_unexplained, require_explained, unexplained};
+use super::estimated::{Estimated, is_doubted, is_unexplained, require_explained, unexplained};
 use super::fit::{HeldOut, fit};
 use super::hypotheses::{
     Doubts, is_driving, other_delays, other_explanations, other_factors, other_order, other_spring,
@@ -17,6 +17,7 @@ use super::layout::Layout;
 use super::loads::{Loads, PASSES, settled};
 use super::margin::{change_at_margin, runs_away_from_stops};
 use super::normal::{Centred, Values, residual_vector};
+use super::offer::gain_of_unit;
 use super::prior::Prior;
 use super::report::Report;
 use super::residuals::{Forces, RunOffsets, huber, residual, robust_deviations};
@@ -76,10 +77,9 @@ const LEFT_OUT: Rule = Rule::warning("joint-left-out");
 /// - [`Setting`](IdentificationError::Setting): a setting out of its range
 /// - [`File`](IdentificationError::File): efforts of several kinds; inputs at frames, or currents of joints with several
 ///   inputs; friction under load that is requested although no moving joint has an input of its own
-/// - [`Unexplained`](IdentificationError::Unexplained): a moving joint with a lower R² on held-out data than
-///   [`EstimationSettings::least_r_squared`], if a remedy is known or no other joint remains
-/// - [`Found`](IdentificationError::Found): another explanation of the data, such as other gravity or another unit, that is
-///   clearly better
+/// - [`Found`](IdentificationError::Found): a moving joint with a lower R² on held-out data than
+///   [`EstimationSettings::least_r_squared`], if a remedy is known or no other joint remains; another explanation of the
+///   data, such as other gravity or another unit, that is clearly better
 /// - [`NoSolution`](IdentificationError::NoSolution), [`Overflow`](IdentificationError::Overflow),
 ///   [`NotConverged`](IdentificationError::NotConverged): equations that are singular or overflow, or gains that do not
 ///   converge
@@ -112,18 +112,16 @@ pub fn estimate(
 /// The joint whose effort no hypothesis explains, and the finding that it is left out; `None` if the error has another
 /// reason.
 fn untold(robot: &dyn Robot, error: &IdentificationError) -> Option<(usize, Finding)> {
-    let IdentificationError::Unexplained { subject, r_squared, least, reasons } = error else { return None };
+    let (refusal, reasons) = error.refusals().split_first().filter(|(refusal, _)| is_doubted(refusal))?;
     let (reason, remedy) = match reasons.iter().find(|reason| is_driving(reason)) {
         Some(driving) => (driving.message.clone(), driving.remedy.clone()),
         None if !reasons.iter().any(is_unexplained) => return None,
-        None => {
-            let poor = format!("R² is {r_squared:.3} on held-out data, and at least {least} is required");
-            (format!("its effort is hardly explained: {poor}"), None)
-        }
+        None => (refusal.message.clone(), None),
     };
     let kept = "It is left out: its friction, its drive, and parameters of its bodies that other joints do not determine stay as described";
-    let finding = LEFT_OUT.found(format!("{reason}. {kept}")).of(subject.clone());
-    let joint = (0..robot.joint_names().len()).find(|joint| robot.subject(*joint) == *subject)?;
+    let finding = LEFT_OUT.found(format!("{reason}. {kept}")).of(refusal.about.subject.clone());
+    let joint =
+        (0..robot.joint_names().len()).find(|joint| robot.subject(*joint) == finding.about.subject)?;
     Some((joint, Finding { remedy, ..finding }))
 }
 
@@ -421,7 +419,7 @@ impl Task<'_> {
     ///
     /// # Errors
     /// [`IdentificationError::Found`] if another explanation is clearly better or if the unit is wrong for the whole robot,
-    /// and [`IdentificationError::Unexplained`] if the fit explains too little.
+    /// or if the fit explains too little.
     fn doubts(
         &self,
         judged: (&Chosen, &HeldOut),
@@ -443,7 +441,7 @@ impl Task<'_> {
         doubts.of_all.extend(tilt(self, judged, correlation_time).ok().flatten());
         other_factors(self, judged.0, &mut doubts)?;
         let has_other_unit = ratio.as_ref().is_some_and(CommonRatio::is_other) || checked.has_other_unit();
-        other_order(self, judged.0, &mut doubts, has_other_unit)?;
+        other_order(self, judged.0, judged.1, &mut doubts, has_other_unit)?;
         other_spring(self, judged.0, &mut doubts)?;
         let refusals = doubts.refusals();
         if !refusals.is_empty() && !accept_poor {
@@ -451,13 +449,14 @@ impl Task<'_> {
         }
         self.require_explained(held_out, &doubts, &checked)?;
         if let Some(ratio) = ratio {
-            doubts.of_all.extend(ratio.judged(accept_poor)?);
+            doubts
+                .of_all
+                .extend(ratio.judged(accept_poor, |factor| gain_of_unit(judged.0, factor, self.prior))?);
         }
         doubts.of_all.extend(other_delays(self, judged, &checked)?);
         // A residual that a remedy removes has no second cause.
         let is_explained = |of: &Finding| doubts.of_all.iter().any(|offered| offered.about == of.about);
-        let found = checked.findings().into_iter();
-        let found: Vec<Finding> = found.filter(|of| !is_of_acceleration(of) || !is_explained(of)).collect();
+        let found: Vec<Finding> = checked.findings().into_iter().filter(|of| !is_explained(of)).collect();
         doubts.of_all.extend(found);
         Ok(doubts)
     }

@@ -350,6 +350,17 @@ pub(super) fn is_unexplained(finding: &Finding) -> bool {
     finding.code == UNEXPLAINED.code
 }
 
+/// Sees: a joint with a low R² on held-out data, or whose effort a hypothesis explains better.
+/// Matters: its law and its bodies may be wrong. The reasons follow as findings of their own.
+/// Example: R² of 0.12.
+/// Fixture: `sign` in `codegen/tests/findings/arm.rs`.
+const DOUBTED: Rule = Rule::error("fit-doubted");
+
+/// Whether a finding refuses the fit of a joint. Its reasons follow it.
+pub(super) fn is_doubted(finding: &Finding) -> bool {
+    finding.code == DOUBTED.code
+}
+
 /// Refuses a fit that explains too little of a moving joint, or that is better with the other sign of an effort.
 ///
 /// - `held_out`: R² of each joint on held-out data
@@ -357,7 +368,7 @@ pub(super) fn is_unexplained(finding: &Finding) -> bool {
 /// - `reasons`: gives the likely reasons for a joint
 ///
 /// # Errors
-/// [`IdentificationError::Unexplained`] with the first joint of this kind.
+/// [`IdentificationError::Found`] with a finding about the first joint of this kind, and the reasons.
 pub(super) fn require_explained(
     robot: &dyn Robot,
     layout: &Layout,
@@ -378,10 +389,14 @@ pub(super) fn require_explained(
     else {
         return Ok(());
     };
-    Err(IdentificationError::Unexplained {
-        subject: robot.subject(joint),
-        r_squared: held_out[joint],
-        least,
-        reasons: doubts[joint].clone().map_or_else(|| reasons(joint), |doubt| vec![doubt]),
-    })
+    let r_squared = held_out[joint];
+    let message = match r_squared >= least {
+        true => format!("the fit is doubted, though R² is {r_squared:.3} on held-out data"),
+        false => format!(
+            "the fit does not explain it: R² {r_squared:.3} on held-out data, at least {least} is required"
+        ),
+    };
+    let refusal = DOUBTED.found(message).with("R²", r_squared, "").of(robot.subject(joint));
+    let reasons = doubts[joint].clone().map_or_else(|| reasons(joint), |doubt| vec![doubt]);
+    Err(IdentificationError::Found { findings: [vec![refusal], reasons].concat() })
 }

@@ -7,10 +7,9 @@
 use super::super::error::Result;
 use super::super::run::Effort;
 use super::choice::Chosen;
-use super::fit::{HeldOut, held_out};
+use super::fit::HeldOut;
 use super::levels;
-use super::normal::Model;
-use super::offer::{gain, offered};
+use super::offer::{as_described, fitted, offered, times};
 use super::prior::Prior;
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
@@ -20,37 +19,6 @@ const TRIED: [f64; 12] = [0.05, 0.1, 0.2, 0.33, 0.5, 0.7, 1.4, 2.0, 3.0, 5.0, 10
 /// Factor of one refinement step around the best candidate, and number of steps to each side.
 const FINE: f64 = 1.05;
 const STEPS: i32 = 8;
-
-/// The chosen fit with another factor of one joint's effort.
-struct Factors<'a> {
-    chosen: &'a Chosen<'a>,
-    prior: &'a Prior,
-    model: Model,
-}
-
-impl Factors<'_> {
-    fn error(&self, joint: usize, factor: f64) -> Result<HeldOut> {
-        let mut start = self.chosen.values.clone();
-        start.gains[joint] *= factor;
-        let mut errors =
-            held_out(&self.chosen.centred, &self.model, self.prior, &self.chosen.weighting, &start)?;
-        // The residual sum of squares is in the unit of the measured effort.
-        errors.rss[joint] /= factor.powi(2);
-        Ok(errors)
-    }
-
-    /// The factor with the least held-out error, and this error; `None` without factors.
-    fn best(&self, joint: usize, factors: impl Iterator<Item = f64>) -> Result<Option<(f64, HeldOut)>> {
-        let mut best: Option<(f64, HeldOut)> = None;
-        for factor in factors {
-            let error = self.error(joint, factor)?;
-            if best.as_ref().is_none_or(|(_, least)| error.total() < least.total()) {
-                best = Some((factor, error));
-            }
-        }
-        Ok(best)
-    }
-}
 
 /// Whether every joint is explained well.
 fn explains(chosen: &Chosen, errors: &HeldOut) -> bool {
@@ -65,23 +33,41 @@ pub(super) fn factor(chosen: &Chosen, prior: &Prior) -> Result<Option<(usize, Fi
     if layout.known_gains.contains(&false) {
         return Ok(None);
     }
-    let model = Model { consistent: false, ..chosen.model.clone() };
-    let factors = Factors { chosen, prior, model };
+    let mut free = chosen.over(chosen.centred.sums);
+    free.model.consistent = false;
+    let own = times(&free, &[], 1.0, fitted, prior)?;
+    let described = times(chosen, &[], 1.0, as_described, prior)?;
     let mut clearest: Option<(usize, f64, f64)> = None;
     for joint in layout.rubbing() {
-        let own = factors.error(joint, 1.0)?;
-        let Some((factor, other)) = factors.best(joint, TRIED.into_iter())? else { continue };
-        let Some(share) = gain(&own, &other).filter(|_| explains(chosen, &other)) else {
-            continue;
-        };
-        if clearest.is_none_or(|(.., most)| share > most) {
-            clearest = Some((joint, factor, share));
+        let Some((factor, other)) = best(&free, joint, TRIED.into_iter(), prior)? else { continue };
+        let share = own.gain(&other).filter(|_| explains(chosen, &other));
+        let is_clearest = share.is_some_and(|share| clearest.is_none_or(|(.., most)| share > most));
+        // Free bodies may explain effects that the described bodies exclude.
+        if is_clearest && !described.is_exceeded_by(&times(chosen, &[joint], factor, as_described, prior)?) {
+            clearest = share.map(|share| (joint, factor, share));
         }
     }
     let Some((joint, factor, share)) = clearest else { return Ok(None) };
     let near = (-STEPS..=STEPS).map(|i| factor * FINE.powi(i));
-    let factor = factors.best(joint, near)?.map_or(factor, |(factor, _)| factor);
+    let factor = best(&free, joint, near, prior)?.map_or(factor, |(factor, _)| factor);
     Ok(Some((joint, offered(other_factor(layout.effort, factor), share))))
+}
+
+/// The factor of a joint's effort with the least held-out error, and this error; `None` without factors.
+fn best(
+    chosen: &Chosen,
+    joint: usize,
+    factors: impl Iterator<Item = f64>,
+    prior: &Prior,
+) -> Result<Option<(f64, HeldOut)>> {
+    let mut best: Option<(f64, HeldOut)> = None;
+    for factor in factors {
+        let error = times(chosen, &[joint], factor, fitted, prior)?;
+        if best.as_ref().is_none_or(|(_, least)| error.total() < least.total()) {
+            best = Some((factor, error));
+        }
+    }
+    Ok(best)
 }
 
 /// Sees: the effort of one joint that fits better with a factor.

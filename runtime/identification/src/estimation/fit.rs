@@ -3,6 +3,7 @@
 use super::super::error::Result;
 use super::consistent::bounded;
 use super::layout::Layout;
+use super::levels;
 use super::normal::{Centred, Model, Values, assemble, regularized, solve};
 use super::prior::Prior;
 use nalgebra::{DMatrix, DVector};
@@ -60,6 +61,27 @@ impl HeldOut {
     pub(super) fn excess_of_choice(&self, other: &Self) -> (f64, f64) {
         let (excess, deviation) = self.excess(other);
         (excess + self.distance - other.distance, deviation)
+    }
+
+    /// Share of this error by which another one is smaller; `None` if it is not clearly smaller.
+    ///
+    /// The residual sums of squares of each joint must be in the units of the same columns.
+    pub(super) fn gain(&self, other: &Self) -> Option<f64> {
+        let (excess, deviation) = other.excess(self);
+        let share = -excess / self.total();
+        (share > levels::CLEARLY.get() && -excess > 2.0 * deviation && !self.is_harmed_by(other))
+            .then_some(share)
+    }
+
+    /// Whether another error is larger by more than the standard error of the difference.
+    pub(super) fn is_exceeded_by(&self, other: &Self) -> bool {
+        let (excess, deviation) = other.excess(self);
+        excess > deviation
+    }
+
+    /// Whether the error of a joint is larger in `other`, by the share at which hypotheses count as clearly better.
+    pub(super) fn is_harmed_by(&self, other: &Self) -> bool {
+        self.rss.iter().zip(&other.rss).any(|(own, other)| *other > (1.0 + levels::CLEARLY.get()) * own)
     }
 
     /// Sum over the folds of the differences of the scores from `other`, and the standard error of this sum.

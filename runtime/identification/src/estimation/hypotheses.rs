@@ -11,7 +11,7 @@ use super::fit::{HeldOut, held_out};
 use super::layout::{ARMATURE, LOAD, Layout};
 use super::levels;
 use super::normal::{Centred, Model};
-use super::offer::{FALL, gain, offered};
+use super::offer::{Errors, FALL, as_described, fitted, offered, times};
 use super::prior::Prior;
 use super::result::Gravity;
 use super::springs::spring;
@@ -74,9 +74,6 @@ fn driving() -> Finding {
     DRIVING.found(message).help(remedy)
 }
 
-/// Weight of the description at which the fit does not change its bodies.
-const AS_DESCRIBED: f64 = 1e12;
-
 /// Doubts about the robot as a whole, and a doubt about each joint that refuses the result.
 pub(super) struct Doubts {
     pub(super) of_all: Vec<Finding>,
@@ -114,7 +111,7 @@ pub(super) fn other_explanations(
     (chosen, own): (&Chosen, &HeldOut),
     ratio: Option<f64>,
 ) -> Result<Doubts> {
-    let of_all = gravity(task, chosen, ratio)?.into_iter().collect();
+    let of_all = gravity(task, chosen, own, ratio)?.into_iter().collect();
     let mut of_joints = signs(task.robot, chosen, own, task.prior)?;
     if let Some(short) = too_short(task) {
         of_joints
@@ -129,21 +126,28 @@ pub(super) fn other_explanations(
 /// replaces their findings.
 ///
 /// - `is_doubted`: whether there are other doubts
-pub(super) fn other_order(task: &Task, chosen: &Chosen, doubts: &mut Doubts, is_doubted: bool) -> Result<()> {
+pub(super) fn other_order(
+    task: &Task,
+    chosen: &Chosen,
+    own: &HeldOut,
+    doubts: &mut Doubts,
+    is_doubted: bool,
+) -> Result<()> {
     let orders = if doubts.is_empty() && !is_doubted { Vec::new() } else { orders(task) };
     if orders.is_empty() || too_short(task).is_some() {
         return Ok(());
     }
-    let own = as_described(chosen.over(chosen.centred.sums), task.prior)?;
+    let described = as_described(chosen.over(chosen.centred.sums), task.prior)?;
     let mut best: Option<(Vec<usize>, f64)> = None;
     for order in orders {
-        let other = in_order(task, chosen, &order)?;
-        let Some(share) = gain(&own, &other) else { continue };
+        let Some(share) = described.gain(&in_order(task, chosen, &order, as_described)?) else { continue };
         if best.as_ref().is_none_or(|(_, most)| share > *most) {
             best = Some((order, share));
         }
     }
-    if let Some((order, share)) = best.filter(|(_, share)| 100.0 * share > doubts.most()) {
+    if let Some((order, share)) = best.filter(|(_, share)| 100.0 * share > doubts.most())
+        && !own.is_exceeded_by(&in_order(task, chosen, &order, fitted)?)
+    {
         let names = task.robot.joint_names();
         let moved = (0..order.len()).filter(|j| order[*j] != *j);
         let said: Vec<String> =
@@ -191,14 +195,13 @@ fn orders(task: &Task) -> Vec<Vec<usize>> {
     distinct
 }
 
-/// Held-out errors of the described bodies with columns in another order, by column. Bodies are not fitted, because free
-/// bodies would explain much of the wrong order. Friction moves with its columns.
-fn in_order(task: &Task, chosen: &Chosen, order: &[usize]) -> Result<HeldOut> {
+/// Held-out errors with columns in another order, by column. Friction moves with its columns.
+fn in_order(task: &Task, chosen: &Chosen, order: &[usize], errors: Errors) -> Result<HeldOut> {
     fn moved_by<T: Clone>(order: &[usize], values: &[T]) -> Vec<T> {
         order.iter().map(|k| values[*k].clone()).collect()
     }
     let of = |columns: &Vec<Vec<f64>>| moved_by(order, columns);
-    let moved = |run: &PreparedRun| PreparedRun {
+    let with_order = |run: &PreparedRun| PreparedRun {
         positions: of(&run.positions),
         velocities: of(&run.velocities),
         accelerations: of(&run.accelerations),
@@ -206,7 +209,7 @@ fn in_order(task: &Task, chosen: &Chosen, order: &[usize]) -> Result<HeldOut> {
         resting: if run.resting.is_empty() { Vec::new() } else { moved_by(order, &run.resting) },
         ..run.clone()
     };
-    let runs: Vec<PreparedRun> = task.runs.iter().map(moved).collect();
+    let runs: Vec<PreparedRun> = task.runs.iter().map(with_order).collect();
     let layout = Layout::new(task.robot, &runs, task.settings.steepness.as_deref(), false)?;
     let other = Task { runs: &runs, layout: &layout, first_fit: None, ..task.clone() };
     let sums = other.sums_of(&moving);
@@ -218,11 +221,11 @@ fn in_order(task: &Task, chosen: &Chosen, order: &[usize]) -> Result<HeldOut> {
         ..chosen.model.clone()
     };
     let zeros = moved_by(order, &chosen.centred.zeros);
-    let mut fitted = chosen.with_more(&layout, &sums, 1.0);
-    fitted.weighting.sigma = moved_by(order, &chosen.weighting.sigma);
-    fitted.centred = Centred::new(&layout, &sums, model.offsets, zeros);
-    fitted.model = model;
-    let errors = as_described(fitted, task.prior)?;
+    let mut moved = chosen.with_more(&layout, &sums, 1.0);
+    moved.weighting.sigma = moved_by(order, &chosen.weighting.sigma);
+    moved.centred = Centred::new(&layout, &sums, model.offsets, zeros);
+    moved.model = model;
+    let errors = errors(moved, task.prior)?;
     let mut rss = errors.rss.clone();
     order.iter().zip(&errors.rss).for_each(|(column, of_joint)| rss[*column] = *of_joint);
     Ok(HeldOut { rss, ..errors })
@@ -328,20 +331,20 @@ fn too_short(task: &Task) -> Option<Finding> {
     })
 }
 
-fn gravity(task: &Task, chosen: &Chosen, ratio: Option<f64>) -> Result<Option<Finding>> {
+fn gravity(task: &Task, chosen: &Chosen, own: &HeldOut, ratio: Option<f64>) -> Result<Option<Finding>> {
     let compensated = task.settings.gravity_compensated;
     let mut rows = task.rows_where(Gravity::of(!compensated));
     let sums = sum(&mut rows, task.layout, task.runs, &task.pieces, &moving);
-    let own = as_described(chosen.over(chosen.centred.sums), task.prior)?;
+    let described = as_described(chosen.over(chosen.centred.sums), task.prior)?;
     let other = as_described(chosen.over(&sums), task.prior)?;
-    let Some(share) = gain(&own, &other) else { return Ok(None) };
+    let Some(share) = described.gain(&other) else { return Ok(None) };
     // Bodies that are described too heavy, and efforts in a larger unit, are also better explained without gravity.
-    if let Some(ratio) = ratio {
-        let mut scaled = chosen.over(chosen.centred.sums);
-        scaled.values.gains.iter_mut().for_each(|gain| *gain /= ratio);
-        if as_described(scaled, task.prior)?.total() < other.total() {
-            return Ok(None);
-        }
+    let joints: Vec<usize> = (0..task.layout.joints).collect();
+    let scaled = ratio.map(|ratio| times(chosen, &joints, 1.0 / ratio, as_described, task.prior));
+    let is_scaled = scaled.transpose()?.is_some_and(|scaled| scaled.total() < other.total());
+    // So are other forces that the description lacks.
+    if is_scaled || own.is_exceeded_by(&fitted(chosen.over(&sums), task.prior)?) {
+        return Ok(None);
     }
     let (what, remedy) = if task.layout.exact.contains(&true) {
         (
@@ -361,22 +364,13 @@ fn gravity(task: &Task, chosen: &Chosen, ratio: Option<f64>) -> Result<Option<Fi
     Ok(Some(offered(finding, share)))
 }
 
-/// Held-out error with the bodies as described, with fitted friction and offsets. Free bodies would explain much of the
-/// difference between the settings of gravity.
-pub(super) fn as_described(mut chosen: Chosen, prior: &Prior) -> Result<HeldOut> {
-    chosen.model.consistent = false;
-    chosen.weighting.trust.fill(1.0);
-    chosen.weighting.description = AS_DESCRIBED;
-    chosen.held_out(prior)
-}
-
 /// Share by which the rigid body fits better with the other sign of a joint's effort; `None` if it does not fit clearly
 /// better.
 fn other_sign_gain(prior: &Prior, chosen: &Chosen, own: &HeldOut, joint: usize) -> Result<Option<f64>> {
     let mut start = chosen.values.clone();
     start.gains[joint] = -start.gains[joint];
     let other = held_out(&chosen.centred, &chosen.model, prior, &chosen.weighting, &start)?;
-    Ok(gain(own, &other))
+    Ok(own.gain(&other))
 }
 
 /// Whether the estimated friction τ(v) drives the joint noticeably: `Σ v τ(v)` is clearly negative.

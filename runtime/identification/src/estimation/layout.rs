@@ -1,6 +1,6 @@
 //! Order of the unknowns, and columns of the equation of each joint.
 
-use super::super::error::{IdentificationError, Result, require_length, require_samples};
+use super::super::error::{IdentificationError, Result, at, require_length, require_samples};
 use super::super::numeric::random::SplitMix64;
 use super::super::pose::rows_of;
 use super::super::robot::Robot;
@@ -79,8 +79,10 @@ impl Layout {
         let joints = robot.joint_names().len();
         let first = runs.first().ok_or(IdentificationError::Empty { what: "the list of runs".into() })?;
         for run in runs {
-            check_run(robot, run, first.effort)?;
+            require_samples(&format!("samples of {}", run.name), 3, run.times.len())?;
+            run.check(robot, first.effort, true)?;
         }
+        require_known_inputs(robot, first.effort)?;
         if let Some(given) = given {
             require_length("factors of the Coulomb terms", joints, given.len())?;
         }
@@ -255,44 +257,6 @@ impl Layout {
     }
 }
 
-fn check_run(robot: &dyn Robot, run: &PreparedRun, effort: Effort) -> Result<()> {
-    let (joints, inputs) = (robot.joint_names().len(), robot.input_names().len());
-    let of_run = |what: &str| format!("{what} of {}", run.name);
-    require_samples(&of_run("samples"), 3, run.times.len())?;
-    if run.effort != effort {
-        return Err(IdentificationError::File {
-            place: run.name.clone(),
-            message: format!("its efforts are {:?}, those of the first run are {effort:?}", run.effort),
-        });
-    }
-    let columns = if effort == Effort::Joint { joints } else { inputs };
-    let mut kinds = vec![
-        ("positions", &run.positions, joints),
-        ("velocities", &run.velocities, joints),
-        ("accelerations", &run.accelerations, joints),
-    ];
-    let entries = joints + robot.quaternion_joints().len();
-    if entries > joints {
-        kinds.push(("poses", &run.poses, entries));
-    }
-    for (kind, found, expected) in kinds {
-        require_length(&of_run(kind), expected, found.len())?;
-        for column in found {
-            require_length(&of_run(kind), run.times.len(), column.len())?;
-            super::super::error::require_finite(&of_run(kind), column)?;
-        }
-    }
-    require_length(&of_run("efforts"), columns, run.efforts.len())?;
-    for column in &run.efforts {
-        require_length(&of_run("efforts"), run.times.len(), column.len())?;
-        // A column of NaN is an effort that was not measured.
-        if !column.iter().all(|u| u.is_nan()) {
-            super::super::error::require_finite(&of_run("efforts"), column)?;
-        }
-    }
-    require_known_inputs(robot, effort)
-}
-
 /// For each joint, whether all its efforts were measured in all runs.
 fn measured(robot: &dyn Robot, runs: &[PreparedRun]) -> Vec<bool> {
     let (joints, inputs) = (robot.joint_names().len(), robot.input_names().len());
@@ -310,12 +274,10 @@ fn measured(robot: &dyn Robot, runs: &[PreparedRun]) -> Vec<bool> {
 /// have no inputs of their own.
 fn require_known_inputs(robot: &dyn Robot, effort: Effort) -> Result<()> {
     if effort != Effort::Joint && robot.has_inputs_at_frames() {
-        return Err(IdentificationError::File {
-            place: "efforts".into(),
-            message: "inputs act at frames, so that their forces at the joints depend on the positions; convert currents to \
-                      forces of the inputs first, and say so (`--effort input`)"
-                .into(),
-        });
+        return Err(at("efforts").fault(
+            "inputs act at frames, so that their forces at the joints depend on the positions; convert currents to forces of the \
+             inputs first, and say so (`--effort input`)",
+        ));
     }
     if known_gains(robot, effort).contains(&false) { require_own_inputs(robot) } else { Ok(()) }
 }
@@ -341,12 +303,10 @@ fn require_own_inputs(robot: &dyn Robot) -> Result<()> {
     if rows && columns {
         return Ok(());
     }
-    Err(IdentificationError::File {
-        place: "drive gains".into(),
-        message: "currents give gains only if each joint has one input of its own; convert the currents to \
-                  forces of the inputs first"
-            .into(),
-    })
+    Err(at("drive gains").fault(
+        "currents give gains only if each joint has one input of its own; convert the currents to \
+         forces of the inputs first",
+    ))
 }
 
 /// Indices of the unknowns in each joint's equation.

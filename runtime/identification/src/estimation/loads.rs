@@ -4,7 +4,7 @@
 //! repeated in passes. Each pass takes the load by the values of the pass before, so that the term is a column like the
 //! other friction terms.
 
-use super::super::error::{IdentificationError, Result};
+use super::super::error::{Result, at};
 use super::super::robot::Robot;
 use super::layout::Layout;
 use super::levels;
@@ -29,17 +29,16 @@ impl Loads {
     /// Loads by the values of an estimate.
     ///
     /// # Errors
-    /// [`IdentificationError::File`] if no moving joint with a measured effort has an input of its own.
+    /// [`IdentificationError::File`](crate::error::IdentificationError::File) if no moving joint with a measured effort has
+    /// an input of its own.
     pub(super) fn new(robot: &dyn Robot, layout: &Layout, found: &Estimate) -> Result<Self> {
         let own = robot.own_inputs();
         let joints: Vec<bool> = (0..layout.joints).map(|joint| layout.moves[joint] && own[joint]).collect();
         if !joints.contains(&true) {
-            return Err(IdentificationError::File {
-                place: "friction under load".into(),
-                message: "no joint that moves has an input of its own, and the load of a gear is known only there; \
-                          leave friction under load out"
-                    .into(),
-            });
+            return Err(at("friction under load").fault(
+                "no joint that moves has an input of its own, and the load of a gear is known only there; \
+                 leave friction under load out",
+            ));
         }
         let values = found.parameters.iter().zip(robot.parameters());
         let armature = |value: Option<Uncertain>| value.map_or(0.0, |value| value.value);

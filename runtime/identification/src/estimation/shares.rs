@@ -20,6 +20,7 @@ use super::intervals::{Fitted, Scores, covariance};
 use super::layout::{ASYMMETRY, COULOMB, Layout, TERMS, VISCOUS};
 use super::levels;
 use super::normal::{force_vector, residual_vector};
+use super::offer::gain_of_unit;
 use super::prior::Prior;
 use super::result::{Estimate, Gravity, Offsets};
 use super::rows::Rows;
@@ -300,7 +301,8 @@ pub(crate) fn estimate_shares(data: &SharedData) -> Result<SharedEstimate> {
     };
     found.require_explained()?;
     let accept_poor = found.fitted.settings.accept_poor;
-    let unit = found.common_ratio().map(|ratio| ratio.judged(accept_poor)).transpose()?.flatten();
+    let gain = |factor: f64| gain_of_unit(&chosen, factor, &prior);
+    let unit = found.common_ratio().map(|ratio| ratio.judged(accept_poor, gain)).transpose()?.flatten();
     let mut estimate = found.estimate();
     estimate.findings.splice(0..0, unit);
     Ok(SharedEstimate { estimate, friction: (0..layout.joints).map(|j| found.friction(j)).collect() })

@@ -4,7 +4,7 @@
 use super::super::error::Result;
 use super::choice::Chosen;
 use super::fit::fit;
-use super::offer::{HELD, gain, offered};
+use super::offer::{HELD, offered};
 use super::task::Task;
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule, Subject};
@@ -37,7 +37,7 @@ pub(super) fn spring(task: &Task, chosen: &Chosen) -> Result<Option<Finding>> {
         for joint in layout.rubbing().filter(|joint| matches!(task.robot.subject(*joint), Subject::Joint(_)))
         {
             fitted.weighting.trust[count + joint] = FREE;
-            let share = gain(&own, &fitted.held_out(task.prior)?);
+            let share = own.gain(&fitted.held_out(task.prior)?);
             fitted.weighting.trust[count + joint] = HELD;
             let most = clearest.map_or(0.0, |(_, most)| most);
             clearest = share.filter(|share| *share > most).map(|share| (joint, share)).or(clearest);

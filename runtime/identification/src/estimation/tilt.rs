@@ -12,11 +12,10 @@ use super::super::robot::Robot;
 use super::super::run::PreparedRun;
 use super::choice::Chosen;
 use super::fit::{HeldOut, fit};
-use super::hypotheses::as_described;
 use super::intervals::{Fitted, covariance, scores};
 use super::levels;
 use super::normal::Factor;
-use super::offer::{HELD, gain, harms, offered};
+use super::offer::{HELD, as_described, offered};
 use super::result::Gravity;
 use super::task::Task;
 use gelenk_findings::digits::plain;
@@ -54,7 +53,7 @@ pub(super) fn tilt(task: &Task, (last, own): (&Chosen, &HeldOut), time: f64) -> 
             // Free bodies may explain effects that the described bodies exclude.
             let of_described = as_described(last.over(last.centred.sums), task.prior)?;
             let [turned, turned_described] = Turning { gravity, ..turning }.errors(task, last)?;
-            let share = gain(own, &turned).filter(|_| !harms(&of_described, &turned_described));
+            let share = own.gain(&turned).filter(|_| !of_described.is_harmed_by(&turned_described));
             return Ok(share.map(|share| offered(finding, share)));
         }
     }

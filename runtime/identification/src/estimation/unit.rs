@@ -8,6 +8,7 @@ use super::super::log::unit_value;
 use super::super::robot::Robot;
 use super::super::run::Effort;
 use super::levels;
+use super::offer::offered;
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
 
@@ -76,19 +77,28 @@ fn middle(ratios: &[f64]) -> Option<f64> {
 }
 
 impl CommonRatio {
-    /// A doubt about the efforts of the robot as a whole; `None` if the ratio is near 1.
+    /// A doubt about the efforts of the robot as a whole; `None` if the ratio is near 1. It names a unit only if the efforts
+    /// are explained better in it.
+    ///
+    /// - `gain`: share by which the error on held-out data falls if all efforts are multiplied by a factor; `None` if it
+    ///   does not fall clearly
     ///
     /// # Errors
     /// [`IdentificationError::Found`] with the ratio and its likely causes, if the ratio is far from 1 and this is not
     /// accepted.
-    pub(crate) fn judged(&self, accept_poor: bool) -> Result<Option<Finding>> {
+    pub(crate) fn judged(
+        &self,
+        accept_poor: bool,
+        gain: impl Fn(f64) -> Result<Option<f64>>,
+    ) -> Result<Option<Finding>> {
         if !self.is_other() {
             return Ok(None);
         }
+        let finding = self.finding(gain)?;
         if self.is_within(levels::ANOTHER_UNIT.get()) || accept_poor {
-            return Ok(Some(self.finding().accepted()));
+            return Ok(Some(finding.accepted()));
         }
-        Err(IdentificationError::Found { findings: vec![self.finding()] })
+        Err(IdentificationError::Found { findings: vec![finding] })
     }
 
     /// Ratio of estimated to described forces.
@@ -105,20 +115,22 @@ impl CommonRatio {
         (1.0 / factor..=factor).contains(&self.factor)
     }
 
-    fn finding(&self) -> Finding {
+    fn finding(&self, gain: impl Fn(f64) -> Result<Option<f64>>) -> Result<Finding> {
         let (key, unit) = match self.effort {
             Effort::Input => ("input", if self.unit == "m" { "N" } else { "Nm" }),
             Effort::Joint => ("torque", if self.unit == "m" { "N" } else { "Nm" }),
             Effort::Current => ("current", "A"),
         };
-        let is_close = |name: &&&str| {
-            let off = unit_value(name).map(|value| self.factor * value);
-            self.unit != "m"
-                && self.effort != Effort::Current
-                && off.is_some_and(|off| off.max(1.0 / off) < levels::GUESS.get())
-        };
-        let guess = UNITS.iter().find(is_close);
-        let guess = guess.map(|name| format!("they may be in {name} (--columns '{key}=…[{name}]'); "));
+        let units = if self.unit == "m" || self.effort == Effort::Current { &[][..] } else { &UNITS[..] };
+        let mut best: Option<(&str, f64)> = None;
+        let is_near =
+            |value: f64| (self.factor * value).max(1.0 / (self.factor * value)) < levels::GUESS.get();
+        for name in units {
+            let share = unit_value(name).filter(|value| is_near(*value)).map(&gain).transpose()?.flatten();
+            let most = best.map_or(0.0, |(_, most)| most);
+            best = share.filter(|share| *share > most).map(|share| (*name, share)).or(best);
+        }
+        let guess = best.map(|(name, _)| format!("they may be in {name} (--columns '{key}=…[{name}]'); "));
         let usual = if self.effort == Effort::Current {
             "the described motor constants may be wrong"
         } else if self.factor < 1.0 {
@@ -137,7 +149,11 @@ impl CommonRatio {
              unit of the positions, the described masses and the direction of gravity. --accept-poor uses the efforts as they are",
             guess.unwrap_or_default()
         );
-        COMMON_FACTOR.found(message).with("factor", self.factor, "").help(remedy)
+        let finding = COMMON_FACTOR.found(message).with("factor", self.factor, "").help(remedy);
+        Ok(match best {
+            Some((_, share)) => offered(finding, share),
+            None => finding,
+        })
     }
 }
 
@@ -147,8 +163,8 @@ pub(super) fn unit_doubt([rigid, described, measured]: Sizes) -> Option<Finding>
     let matters = described > levels::CARRIES.get() * measured;
     (matters && !(1.0 / levels::OTHER_UNIT.get()..=levels::OTHER_UNIT.get()).contains(&ratio)).then(|| {
         let message = format!("the rigid body needs {} times the described force", plain(ratio, 3));
-        let remedy = "check the efforts' unit (--columns 'torque=…[UNIT]') and the gear ratio, or whether the efforts are currents \
-                      (--effort current)";
+        let remedy =
+            "check the described masses and the gear ratio, and look for forces that the description lacks";
         JOINT_FACTOR.found(message).with("factor", ratio, "").help(remedy)
     })
 }

@@ -1,6 +1,6 @@
 //! The motion from a given posture to the beginning of a planned motion.
 
-use super::super::error::{IdentificationError, Result, require_length};
+use super::super::error::{Result, require_length, require_setting};
 use super::super::robot::{Instant, Robot, narrowed_limits};
 use super::ExcitationLimits;
 use super::chart::Chart;
@@ -75,22 +75,16 @@ impl Approach {
 /// Fails if a posture is not possible for the robot.
 ///
 /// # Errors
-/// [`IdentificationError::Shape`] for a wrong number of joints, and [`IdentificationError::Setting`] for a rotation of π or
-/// more, or for a joint (also one that follows other joints) beyond its described limits.
+/// [`IdentificationError::Shape`](crate::error::IdentificationError::Shape) for a wrong number of joints, and
+/// [`IdentificationError::Setting`](crate::error::IdentificationError::Setting) for a rotation of π or more, or for a joint
+/// (also one that follows other joints) beyond its described limits.
 pub(super) fn require_posture(robot: &dyn Robot, chart: &Chart, start: &[f64]) -> Result<()> {
     let names = robot.joint_names();
     require_length("positions of the start", names.len(), start.len())?;
     for (name, rows) in chart.rotations() {
         let turn = start[rows].iter().map(|x| x * x).sum::<f64>().sqrt();
-        // This form also refuses NaN.
-        let is_turn = turn < PI;
-        if !is_turn {
-            return Err(IdentificationError::Setting {
-                name: format!("turn of the start of joint {name}"),
-                value: turn,
-                requirement: "the length of its rotation vector must lie below π".into(),
-            });
-        }
+        let requirement = "the length of its rotation vector must lie below π";
+        require_setting(&format!("turn of the start of joint {name}"), turn, turn < PI, requirement)?;
     }
     let own = narrowed_limits(robot).into_iter().zip(names).zip(start);
     let own = own.map(|((limits, name), y)| (name, limits.position, *y));
@@ -101,13 +95,9 @@ pub(super) fn require_posture(robot: &dyn Robot, chart: &Chart, start: &[f64]) -
     });
     for (name, [low, high], y) in own.chain(followers) {
         let slack = if (high - low).is_finite() { ROUNDING * (high - low) } else { 0.0 };
-        if y.is_nan() || y < low - slack || y > high + slack {
-            return Err(IdentificationError::Setting {
-                name: format!("start of joint {name}"),
-                value: y,
-                requirement: format!("it must lie within its described limits, {low} to {high}"),
-            });
-        }
+        let requirement = format!("it must lie within its described limits, {low} to {high}");
+        let is_within = low - slack <= y && y <= high + slack;
+        require_setting(&format!("start of joint {name}"), y, is_within, &requirement)?;
     }
     Ok(())
 }

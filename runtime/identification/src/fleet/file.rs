@@ -1,11 +1,11 @@
 //! Moments as a file: a line with the version, the values in little-endian order, and the SHA-256 of both.
 
-use super::super::error::{IdentificationError, Result};
+use super::super::error::{Result, at};
 use super::super::log::hexadecimal;
 use super::super::result::description::may_be_replaced;
 use super::super::run::Effort;
 use super::exact::Exact;
-use super::logs::{About, Doubt, JointFacts, JointSums, LogMoments, ReducedLog, SHARES, Share};
+use super::logs::{About, Doubt, DoubtedLog, JointFacts, JointSums, LogMoments, ReducedLog, SHARES, Share};
 use gelenk_files::write_whole;
 use sha2::{Digest, Sha256};
 use std::fs;
@@ -24,11 +24,11 @@ impl LogMoments {
     /// Reads a file of moments.
     ///
     /// # Errors
-    /// [`IdentificationError::File`] if the file cannot be read, has no moments or moments of another version, or was
-    /// truncated or changed.
+    /// [`IdentificationError::File`](crate::error::IdentificationError::File) if the file cannot be read, has no moments or
+    /// moments of another version, or was truncated or changed.
     pub fn read(path: &Path) -> Result<Self> {
         let place = path.display().to_string();
-        let fault = |message: String| IdentificationError::File { place: place.clone(), message };
+        let fault = |message: String| at(&place).fault(message);
         let size = fs::metadata(path).map_err(|e| fault(e.to_string()))?.len();
         if size > LARGEST {
             return Err(fault(format!("{size} bytes are more than moments have ({LARGEST})")));
@@ -42,14 +42,12 @@ impl LogMoments {
     /// - `description`: source of the robot, as for [`super::reduce()`]
     ///
     /// # Errors
-    /// [`IdentificationError::File`] if the moments belong to another description, if the file has other content, or if it
-    /// cannot be written.
+    /// [`IdentificationError::File`](crate::error::IdentificationError::File) if the moments belong to another description,
+    /// if the file has other content, or if it cannot be written.
     pub fn write(&self, description: &[&[u8]], path: &Path) -> Result<()> {
         self.require_description(description)?;
-        let fault = |message: String| IdentificationError::File {
-            place: path.display().to_string(),
-            message: format!("cannot be written: {message}"),
-        };
+        let fault =
+            |message: String| at(path.display().to_string()).fault(format!("cannot be written: {message}"));
         if !may_be_replaced(path, MAGIC).map_err(|e| fault(e.to_string()))? {
             return Err(fault("it holds no moments; name another file, or remove it first".into()));
         }
@@ -70,11 +68,10 @@ impl LogMoments {
     /// - `place`: name of the file in messages
     ///
     /// # Errors
-    /// [`IdentificationError::File`] if the bytes have no moments or moments of another version, or were truncated or
-    /// changed.
+    /// [`IdentificationError::File`](crate::error::IdentificationError::File) if the bytes have no moments or moments of
+    /// another version, or were truncated or changed.
     pub(crate) fn from_bytes(bytes: &[u8], place: &str) -> Result<Self> {
-        let fault =
-            |message: &str| IdentificationError::File { place: place.into(), message: message.into() };
+        let fault = |message: &str| at(place).fault(message);
         if !bytes.starts_with(MAGIC) {
             return Err(fault(
                 "it holds no moments: make them with `gelenk identify DESCRIPTION --reduce LOG.csv`",
@@ -167,6 +164,7 @@ stored! {
     About { description, effort, gravity_compensated, bandwidth, delay, widths }
     ReducedLog { name, hash, content, samples, seconds, bandwidth, delays, correlation }
     Doubt { joint, kind, logs, first }
+    DoubtedLog { hash, name, text }
     JointFacts { span, velocities, directions }
     Share { samples, joints }
     JointSums { weight, lost, products }
@@ -179,26 +177,6 @@ impl Stored for u8 {
 
     fn take(rest: &mut &[u8]) -> Option<Self> {
         rest.split_off_first().copied()
-    }
-}
-
-impl Stored for u64 {
-    fn put(&self, bytes: &mut Vec<u8>) {
-        self.to_le_bytes().put(bytes);
-    }
-
-    fn take(rest: &mut &[u8]) -> Option<Self> {
-        Stored::take(rest).map(Self::from_le_bytes)
-    }
-}
-
-impl Stored for f64 {
-    fn put(&self, bytes: &mut Vec<u8>) {
-        self.to_le_bytes().put(bytes);
-    }
-
-    fn take(rest: &mut &[u8]) -> Option<Self> {
-        Stored::take(rest).map(Self::from_le_bytes).filter(|x| x.is_finite())
     }
 }
 
@@ -223,6 +201,8 @@ macro_rules! stored_as {
 const EFFORTS: [Effort; 3] = [Effort::Joint, Effort::Input, Effort::Current];
 
 stored_as! {
+    u64 as [u8; 8]: |n| n.to_le_bytes(), |bytes| Some(Self::from_le_bytes(bytes));
+    f64 as [u8; 8]: |x| x.to_le_bytes(), |bytes| Some(Self::from_le_bytes(bytes)).filter(|x| x.is_finite());
     usize as u64: |n| *n as u64, |n| n.try_into().ok();
     u32 as u64: |n| u64::from(*n), |n| n.try_into().ok();
     bool as u8: |is| u8::from(*is), |byte| (byte < 2).then_some(byte == 1);
@@ -263,18 +243,6 @@ impl<T: Stored> Stored for Option<T> {
 
     fn take(rest: &mut &[u8]) -> Option<Self> {
         if bool::take(rest)? { T::take(rest).map(Some) } else { Some(None) }
-    }
-}
-
-impl<A: Stored, B: Stored, C: Stored> Stored for (A, B, C) {
-    fn put(&self, bytes: &mut Vec<u8>) {
-        self.0.put(bytes);
-        self.1.put(bytes);
-        self.2.put(bytes);
-    }
-
-    fn take(rest: &mut &[u8]) -> Option<Self> {
-        Some((A::take(rest)?, B::take(rest)?, C::take(rest)?))
     }
 }
 

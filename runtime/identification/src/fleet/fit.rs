@@ -1,7 +1,7 @@
 //! Identification of a robot from moments.
 
 use super::super::doubts::written::judge;
-use super::super::error::{IdentificationError, Result};
+use super::super::error::{IdentificationError, Result, at};
 use super::super::estimation::{
     Columns, Estimate, Gravity, ShareSums, SharedData, SharedEstimate, estimate_shares,
 };
@@ -91,7 +91,7 @@ pub fn identify_moments(
 }
 
 fn fault(message: &str) -> IdentificationError {
-    IdentificationError::File { place: "the moments".into(), message: message.into() }
+    at("the moments").fault(message)
 }
 
 impl LogMoments {

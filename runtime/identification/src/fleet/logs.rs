@@ -1,6 +1,6 @@
 //! Moments of logs, and their sum.
 
-use super::super::error::{IdentificationError, Result};
+use super::super::error::{IdentificationError, Result, at};
 use super::super::log::hexadecimal;
 use super::super::run::Effort;
 use super::exact::Exact;
@@ -79,8 +79,17 @@ pub(super) struct Doubt {
     pub(super) kind: String,
     /// Number of logs with this doubt.
     pub(super) logs: u64,
-    /// The log with the smallest hash that has this doubt: its hash, its name, and the sentence.
-    pub(super) first: (Hash, String, String),
+    /// The log with the smallest hash that has this doubt.
+    pub(super) first: DoubtedLog,
+}
+
+/// A log, and what is doubted about it.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct DoubtedLog {
+    pub(super) hash: Hash,
+    pub(super) name: String,
+    /// The sentence.
+    pub(super) text: String,
 }
 
 /// Properties of a joint in addition to its sums of products.
@@ -138,7 +147,7 @@ impl LogMoments {
         let logs = self.logs.len();
         let is_rare = |doubt: &&Doubt| (doubt.logs as f64) < levels::RARE.get() * logs as f64;
         let finding = |doubt: &Doubt| {
-            let (_, name, text) = &doubt.first;
+            let DoubtedLog { name, text, .. } = &doubt.first;
             OF_LOGS.found(match logs {
                 1 => format!("{name}: {text}"),
                 _ => format!("in {} of {logs} logs, as in {name}: {text}", doubt.logs),
@@ -195,7 +204,7 @@ impl LogMoments {
             Ok(place) => {
                 let known = &mut self.doubts[place];
                 known.logs = known.logs.saturating_add(doubt.logs);
-                if doubt.first.0 < known.first.0 {
+                if doubt.first.hash < known.first.hash {
                     known.first = doubt.first;
                 }
             }
@@ -284,12 +293,12 @@ fn twice(place: &str, name: &str, before: &str, other: &str) -> IdentificationEr
             "the log {name} in it is the log {other} in {before}, sample by sample: leave out one of the two files"
         )
     };
-    IdentificationError::File { place: place.into(), message }
+    at(place).fault(message)
 }
 
 /// Fails unless two moments were made with the same description and options.
 fn require_same(first: &About, other: &About, before: &str, place: &str) -> Result<()> {
-    let fault = |message: String| Err(IdentificationError::File { place: place.into(), message });
+    let fault = |message: String| Err(at(place).fault(message));
     if first.description != other.description {
         return fault(format!(
             "its moments belong to another description than those of {before}: reduce its logs again with the \

@@ -16,7 +16,9 @@ use super::super::shafts::RobotRows;
 use super::exact::Exact;
 use super::file::hash_of;
 use super::levels;
-use super::logs::{About, Doubt, Hash, JointFacts, JointSums, LogMoments, ReducedLog, SHARES, Share};
+use super::logs::{
+    About, Doubt, DoubtedLog, Hash, JointFacts, JointSums, LogMoments, ReducedLog, SHARES, Share,
+};
 use gelenk_findings::{Finding, Severity};
 use std::ops::Range;
 use std::path::Path;
@@ -137,7 +139,7 @@ fn doubts(estimate: &Estimate, log: &ReducedLog) -> Vec<Doubt> {
             joint: joint.map(|joint| joint as u32),
             kind: finding.code.to_owned(),
             logs: 1,
-            first: (log.hash, log.name.clone(), text),
+            first: DoubtedLog { hash: log.hash, name: log.name.clone(), text },
         }
     };
     let moves = |doubt: &Doubt| doubt.joint.is_none_or(|joint| joints[joint as usize].moves);

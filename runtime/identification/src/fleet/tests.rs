@@ -443,7 +443,7 @@ fn a_wrong_sign_is_refused_and_named() {
     let all = sum(&logs.iter().collect::<Vec<_>>()).unwrap();
     let refused = merged(&all, &settings()).unwrap_err().to_string();
     assert!(
-        refused.contains("the fit of joint arm is doubted") && refused.contains("other sign of its effort"),
+        refused.contains("joint arm: the fit is doubted") && refused.contains("other sign of its effort"),
         "{refused}"
     );
     let mut accepting = settings();

@@ -47,8 +47,6 @@ impl Findings<'_> {
             unit: data.unit.into(),
             velocity_unit: data.velocity_unit.into(),
             law: judged.law,
-            load: Vec::new(),
-            constant: None,
             stribeck: judged.stribeck,
             offsets: judged.offsets,
             samples: judged.residuals.len(),
@@ -62,6 +60,7 @@ impl Findings<'_> {
             data: data.data.into(),
             settings,
             findings,
+            ..FrictionResult::default()
         };
         let unseen_error = judged.unseen.as_ref().map(HeldOutErrors::error);
         Ok(FrictionReport { unseen_error, ..FrictionReport::alone(result, judged.residuals) })

@@ -1,6 +1,7 @@
 //! The terms and methods of a friction law by the names that the command line takes.
 
 use super::super::error::{IdentificationError, Result};
+use super::super::methods::expression::fault;
 use super::super::methods::lasso::Lasso;
 use super::super::methods::library::Library;
 use super::super::methods::stribeck::StribeckRegression;
@@ -52,14 +53,12 @@ impl FrictionIdentification {
     /// [`IdentificationError::Expression`] if the name is unknown or if these settings are for the Stribeck law, which has
     /// no terms to choose from. [`IdentificationError::Setting`] if a threshold is given for another method than `stls`.
     pub fn by_method(&self, word: &str, threshold: Option<f64>) -> Result<Self> {
-        let refused = |text: &str, message: &str| {
-            Err(IdentificationError::Expression { text: text.to_owned(), message: message.to_owned() })
-        };
         if matches!(self.method, FrictionMethod::Stribeck(_)) {
-            return refused(STRIBECK, "the law of Stribeck has no terms to choose from: leave --method out");
+            let message = "the law of Stribeck has no terms to choose from: leave --method out";
+            return Err(fault(STRIBECK, message));
         }
         let Some((.., make)) = METHODS.iter().find(|(known, ..)| *known == word) else {
-            return refused(word, "no method has this name");
+            return Err(fault(word, "no method has this name"));
         };
         match (make(threshold), threshold) {
             (method @ FrictionMethod::Thresholding(_), _) | (method, None) => {
@@ -85,10 +84,9 @@ impl FrictionIdentification {
         let listed = between_commas(terms);
         if listed.iter().any(|term| term.eq_ignore_ascii_case(STRIBECK)) {
             if listed.len() > 1 {
-                return Err(IdentificationError::Expression {
-                    text: terms.into(),
-                    message: "`stribeck` is not combined with other terms: its law has viscous and Coulomb friction".into(),
-                });
+                let message =
+                    "`stribeck` is not combined with other terms: its law has viscous and Coulomb friction";
+                return Err(fault(terms, message));
             }
             return Ok(Self {
                 method: FrictionMethod::Stribeck(StribeckRegression::default()),
@@ -118,18 +116,13 @@ fn require_known(term: &str) -> Result<()> {
         return Ok(());
     }
     let message = gelenk_formula::nearest(term, known()).unwrap_or_default();
-    Err(IdentificationError::Expression {
-        text: term.into(),
-        message: format!("no term has this name; {message}"),
-    })
+    Err(fault(term, format!("no term has this name; {message}")))
 }
 
 /// Fails if a description cannot contain a term, because the law is written into a description.
 fn require_generated(term: &str) -> Result<()> {
     let found = gelenk_formula::parse(term, gelenk_formula::Allowed::Velocity, &BTreeMap::new());
-    found
-        .map(|_| ())
-        .map_err(|error| IdentificationError::Expression { text: term.into(), message: error.to_string() })
+    found.map(|_| ()).map_err(|error| fault(term, error.to_string()))
 }
 
 /// Parts between the commas outside of parentheses, without empty parts.

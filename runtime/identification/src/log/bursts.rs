@@ -1,6 +1,6 @@
 //! Detection of rows that come in bursts. Their times are times of arrival.
 
-use super::super::error::{IdentificationError, Result};
+use super::super::error::{Result, at};
 use super::super::numeric::statistics::median;
 use super::levels;
 use gelenk_findings::digits::plain;
@@ -9,7 +9,8 @@ use gelenk_findings::digits::plain;
 /// recording has few pauses, but bursts have a pause between each two of them.
 ///
 /// # Errors
-/// [`IdentificationError::File`], with the period by which rows can be counted instead.
+/// [`IdentificationError::File`](crate::error::IdentificationError::File), with the period by which rows can be counted
+/// instead.
 pub(super) fn require_steady(parts: &[Vec<usize>], times: &[i128], unit: f64, source: &str) -> Result<()> {
     let pairs = parts.iter().flat_map(|part| part.windows(2));
     let steps: Vec<f64> = pairs.map(|pair| (times[pair[1]] - times[pair[0]]) as f64 * unit / 1e12).collect();
@@ -31,5 +32,5 @@ pub(super) fn require_steady(parts: &[Vec<usize>], times: &[i128], unit: f64, so
         plain(paused / pauses.len() as f64, 2),
         plain(1e3 * steps[first + 1..=last].iter().sum::<f64>() / rows, 3)
     );
-    Err(IdentificationError::File { place: source.into(), message })
+    Err(at(source).fault(message))
 }

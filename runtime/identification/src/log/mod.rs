@@ -33,8 +33,8 @@ mod recording;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use columns::Labels;
 pub use columns::{ColumnGuess, ColumnOptions};
+pub(crate) use columns::{ColumnLabels, Labels};
 pub use recording::{Recording, guess_columns, runs, runs_of};
 pub(crate) use recording::{hexadecimal, runs_noting};
 pub(crate) use units::{are_minutes, is_seen, unit_value};

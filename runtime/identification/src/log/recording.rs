@@ -1,6 +1,6 @@
 //! Logs as runs of a robot.
 
-use super::super::error::{IdentificationError, Result};
+use super::super::error::{IdentificationError, Result, at};
 use super::super::robot::Robot;
 use super::super::run::{Effort, FEWEST_SAMPLES, Run};
 use super::bag::table;
@@ -178,24 +178,19 @@ pub(super) fn guess_columns_of(
 }
 
 fn bytes_of(path: &Path) -> Result<Vec<u8>> {
-    let place = path.display().to_string();
-    let fault =
-        |e: std::io::Error| IdentificationError::File { place: place.clone(), message: e.to_string() };
-    let size = std::fs::metadata(path).map_err(fault)?.len();
+    let fault = |message: String| at(path.display().to_string()).fault(message);
+    let size = std::fs::metadata(path).map_err(|e| fault(e.to_string()))?.len();
     if size > LARGEST {
-        return Err(IdentificationError::File {
-            place,
-            message: format!("{size} bytes are more than a log may have ({LARGEST}): split it"),
-        });
+        return Err(fault(format!("{size} bytes are more than a log may have ({LARGEST}): split it")));
     }
     let mut unwritten = path.as_os_str().to_owned();
     unwritten.push("-wal");
     if std::fs::metadata(&unwritten).is_ok_and(|file| file.len() > 0) {
         let message =
             "the file with `-wal` behind its name has more rows: write them back (`sqlite3 FILE vacuum`)";
-        return Err(IdentificationError::File { place, message: message.to_owned() });
+        return Err(fault(message.to_owned()));
     }
-    std::fs::read(path).map_err(fault)
+    std::fs::read(path).map_err(|e| fault(e.to_string()))
 }
 
 /// - `findings`: receives the findings, also before an error
@@ -228,7 +223,7 @@ fn read_bytes(
 
 /// The text of a file. Compressed files are decompressed, bags of ROS 2 are converted to tables.
 fn text_of<'a>(bytes: &'a [u8], source: &str) -> Result<Cow<'a, [u8]>> {
-    let fault = |message: String| IdentificationError::File { place: source.into(), message };
+    let fault = |message: String| at(source).fault(message);
     let content = unpacked(bytes, LARGEST).map_err(fault)?;
     match table(&content) {
         None => Ok(content),
@@ -247,21 +242,15 @@ pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
 
 fn join(mut before: Recording, one: Recording) -> Result<Recording> {
     if before.effort != one.effort {
-        return Err(IdentificationError::File {
-            place: one.hashes.first().map_or(String::new(), |h| h.0.clone()),
-            message: format!(
-                "its efforts are {}, those of the logs before it are {}: identify from one kind, or say with --columns \
-                 which columns are meant",
-                one.effort.plural(),
-                before.effort.plural()
-            ),
-        });
+        return Err(at(one.hashes.first().map_or(String::new(), |h| h.0.clone())).fault(format!(
+            "its efforts are {}, those of the logs before it are {}: identify from one kind, or say with --columns \
+             which columns are meant",
+            one.effort.plural(),
+            before.effort.plural()
+        )));
     }
     if let Some((known, same)) = twice(&before, &one) {
-        return Err(IdentificationError::File {
-            place: same,
-            message: format!("it holds the same samples as {known}: give a log once"),
-        });
+        return Err(at(same).fault(format!("it holds the same samples as {known}: give a log once")));
     }
     before.runs.extend(one.runs);
     before.hashes.extend(one.hashes);

@@ -1,6 +1,6 @@
 //! Rows of a log as samples, and samples as runs.
 
-use super::super::error::{IdentificationError, Result};
+use super::super::error::{Result, at};
 use super::super::robot::Robot;
 use super::super::run::Run;
 use super::bursts::require_steady;
@@ -78,7 +78,8 @@ impl Samples {
     /// Reads the mapped columns. Rows without a time, a position or an effort are left out, with a finding.
     ///
     /// # Errors
-    /// [`IdentificationError::File`] if a column has no number, or if there are fewer than two complete rows.
+    /// [`IdentificationError::File`](crate::error::IdentificationError::File) if a column has no number, or if there are
+    /// fewer than two complete rows.
     pub(super) fn read(
         sheet: &Sheet,
         mapping: &Mapping,
@@ -208,24 +209,18 @@ impl Samples {
             return Ok(());
         }
         if let Some(Gaps { count, text: Some(text), .. }) = gaps.last().filter(|time| time.count == total) {
-            return Err(IdentificationError::File {
-                place: source.into(),
-                message: format!(
-                    "the time is not a number in any of {count} rows (the first is `{text}`): export it in seconds, or name \
-                     another column with --columns 'time=…[s]'"
-                ),
-            });
+            return Err(at(source).fault(format!(
+                "the time is not a number in any of {count} rows (the first is `{text}`): export it in seconds, or name \
+                 another column with --columns 'time=…[s]'"
+            )));
         }
         let fullest = gaps.iter().map(|g| total - g.count.min(total)).min().unwrap_or(0);
-        Err(IdentificationError::File {
-            place: source.into(),
-            message: format!(
-                "{} of {total} rows have time, {} positions and efforts together; the emptiest column has {fullest} \
-                 values. If positions and efforts are in different rows, export the topic that has both",
-                self.lines.len(),
-                robot.joints.names.len()
-            ),
-        })
+        Err(at(source).fault(format!(
+            "{} of {total} rows have time, {} positions and efforts together; the emptiest column has {fullest} \
+             values. If positions and efforts are in different rows, export the topic that has both",
+            self.lines.len(),
+            robot.joints.names.len()
+        )))
     }
 }
 
@@ -280,13 +275,10 @@ fn require_alive(
         {
             let example =
                 gaps.text.as_ref().map_or(String::new(), |text| format!(" (its first value is `{text}`)"));
-            return Err(IdentificationError::File {
-                place: place.into(),
-                message: format!(
-                    "{} has no finite number{example}: name another one with --columns",
-                    label(sheet, source.index)
-                ),
-            });
+            return Err(at(place).fault(format!(
+                "{} has no finite number{example}: name another one with --columns",
+                label(sheet, source.index)
+            )));
         }
     }
     Ok(())
@@ -324,7 +316,7 @@ fn require_most_readable(
         None => return Ok(()),
     };
     let message = format!("{} of {total} rows cannot be used: {reason}", left_out + long);
-    Err(IdentificationError::File { place: place.into(), message })
+    Err(at(place).fault(message))
 }
 
 fn gap_findings(
@@ -358,7 +350,7 @@ fn gap_findings(
 /// left out.
 ///
 /// # Errors
-/// [`IdentificationError::File`] if no run has two samples.
+/// [`IdentificationError::File`](crate::error::IdentificationError::File) if no run has two samples.
 pub(super) fn split(
     samples: Samples,
     mapping: &Mapping,
@@ -382,10 +374,9 @@ pub(super) fn split(
     }
     let kept: Vec<Vec<usize>> = parts.into_iter().filter(|p| p.len() > 1).collect();
     if kept.is_empty() {
-        return Err(IdentificationError::File {
-            place: source.into(),
-            message: "no two samples follow each other in time within a run: check the time column".into(),
-        });
+        return Err(
+            at(source).fault("no two samples follow each other in time within a run: check the time column")
+        );
     }
     let named = kept.iter().zip(run_names(&samples, &kept, source));
     let mut runs: Vec<Run> = named.map(|(part, name)| samples.run(part, name, &clock, mapping)).collect();

@@ -1,6 +1,6 @@
 //! A file of numbers: detection of the field separator, the decimal sign, the header, and the first row of numbers.
 
-use super::super::error::{IdentificationError, Result};
+use super::super::error::{Result, at};
 use super::number::{Decimals, number};
 use super::units;
 use std::borrow::Cow;
@@ -52,7 +52,8 @@ impl Lines<'_> {
 /// Calls `each` with the fields of every row that is not empty, and the index of the byte after the row before.
 ///
 /// # Errors
-/// The errors of `each`, and [`IdentificationError::File`] for bytes that are not rows.
+/// The errors of `each`, and [`IdentificationError::File`](crate::error::IdentificationError::File) for bytes that are not
+/// rows.
 fn records(
     reader: impl Read,
     separator: u8,
@@ -66,7 +67,7 @@ fn records(
         .buffer_capacity(1 << 16)
         .from_reader(reader);
     let mut record = csv::ByteRecord::new();
-    let fault = |e: csv::Error| IdentificationError::File { place: source.into(), message: e.to_string() };
+    let fault = |e: csv::Error| at(source).fault(e.to_string());
     while csv.read_byte_record(&mut record).map_err(fault)? {
         each(record.position().map_or(0, csv::Position::byte), &record)?;
     }
@@ -89,10 +90,10 @@ impl<'a> Sheet<'a> {
     /// - `source`: name of the file in messages
     ///
     /// # Errors
-    /// [`IdentificationError::File`] if the bytes are not text, if there are no rows of numbers, or if the header does not
-    /// fit its rows.
+    /// [`IdentificationError::File`](crate::error::IdentificationError::File) if the bytes are not text, if there are no
+    /// rows of numbers, or if the header does not fit its rows.
     pub(super) fn new(bytes: &'a [u8], separator: Option<char>, source: &str) -> Result<Self> {
-        let fault = |message: String| IdentificationError::File { place: source.into(), message };
+        let fault = |message: String| at(source).fault(message);
         refuse_binary(bytes).map_err(fault)?;
         let text = unify_line_ends(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes));
         let lines = sample(&text);
@@ -130,7 +131,8 @@ impl<'a> Sheet<'a> {
     /// Calls `each` with the line (counted from 1, as in an editor) and the fields of every row of numbers.
     ///
     /// # Errors
-    /// The errors of `each`, and [`IdentificationError::File`] for bytes that are not rows.
+    /// The errors of `each`, and [`IdentificationError::File`](crate::error::IdentificationError::File) for bytes that are
+    /// not rows.
     pub(super) fn rows(
         &self,
         source: &str,
@@ -140,10 +142,8 @@ impl<'a> Sheet<'a> {
         records(&*self.body, self.separator, source, |byte, record| {
             let line = lines.line_from(byte);
             if record.as_slice().iter().filter(|b| **b == b'\n').count() > MOST_LINES_OF_A_ROW {
-                return Err(IdentificationError::File {
-                    place: source.into(),
-                    message: format!("row {line} has a quotation mark that is not closed: remove it"),
-                });
+                return Err(at(source)
+                    .fault(format!("row {line} has a quotation mark that is not closed: remove it")));
             }
             let blank = record.iter().all(|field| field.trim_ascii().is_empty());
             if blank || record.get(0).is_some_and(|field| comment(field).is_some()) {

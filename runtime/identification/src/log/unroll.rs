@@ -1,6 +1,6 @@
 //! Recorded poses as paths that can be filtered, and inputs as forces in the rows of a robot with quaternions.
 
-use super::super::error::{IdentificationError, Result};
+use super::super::error::{Result, at};
 use super::super::pose::QuaternionJoint;
 use super::super::robot::Robot;
 use super::super::run::{Effort, Run};
@@ -11,8 +11,8 @@ use super::levels;
 /// the joints with a quaternion.
 ///
 /// # Errors
-/// [`IdentificationError::File`] if a quaternion is zero or far from unit length, or if no force that acts on the robot is
-/// known in the run.
+/// [`IdentificationError::File`](crate::error::IdentificationError::File) if a quaternion is zero or far from unit length,
+/// or if no force that acts on the robot is known in the run.
 pub(super) fn unrolled(read: &Run, robot: &dyn Robot, source: &str) -> Result<Run> {
     let joints = robot.quaternion_joints();
     let n = robot.joint_names().len();
@@ -89,10 +89,8 @@ fn require_unit(q: &[f64; 4], length: f64, joint: &QuaternionJoint, row: usize, 
              'xyzw=…' or 'wxyz=…' names the right ones"
         )
     };
-    Err(IdentificationError::File {
-        place: format!("{source}, row {row}"),
-        message: format!("the quaternion of `{}`, x {x} y {y} z {z} w {w}, {why}", joint.name),
-    })
+    Err(at(format!("{source}, row {row}"))
+        .fault(format!("the quaternion of `{}`, x {x} y {y} z {z} w {w}, {why}", joint.name)))
 }
 
 /// Forces in each row: measured forces of joints without a quaternion, or forces of the inputs. NaN if an input acts that
@@ -115,10 +113,9 @@ fn require_some_force(run: &Run, source: &str) -> Result<()> {
     if run.efforts.iter().flatten().any(|force| force.is_finite() && *force != 0.0) {
         return Ok(());
     }
-    Err(IdentificationError::File {
-        place: source.into(),
-        message: "no known force acts on the robot: without one, motions determine only ratios of its masses and inertias. Record the inputs or the torques of the joints, or add the forces on the base as inputs at frames \
-                  to the description (`[[inputs]]` with `frame` and `wrench`) and to the log"
-            .into(),
-    })
+    Err(at(source).fault(
+        "no known force acts on the robot: without one, motions determine only ratios of its masses and inertias. Record the inputs \
+         or the torques of the joints, or add the forces on the base as inputs at frames to the description (`[[inputs]]` with \
+         `frame` and `wrench`) and to the log",
+    ))
 }

@@ -2,7 +2,7 @@
 
 use super::levels;
 use super::settings::PayloadSettings;
-use crate::error::{IdentificationError, Result, require_finite, require_length, require_samples};
+use crate::error::{IdentificationError, Result, require_length, require_samples};
 use crate::estimation::distance;
 use crate::inertial::PER_BODY;
 use crate::pose::rows_of;
@@ -187,10 +187,7 @@ impl Equations {
         let blocks = self.blocks.len() as f64;
         meat *= blocks / (blocks - 1.0);
         meat += (projection.tr_mul(&(&self.prior * &projection)) + held) * self.weight;
-        let sizes = hessian.diagonal().map(f64::sqrt);
-        let unit = DMatrix::from_fn(PER_BODY, PER_BODY, |r, c| hessian[(r, c)] / (sizes[r] * sizes[c]));
-        let inverse = unit.cholesky().ok_or_else(|| singular("the load"))?.inverse();
-        let bread = DMatrix::from_fn(PER_BODY, PER_BODY, |r, c| inverse[(r, c)] / (sizes[r] * sizes[c]));
+        let bread = inverse(&hessian, "the load")?;
         Ok(&bread * meat * &bread)
     }
 
@@ -209,6 +206,17 @@ impl Equations {
         };
         (0..self.joints).map(share).collect()
     }
+}
+
+/// Inverse of a definite matrix whose rows may have different units.
+///
+/// - `what`: name of the unknowns in the error
+pub(super) fn inverse(matrix: &DMatrix<f64>, what: &str) -> Result<DMatrix<f64>> {
+    let sizes = matrix.diagonal().map(f64::sqrt);
+    let scaled = |of: &DMatrix<f64>| {
+        DMatrix::from_fn(of.nrows(), of.ncols(), |r, c| of[(r, c)] / (sizes[r] * sizes[c]))
+    };
+    Ok(scaled(&scaled(matrix).cholesky().ok_or_else(|| singular(what))?.inverse()))
 }
 
 /// Makes a semidefinite matrix definite if columns are zero or dependent.
@@ -248,7 +256,7 @@ impl<'a> Columns<'a> {
         let to_joints = to_joints(robot, effort)?;
         let quaternions = robot.quaternion_joints();
         for run in &runs {
-            check_run(run, [joints, quaternions.len(), to_joints.ncols()], effort)?;
+            run.check(robot, effort, !quaternions.is_empty())?;
         }
         let largest =
             |j: usize| runs.iter().flat_map(|run| &run.velocities[j]).fold(0.0, |s: f64, v| s.max(v.abs()));
@@ -382,38 +390,6 @@ fn to_joints(robot: &dyn Robot, effort: Effort) -> Result<DMatrix<f64>> {
     Ok(DMatrix::from_row_slice(joints, inputs, &robot.input_matrix()))
 }
 
-fn check_run(run: &PreparedRun, [joints, quaternions, channels]: [usize; 3], effort: Effort) -> Result<()> {
-    let name = &run.name;
-    if run.effort != effort {
-        return Err(IdentificationError::File {
-            place: name.clone(),
-            message: format!("its efforts are {:?}, those of the first run are {effort:?}", run.effort),
-        });
-    }
-    let kinds = [
-        ("positions", &run.positions, joints),
-        ("velocities", &run.velocities, joints),
-        ("accelerations", &run.accelerations, joints),
-        ("poses", &run.poses, if quaternions > 0 { joints + quaternions } else { 0 }),
-        ("efforts", &run.efforts, channels),
-    ];
-    for (what, columns, expected) in kinds {
-        require_length(&format!("{what} of {name}"), expected, columns.len())?;
-        for column in columns {
-            require_length(&format!("samples of {what} of {name}"), run.times.len(), column.len())?;
-            let is_missing = what == "efforts" && quaternions > 0 && column.iter().all(|u| u.is_nan());
-            if !is_missing {
-                require_finite(&format!("{what} of {name}"), column)?;
-            }
-        }
-    }
-    Ok(())
-}
-
-pub(super) fn singular(what: &str) -> IdentificationError {
-    IdentificationError::NotConverged {
-        what: what.into(),
-        iterations: 1,
-        detail: "its equations are singular up to rounding".into(),
-    }
+fn singular(what: &str) -> IdentificationError {
+    IdentificationError::NoSolution { reason: format!("the equations of {what} are singular up to rounding") }
 }

@@ -28,9 +28,10 @@ use crate::estimation::distance;
 use crate::inertial::consistent::{ConsistentProblem, ConsistentSolution, solve};
 use crate::inertial::{PER_BODY, from_pseudo_inertia};
 use crate::methods::confidence::quantile;
+use crate::numeric::statistics::median;
 use crate::robot::{Robot, require_no_driven};
 use crate::run::PreparedRun;
-use equations::{Equations, Reduced, singular};
+use equations::{Equations, Reduced, inverse};
 use nalgebra::{DMatrix, DVector, Matrix4};
 
 /// Estimates a load from runs without and with the load.
@@ -127,9 +128,7 @@ impl Found {
 fn anything(robot: &dyn Robot) -> [f64; PER_BODY] {
     let parameters = robot.parameters();
     let bodies = parameters.chunks_exact(PER_BODY).take(robot.bodies());
-    let mut masses: Vec<f64> = bodies.map(|pi| pi[0]).filter(|&m| m > 0.0).collect();
-    masses.sort_by(f64::total_cmp);
-    let mass = masses.get(masses.len() / 2).copied().unwrap_or(1.0);
+    let mass = median(bodies.map(|pi| pi[0]).filter(|&m| m > 0.0)).unwrap_or(1.0);
     let spread = mass * levels::REACH.get().powi(2);
     from_pseudo_inertia(&Matrix4::from_diagonal(&[spread, spread, spread, mass].into()))
 }
@@ -152,10 +151,8 @@ fn ball(pi: &[f64]) -> [f64; PER_BODY] {
 
 /// For each parameter, the difference between the ball and bodies at distance one from it.
 fn prior_sizes(hessian: &DMatrix<f64>, weight: f64) -> Result<Vec<f64>> {
-    let sizes = hessian.diagonal().map(f64::sqrt);
-    let unit = DMatrix::from_fn(PER_BODY, PER_BODY, |r, c| hessian[(r, c)] / (sizes[r] * sizes[c]));
-    let inverse = unit.cholesky().ok_or_else(|| singular("the load's reference"))?.inverse();
-    Ok((0..PER_BODY).map(|k| (weight * inverse[(k, k)]).sqrt() / sizes[k]).collect())
+    let inverse = inverse(hessian, "the load's reference")?;
+    Ok(inverse.diagonal().iter().map(|square| (weight * square).sqrt()).collect())
 }
 
 #[cfg(test)]

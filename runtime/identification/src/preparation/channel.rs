@@ -28,7 +28,8 @@ impl Channel {
     pub(crate) fn new(times: &[f64], signal: &[f64], is_position: bool) -> Self {
         let mut rows: Vec<usize> = (0..signal.len()).filter(|i| signal[*i].is_finite()).collect();
         let mut values: Vec<f64> = rows.iter().map(|i| signal[*i]).collect();
-        let spikes = if is_position { spikes(&values) } else { Vec::new() };
+        let at: Vec<f64> = rows.iter().map(|i| times[*i]).collect();
+        let spikes = if is_position { spikes(&at, &values) } else { Vec::new() };
         let spike_rows: Vec<usize> = spikes.iter().map(|k| rows[*k]).collect();
         for k in spikes.iter().rev() {
             rows.remove(*k);
@@ -71,6 +72,13 @@ impl Channel {
     }
 }
 
+/// Index of the sample nearest to a time.
+pub(super) fn nearest(times: &[f64], time: f64) -> usize {
+    let after = times.partition_point(|t| *t < time).min(times.len().saturating_sub(1));
+    let before = after.saturating_sub(1);
+    if time - times[before] < times[after] - time { before } else { after }
+}
+
 /// Median of the steps of increasing times; 0 if there are fewer than two times.
 pub(super) fn median_step(times: &[f64]) -> f64 {
     let mut steps: Vec<f64> = times.windows(2).map(|t| t[1] - t[0]).collect();
@@ -85,8 +93,8 @@ pub(super) fn median_step(times: &[f64]) -> f64 {
 ///
 /// The cubic alone would also reject the neighbours of a spike. The median alone would reject the turning points of a
 /// motion. A spike exceeds thirty times the noise, which is the rms of the cubic's error without the largest 2 % of the
-/// errors.
-fn spikes(values: &[f64]) -> Vec<usize> {
+/// errors. Samples next to a gap are not tested, because the cubic takes them for equally distant.
+fn spikes(times: &[f64], values: &[f64]) -> Vec<usize> {
     let errors: Vec<f64> = values.windows(5).map(|w| cubic_error(w).abs()).collect();
     let mut sorted = errors.clone();
     sorted.sort_by(f64::total_cmp);
@@ -94,8 +102,11 @@ fn spikes(values: &[f64]) -> Vec<usize> {
     let rms = (usual.iter().map(|d| d * d).sum::<f64>() / usual.len().max(1) as f64).sqrt();
     let bound = 30.0 * rms.max(smallest_change(values));
     let windows = values.windows(5).zip(&errors).enumerate();
-    let stands_out = |w: &[f64], e: f64| from_median(w) > bound.max(0.5 * e) && e > bound;
-    windows.filter(|(_, (w, e))| stands_out(w, **e)).map(|(i, _)| i + 2).collect()
+    let longest = 1.5 * 4.0 * median_step(times);
+    let stands_out = |i: usize, w: &[f64], e: f64| {
+        from_median(w) > bound.max(0.5 * e) && e > bound && times[i + 4] - times[i] < longest
+    };
+    windows.filter(|(i, (w, e))| stands_out(*i, w, **e)).map(|(i, _)| i + 2).collect()
 }
 
 /// Error at the middle one of five samples of the cubic through its four neighbours.

@@ -1,8 +1,6 @@
 //! Checks of runs and settings before anything is computed.
 
-use super::super::error::{
-    IdentificationError, Result, require_finite, require_length, require_samples, require_setting,
-};
+use super::super::error::{Result, at, require_finite, require_length, require_samples, require_setting};
 use super::super::robot::Robot;
 use super::super::run::{Effort, FEWEST_SAMPLES, Run};
 use super::settings::PreparationSettings;
@@ -72,10 +70,8 @@ fn check_run(run: &Run, joints: usize, efforts: usize) -> Result<()> {
     require_finite(&format!("the time of run {}", run.name), &run.times)?;
     if let Some(i) = run.times.windows(2).position(|t| t[1] <= t[0]) {
         let (before, after) = (run.times[i], run.times[i + 1]);
-        return Err(IdentificationError::File {
-            place: format!("row {} of run {}", run.rows[i + 1], run.name),
-            message: format!("time does not increase: {before} s is followed by {after} s"),
-        });
+        return Err(at(format!("row {} of run {}", run.rows[i + 1], run.name))
+            .fault(format!("time does not increase: {before} s is followed by {after} s")));
     }
     for (j, column) in run.positions.iter().enumerate() {
         require_length(&format!("positions of joint {} in run {}", j + 1, run.name), m, column.len())?;

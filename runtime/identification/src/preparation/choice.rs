@@ -3,6 +3,7 @@
 
 use super::super::error::{IdentificationError, Result};
 use super::super::methods::filter::{Band, Filter};
+use super::super::numeric::statistics::median;
 use super::super::pose::rows_of;
 use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun, Run};
@@ -77,9 +78,7 @@ impl<'a> Recorded<'a> {
         if settings.total_variation {
             signals.iter_mut().try_for_each(Signals::regularize)?;
         }
-        let mut steps: Vec<f64> = signals.iter().map(|s| s.step).filter(|h| *h > 0.0).collect();
-        steps.sort_by(f64::total_cmp);
-        let step = steps.get(steps.len() / 2).copied().unwrap_or(1.0);
+        let step = median(signals.iter().map(|s| s.step).filter(|h| *h > 0.0)).unwrap_or(1.0);
         let mut recorded = Self { signals, robot, settings, quality: Vec::new(), faults: Vec::new(), step };
         let quaternions = robot.map(Robot::quaternion_joints).unwrap_or_default();
         let exact = rows_of(&quaternions, recorded.joints());

@@ -7,7 +7,7 @@
 
 use super::super::pose::QuaternionJoint;
 use super::super::run::Run;
-use super::channel::Channel;
+use super::channel::{Channel, nearest};
 
 /// The measured poses of a joint and its path, for each sample that is not a spike.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,18 +40,12 @@ impl PoseSignal {
     /// - `positions`: smoothed positions or paths, one column for each velocity of the robot
     pub(super) fn write(&self, times: &[f64], positions: &[Vec<f64>], y: &mut [Vec<f64>]) {
         for (i, time) in times.iter().enumerate() {
-            let nearest = self.nearest(*time);
+            let nearest = nearest(&self.times, *time);
             let smoothed = positions[self.joint.velocities()].iter().map(|column| column[i]);
             let left: Vec<f64> =
                 smoothed.zip(&self.ways[nearest]).map(|(smoothed, way)| smoothed - way).collect();
             let pose = self.joint.moved(&self.poses[nearest], &left);
             y[self.joint.positions()].iter_mut().zip(pose).for_each(|(column, entry)| column[i] = entry);
         }
-    }
-
-    fn nearest(&self, time: f64) -> usize {
-        let after = self.times.partition_point(|t| *t < time).min(self.times.len().saturating_sub(1));
-        let before = after.saturating_sub(1);
-        if time - self.times[before] < self.times[after] - time { before } else { after }
     }
 }

@@ -6,7 +6,7 @@ use super::super::methods::filter::{Band, Filter, convolved, kernel, weighted};
 use super::super::pose::plain_positions;
 use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun, Run};
-use super::channel::{Channel, median_step};
+use super::channel::{Channel, median_step, nearest};
 use super::grid::{Piece, interpolate};
 use super::poses::PoseSignal;
 use super::rest::Rests;
@@ -83,10 +83,7 @@ impl Signals {
 
     /// Row of the log nearest to a time.
     pub(crate) fn row(&self, time: f64) -> usize {
-        let after = self.times.partition_point(|t| *t < time).min(self.times.len().saturating_sub(1));
-        let before = after.saturating_sub(1);
-        let nearer = if time - self.times[before] < self.times[after] - time { before } else { after };
-        self.rows[nearer]
+        self.rows[nearest(&self.times, time)]
     }
 }
 

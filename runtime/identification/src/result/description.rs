@@ -12,7 +12,7 @@
 //! friction = { terms = [["v", 76.5], ["tanh(10*v)", 16.9]] }
 //! ```
 
-use super::super::error::{IdentificationError, Result};
+use super::super::error::{IdentificationError, Result, at};
 use super::super::methods::expression::fault;
 use super::{FrictionLaw, FrictionResult, FrictionTerm};
 use gelenk_files::{is_same_file, write_whole};
@@ -58,10 +58,8 @@ pub struct Identified<'a> {
 /// itself, has other content, or cannot be written.
 pub fn write_identified(path: &Path, identified: &Identified<'_>) -> Result<()> {
     let text = identified_toml(identified)?;
-    let fault = |message: String| IdentificationError::File {
-        place: path.display().to_string(),
-        message: format!("cannot be written: {message}"),
-    };
+    let fault =
+        |message: String| at(path.display().to_string()).fault(format!("cannot be written: {message}"));
     if is_same_file(path, &path.with_file_name(identified.extends)) {
         return Err(fault("it is the description that is to be extended".into()));
     }

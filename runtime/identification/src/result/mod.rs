@@ -221,13 +221,13 @@ pub struct FrictionResult {
     pub data: String,
     /// Sentences on the settings: method, λ with its convention, selection of samples, differentiation.
     pub settings: Vec<String>,
-    /// Doubts about the law, and as errors the reasons for which it must not be written, see [`Self::accept`].
+    /// Doubts about the law, and as errors the reasons for which it must not be written unless poor laws are accepted.
     pub findings: Vec<Finding>,
 }
 
 impl FrictionResult {
     /// Accepts a refused law. The reasons for the refusal become warnings.
-    pub fn accept(&mut self) {
+    pub(crate) fn accept(&mut self) {
         self.findings.iter_mut().for_each(|finding| *finding = finding.clone().accepted());
     }
 

@@ -68,7 +68,27 @@ impl<'a> RobotRows<'a> {
     }
 }
 
+/// Implements functions that are those of the robot.
+macro_rules! as_of_robot {
+    ($($name:ident: $result:ty,)*) => {$(
+        fn $name(&self) -> $result {
+            self.robot.$name()
+        }
+    )*};
+}
+
 impl Robot for RobotRows<'_> {
+    as_of_robot! {
+        input_names: Vec<String>,
+        bodies: usize,
+        quaternion_joints: Vec<QuaternionJoint>,
+        described_currents: Vec<bool>,
+        has_inputs_at_frames: bool,
+        unmeasured: Vec<bool>,
+        own_inputs: Vec<bool>,
+        takes_inertia: Vec<bool>,
+    }
+
     fn joint_names(&self) -> Vec<String> {
         let mut names = self.robot.joint_names();
         for shaft in self.shafts_of_rows() {
@@ -80,10 +100,6 @@ impl Robot for RobotRows<'_> {
     fn subject(&self, row: usize) -> Subject {
         let shaft = self.of_shafts().and_then(|rows| rows.shaft(row));
         shaft.map_or_else(|| self.robot.subject(row), |shaft| Subject::Shaft(shaft.name.clone()))
-    }
-
-    fn input_names(&self) -> Vec<String> {
-        self.robot.input_names()
     }
 
     fn position_units(&self) -> Vec<&'static str> {
@@ -122,14 +138,6 @@ impl Robot for RobotRows<'_> {
         values
     }
 
-    fn bodies(&self) -> usize {
-        self.robot.bodies()
-    }
-
-    fn quaternion_joints(&self) -> Vec<QuaternionJoint> {
-        self.robot.quaternion_joints()
-    }
-
     fn input_matrix(&self) -> Vec<f64> {
         let joints = self.robot.input_matrix();
         let Some(rows) = self.of_shafts() else { return joints };
@@ -141,14 +149,6 @@ impl Robot for RobotRows<'_> {
         matrix
     }
 
-    fn described_currents(&self) -> Vec<bool> {
-        self.robot.described_currents()
-    }
-
-    fn has_inputs_at_frames(&self) -> bool {
-        self.robot.has_inputs_at_frames()
-    }
-
     fn input_forces(&self, y: &[f64], u: &[f64], forces: &mut [f64]) {
         let Some(rows) = self.of_shafts() else { return self.robot.input_forces(y, u, forces) };
         let mut joints = vec![0.0; forces.len()];
@@ -156,21 +156,9 @@ impl Robot for RobotRows<'_> {
         rows.forces(&joints, 1, forces);
     }
 
-    fn unmeasured(&self) -> Vec<bool> {
-        self.robot.unmeasured()
-    }
-
     fn speed_scales(&self) -> Vec<f64> {
         let rows = 0..self.robot.joint_names().len();
         rows.map(|row| self.of_shafts().map_or(1.0, |rows| rows.speed_scale(row))).collect()
-    }
-
-    fn own_inputs(&self) -> Vec<bool> {
-        self.robot.own_inputs()
-    }
-
-    fn takes_inertia(&self) -> Vec<bool> {
-        self.robot.takes_inertia()
     }
 
     fn friction(&self, row: usize, v: f64) -> f64 {

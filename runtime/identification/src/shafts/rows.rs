@@ -24,7 +24,6 @@ pub(crate) struct ShaftRows {
 
 impl ShaftRows {
     /// The rows of a robot; `None` if no shaft takes a row.
-    #[must_use]
     pub(crate) fn of(robot: &dyn Robot) -> Option<Self> {
         let shafts = robot.shafts();
         let joints = robot.joint_names().len();
@@ -48,32 +47,27 @@ impl ShaftRows {
     }
 
     /// The shafts that take rows.
-    #[must_use]
     pub(crate) fn shafts(&self) -> &[Shaft] {
         &self.shafts
     }
 
     /// The shaft that takes this row; `None` if the row is that of a joint.
-    #[must_use]
     pub(crate) fn shaft(&self, row: usize) -> Option<&Shaft> {
         self.shafts.iter().find(|shaft| shaft.joint == row)
     }
 
     /// Largest ratio of the speed of a row to the speed of a joint that turns its shaft; 1 for the row of a joint.
-    #[must_use]
     pub(crate) fn speed_scale(&self, row: usize) -> f64 {
         let largest = |ratios: &[f64]| ratios.iter().fold(0.0_f64, |largest, ratio| largest.max(ratio.abs()));
         self.shaft(row).map_or(1.0, |shaft| largest(&shaft.ratios))
     }
 
     /// Described friction of joints whose rows shafts take. Its factors follow the inertial parameters of the estimate.
-    #[must_use]
     pub(crate) fn joint_terms(&self) -> &[JointTerm] {
         &self.terms
     }
 
     /// Index of the factor of the first term of [`Self::joint_terms`] among the parameters of the estimate.
-    #[must_use]
     pub(crate) fn first_term(&self) -> usize {
         self.parameters
     }

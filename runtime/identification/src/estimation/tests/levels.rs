@@ -1,9 +1,9 @@
 //! Effect of the numbers that decide: each is halved and doubled, and the page says which results change.
 //!
-//! Logs of a pendulum pass preparation and estimate; laws are found from samples of friction. A variation stays inside the bar if no log that had a result is refused,
-//! no finding appears or goes that is a warning or an error, and friction and moments are as near to the truth as [`BAR`] allows.
+//! Logs of a pendulum pass preparation and estimate; laws are found from samples of friction. A variation stays inside the
+//! bar if no log that had a result is refused, no finding appears or goes that is a warning or an error, and friction and
+//! moments are as near to the truth as [`BAR`] allows.
 
-use super::super::super::error::IdentificationError;
 use super::super::super::friction::{self, FrictionData, FrictionIdentification, FrictionMethod};
 use super::super::super::methods::stribeck::StribeckRegression;
 use super::super::super::numeric::levels::varied::with;
@@ -109,17 +109,12 @@ impl Case {
                 Outcome { name: self.name, values: all.collect(), error, codes: codes(&found.findings) }
             }
             Err(error) => {
-                let said = match &error {
-                    IdentificationError::Unexplained { reasons, .. } => reasons.clone(),
-                    IdentificationError::Found { findings } => findings.clone(),
-                    _ => Vec::new(),
-                };
                 let refused = BTreeSet::from(["refused".to_owned()]);
                 Outcome {
                     name: self.name,
                     values: Vec::new(),
                     error: f64::NAN,
-                    codes: &codes(&said) | &refused,
+                    codes: &codes(error.refusals()) | &refused,
                 }
             }
         }

@@ -1,6 +1,5 @@
 //! Estimates of a simulated robot whose parameters are known.
 
-use super::super::super::error::IdentificationError;
 use super::super::super::numeric::random::SplitMix64;
 use super::super::super::robot::Robot;
 use super::super::super::run::{Effort, PreparedRun};
@@ -211,7 +210,10 @@ fn a_wrong_sign_and_forces_that_are_noise_are_refused() {
     // Where no joint is left, nothing is found.
     noise.efforts[1].iter_mut().for_each(|u| *u = random.normal());
     let message = refused(noise);
-    assert!(message.starts_with("the fit does not explain joint shoulder: R² "), "{message}");
+    assert!(
+        message.starts_with("error[fit-doubted]: joint shoulder: the fit does not explain it: R² "),
+        "{message}"
+    );
     assert!(message.contains("error[unexplained-effort]"), "{message}");
 }
 
@@ -227,7 +229,8 @@ fn one_effort_with_another_factor_is_refused_and_named() {
     };
     for (joint, name, factor) in [(0, "shoulder", 2.0), (1, "elbow", 3.0), (1, "elbow", 0.4)] {
         let error = of(joint, factor).unwrap_err();
-        let IdentificationError::Unexplained { subject, reasons, .. } = &error else { panic!("{error}") };
+        let (refusal, reasons) = error.refusals().split_first().unwrap();
+        let subject = &refusal.about.subject;
         assert_eq!(*subject, Subject::Joint(name.into()), "{error}");
         let named = |reason: &&Finding| reason.code == "other-factor" && reason.about.subject == *subject;
         let named = reasons.iter().find(named).unwrap().value("factor").unwrap();

@@ -1,6 +1,6 @@
 //! Columns of the efforts: torques at the joints, inputs, or currents.
 
-use super::super::super::error::{IdentificationError, Result};
+use super::super::super::error::{IdentificationError, Result, at};
 use super::super::super::run::Effort;
 use super::families::Targets;
 use super::finder::Finder;
@@ -133,7 +133,7 @@ impl Finder<'_> {
     fn nothing_acts(&self, error: IdentificationError) -> IdentificationError {
         let IdentificationError::File { place, message } = error else { return error };
         let Some(base) = self.robot.quaternions.iter().find(|joint| joint.is_floating) else {
-            return IdentificationError::File { place, message };
+            return at(place).fault(message);
         };
         let enough = if self.has_frames() {
             "Efforts of the joints may be missing, those of the inputs at frames may not".to_owned()
@@ -144,7 +144,7 @@ impl Finder<'_> {
                 base.name
             )
         };
-        IdentificationError::File { place, message: format!("{message}. {enough}") }
+        at(place).fault(format!("{message}. {enough}"))
     }
 }
 

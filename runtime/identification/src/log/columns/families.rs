@@ -1,9 +1,8 @@
 //! Families of columns: columns of one quantity that differ only in the name or number of the joint.
 
-use super::super::units;
 use super::header::{Header, Meaning, is_number, is_plain, words};
 use super::table::{Kind, Known, Origin, Role, known};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The difference between the columns of a family. Families are preferred in this order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -160,14 +159,12 @@ fn by_name(headers: &[Header], targets: &Targets) -> Vec<Family> {
     let mut joints = vec![None; headers.len()];
     for header in headers {
         let Some((joint, rest)) = targets.find(&header.words) else { continue };
-        if header.meaning(&rest).is_some() {
-            joints[header.index] = Some(joint);
-            push(&mut groups, (header.kind_of_unit(), rest), header.index);
-        }
+        joints[header.index] = Some(joint);
+        push(&mut groups, (header.kind_of_unit(), rest), header.index);
     }
-    let stems = by_stem(&groups);
-    let family = |((_, rest), members): (Phrase, Vec<usize>)| {
-        let meaning = headers[members[0]].meaning(&rest)?;
+    let meaning =
+        |((_, rest), members): (Phrase, Vec<usize>)| Some((headers[members[0]].meaning(&rest)?, members));
+    let family = |(meaning, members): (Meaning, Vec<usize>)| {
         let mut columns = vec![None; targets.names.len()];
         let mut twice = false;
         for member in members {
@@ -177,18 +174,22 @@ fn by_name(headers: &[Header], targets: &Targets) -> Vec<Family> {
         let is_sure = !twice && !counts_from_zero(headers, &columns, targets);
         is_sure.then_some(Family { meaning, key: Key::Name, columns, numbers: Vec::new() })
     };
-    groups.into_iter().chain(stems).filter_map(family).collect()
+    with_combined(groups.into_iter().filter_map(meaning).collect()).into_iter().filter_map(family).collect()
 }
 
-/// Groups that differ only in a unit at the end, combined to one group: `cart_pos_mm` and `pole_pos_deg`.
-fn by_stem(groups: &Groups) -> Groups {
-    let mut stems: BTreeMap<Phrase, (usize, Vec<usize>)> = BTreeMap::new();
-    for ((unit, rest), members) in groups {
-        let (parts, all) = stems.entry((*unit, without_unit(rest))).or_default();
-        *parts += 1;
-        all.extend(members);
-    }
-    stems.into_iter().filter(|(_, (parts, _))| *parts > 1).map(|(phrase, (_, all))| (phrase, all)).collect()
+/// The groups, followed by combinations of groups of the same quantity and origin, up to each doubt: rotary and linear joints
+/// often have other words, as `turn_angle` and `slide_position`, and other units, as `cart_pos_mm` and `pole_pos_deg`.
+fn with_combined<T: Clone>(mut groups: Vec<(Meaning, Vec<T>)>) -> Vec<(Meaning, Vec<T>)> {
+    let meanings: BTreeSet<Meaning> = groups.iter().map(|(meaning, _)| *meaning).collect();
+    let combined = meanings.into_iter().map(|most| {
+        let is_alike = |(own, _): &&(Meaning, Vec<T>)| {
+            Meaning { doubt: most.doubt, ..*own } == most && own.doubt <= most.doubt
+        };
+        (most, groups.iter().filter(is_alike).flat_map(|(_, members)| members).cloned().collect())
+    });
+    let combined: Vec<(Meaning, Vec<T>)> = combined.collect();
+    groups.extend(combined);
+    groups
 }
 
 /// Whether columns count joints from 0, although the joints' names count from 1: the column 1 may then belong to the second
@@ -201,20 +202,13 @@ fn counts_from_zero(headers: &[Header], columns: &[Option<usize>], targets: &Tar
     has_zero && !targets.names.iter().any(|name| words(name).iter().any(|w| w == "0"))
 }
 
-/// Words without a unit of several letters at their end.
-fn without_unit(words: &[String]) -> Vec<String> {
-    let is_unit = |tail: &[String]| tail[0].chars().count() > 1 && units::find(&tail.join("/")).is_some();
-    let tail = (1..=2).rev().find(|n| words.len() > *n && is_unit(&words[words.len() - n..]));
-    words[..words.len() - tail.unwrap_or(0)].to_vec()
-}
-
 fn by_number(headers: &[Header], targets: &Targets, listed: Option<&[String]>) -> Vec<Family> {
     let mut shapes = Groups::new();
     for header in headers.iter().filter(|h| h.words.iter().any(|w| is_number(w))) {
         let shape = header.words.iter().map(|w| if is_number(w) { "#".into() } else { w.clone() }).collect();
         push(&mut shapes, (header.kind_of_unit(), shape), header.index);
     }
-    let mut families = Vec::new();
+    let mut found: Vec<(Meaning, Vec<(u64, usize)>)> = Vec::new();
     for ((unit, shape), members) in shapes {
         let slot = varying_slot(headers, &shape, &members);
         let mut groups = Groups::new();
@@ -226,14 +220,14 @@ fn by_number(headers: &[Header], targets: &Targets, listed: Option<&[String]>) -
             rest.iter_mut().filter(|word| **word == number).for_each(|word| "#".clone_into(word));
             push(&mut groups, (unit, rest), member);
         }
-        let stems = by_stem(&groups);
-        families.extend(groups.iter().chain(&stems).filter_map(|((_, rest), members)| {
-            let meaning = headers[members[0]].meaning(rest)?;
-            let number = |member: &usize| Some((headers[*member].words.get(slot)?.parse().ok()?, *member));
-            numbered(meaning, members.iter().map(number).collect::<Option<_>>()?, targets, listed)
+        found.extend(groups.into_iter().filter_map(|((_, rest), members)| {
+            let meaning = headers[members[0]].meaning(&rest)?;
+            let number = |member: usize| Some((headers[member].words.get(slot)?.parse().ok()?, member));
+            Some((meaning, members.into_iter().map(number).collect::<Option<_>>()?))
         }));
     }
-    families
+    let family = |(meaning, sorted)| numbered(meaning, sorted, targets, listed);
+    with_combined(found).into_iter().filter_map(family).collect()
 }
 
 /// The number by which the columns of a shape differ: the one with the most values, and the last one of several.

@@ -1,6 +1,6 @@
 //! The search for columns: by the user's pattern, or by the best family of headers.
 
-use super::super::super::error::{IdentificationError, Result};
+use super::super::super::error::{IdentificationError, Result, at};
 use super::super::sheet::{Sheet, shortened};
 use super::super::units::{self, GRAD, Unit};
 use super::families::{Family, Targets, families};
@@ -38,7 +38,7 @@ impl<'a> Finder<'a> {
     }
 
     pub(super) fn fault(&self, message: String) -> IdentificationError {
-        IdentificationError::File { place: self.source.into(), message }
+        at(self.source).fault(message)
     }
 
     /// The error that the headers do not decide and the user has to name the columns.

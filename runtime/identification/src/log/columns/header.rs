@@ -4,7 +4,7 @@ use super::super::units::{self, Unit};
 use super::table::{Kind, Known, Origin, Role, known};
 
 /// The quantity of a column by its header.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Meaning {
     pub kind: Kind,
     pub origin: Origin,

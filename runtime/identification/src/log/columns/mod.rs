@@ -25,7 +25,7 @@ mod mapping;
 mod guess;
 
 pub(super) use found::Column;
-pub(crate) use found::Labels;
+pub(crate) use found::{ColumnLabels, Labels};
 pub use guess::ColumnGuess;
 pub(super) use guess::guess;
 pub(super) use mapping::{Mapping, resolve};

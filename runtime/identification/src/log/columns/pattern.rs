@@ -2,7 +2,7 @@
 
 use gelenk_formula::Hold;
 
-use super::super::super::error::{IdentificationError, Result};
+use super::super::super::error::{IdentificationError, Result, at};
 use super::super::super::run::Effort;
 use super::super::sheet::shortened;
 use super::super::units::{self, Unit};
@@ -98,12 +98,11 @@ impl ColumnOptions {
         let all = self.named()?;
         let holds = all.iter().filter(|(_, name, _)| name == HOLD);
         for pattern in holds.flat_map(|(.., text)| text.split('|')) {
-            let place =
-                |message: String| IdentificationError::File { place: format!("--hold `{pattern}`"), message };
-            let hold = Hold::parse(pattern).map_err(place)?;
+            let fault = |message: String| at(format!("--hold `{pattern}`")).fault(message);
+            let hold = Hold::parse(pattern).map_err(fault)?;
             let matching: Vec<usize> = (0..joints.len()).filter(|j| hold.matches(&joints[*j])).collect();
             if matching.is_empty() {
-                return Err(place(format!("no joint has such a name. There are {}", shortened(joints))));
+                return Err(fault(format!("no joint has such a name. There are {}", shortened(joints))));
             }
             matching.into_iter().for_each(|joint| held[joint] = Some(hold.position));
         }
@@ -160,7 +159,7 @@ pub(super) fn is_spellable(text: &str) -> bool {
 }
 
 fn fault(text: &str, message: String) -> IdentificationError {
-    IdentificationError::File { place: format!("--columns `{}`", text.trim()), message }
+    at(format!("--columns `{}`", text.trim())).fault(message)
 }
 
 impl Pattern {

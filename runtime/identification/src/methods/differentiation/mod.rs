@@ -8,9 +8,7 @@ mod total_variation;
 
 pub use total_variation::{Regularization, TotalVariation};
 
-use super::super::error::{
-    IdentificationError, Result, require_finite, require_length, require_samples, require_setting,
-};
+use super::super::error::{Result, at, require_finite, require_length, require_samples, require_setting};
 
 /// A smoothed signal and its derivatives at the sampling times.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,14 +43,11 @@ fn require_signal(times: &[f64], signal: &[f64], needed: usize) -> Result<()> {
     require_finite("the signal", signal)?;
     match times.windows(2).position(|w| w[1] <= w[0]) {
         None => Ok(()),
-        Some(i) => Err(IdentificationError::File {
-            place: format!("row {} (counted from 0)", i + 1),
-            message: format!(
-                "{} s is followed by {} s: sort the rows or split the log into segments",
-                times[i],
-                times[i + 1]
-            ),
-        }),
+        Some(i) => Err(at(format!("row {} (counted from 0)", i + 1)).fault(format!(
+            "{} s is followed by {} s: sort the rows or split the log into segments",
+            times[i],
+            times[i + 1]
+        ))),
     }
 }
 
@@ -89,7 +84,7 @@ fn residual_bound(sigma: f64, samples: usize) -> f64 {
 /// Fails unless a noise is positive and finite.
 ///
 /// # Errors
-/// [`IdentificationError::Setting`]
+/// [`IdentificationError::Setting`](crate::error::IdentificationError::Setting)
 fn require_noise(sigma: f64) -> Result<()> {
     require_setting(
         "noise σ",

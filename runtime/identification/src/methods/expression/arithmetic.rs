@@ -1,8 +1,7 @@
 //! The operations of a program over blocks of samples.
 
-use super::tanh::tanh;
 use gelenk_formula::{Function, Operator, Unary};
-use gelenk_kernels::math::{exp, sin_cos, sin_cos_lanes};
+use gelenk_kernels::math::{exp, sin_cos, sin_cos_lanes, tanh};
 use multiversion::multiversion;
 
 #[derive(Debug, Clone, Copy, PartialEq)]

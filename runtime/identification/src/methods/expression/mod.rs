@@ -6,7 +6,6 @@
 
 mod arithmetic;
 mod compiler;
-mod tanh;
 
 pub(crate) use arithmetic::sign;
 
@@ -117,8 +116,8 @@ impl Program {
     }
 }
 
-pub(crate) fn fault(text: &str, message: String) -> IdentificationError {
-    IdentificationError::Expression { text: text.into(), message }
+pub(crate) fn fault(text: &str, message: impl Into<String>) -> IdentificationError {
+    IdentificationError::Expression { text: text.into(), message: message.into() }
 }
 
 #[cfg(test)]

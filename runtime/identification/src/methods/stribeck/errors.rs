@@ -82,7 +82,6 @@ impl StribeckFit {
     /// [`super::super::confidence`].
     ///
     /// - `samples`: samples of the regression
-    #[must_use]
     pub(crate) fn with_correlated_errors(mut self, samples: &Observed) -> Self {
         let (scores, runs) = (self.scores(samples), samples.runs);
         let (inverse, ..) = inverse(&self.information);
