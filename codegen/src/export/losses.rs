@@ -85,7 +85,7 @@ impl Losses {
             };
             Diagnostic::warning(
                 "exported-robot-differs",
-                format!("the {name} differs from the robot ({difference}): {causes}"),
+                format!("the {name} differs from the robot, {difference}: {causes}"),
             )
         }));
         Diagnostics::new(notes)
