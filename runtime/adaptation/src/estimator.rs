@@ -63,6 +63,9 @@ pub struct JointState {
     pub is_learning: bool,
 }
 
+/// Number of periods whose torques are stored: those before and after an instant, at the largest delay.
+const HISTORY: usize = MOST_DELAY + 2;
+
 /// Recursive estimator of the friction of a robot with N joints; see the [module](super).
 ///
 /// Only joints with their own input are learned; others keep the described law.
@@ -74,8 +77,8 @@ pub struct Adaptation<const N: usize> {
     pub(super) joints: [Option<Joint>; N],
     window: Window<N>,
     /// Torques of the last periods, the newest first.
-    torques: [[f64; N]; MOST_DELAY + 1],
-    saturated: [[bool; N]; MOST_DELAY + 1],
+    torques: [[f64; N]; HISTORY],
+    saturated: [[bool; N]; HISTORY],
     /// Periods in a row whose torques are known.
     known: usize,
     pub(super) periods: f64,
@@ -131,8 +134,8 @@ impl<const N: usize> Adaptation<N> {
             derived,
             joints: core::array::from_fn(joint),
             window: Window::EMPTY,
-            torques: [[0.0; N]; MOST_DELAY + 1],
-            saturated: [[false; N]; MOST_DELAY + 1],
+            torques: [[0.0; N]; HISTORY],
+            saturated: [[false; N]; HISTORY],
             known: 0,
             periods: 0.0,
             fingerprint: fingerprint(&described(&of(0.7), &of(0.3), &of(0.5)), &scales),
@@ -182,10 +185,10 @@ impl<const N: usize> Adaptation<N> {
         self.torques.rotate_right(1);
         self.saturated.rotate_right(1);
         (self.torques[0], self.saturated[0]) = (measured.torques, measured.saturated);
-        self.known = (self.known + 1).min(MOST_DELAY + 1);
+        self.known = (self.known + 1).min(HISTORY);
         match &measured.positions {
             Some(positions) if self.known > self.settings.delay => {
-                self.window.push(positions, &self.torques[self.settings.delay]);
+                self.window.push(positions);
             }
             _ => self.window.clear(),
         }
@@ -205,21 +208,25 @@ impl<const N: usize> Adaptation<N> {
         &self,
         described: impl FnOnce(&[f64; N], &[f64; N], &[f64; N]) -> DescribedForces<N>,
     ) -> Option<[Instant; N]> {
-        let [y, v, a, torques] = self.window.middle(self.settings.period)?;
+        let [y, v, a] = self.window.middle(self.settings.period)?;
         let possible = |i: usize| self.scales[i].is_none_or(|scale| v[i].abs() <= 2.0 * scale.speed);
         if !(0..N).all(possible) {
             return None;
         }
         let DescribedForces { forces, friction } = described(&y, &v, &a);
-        let ends = [self.settings.delay, (self.settings.delay + 1).min(MOST_DELAY)];
-        let instant = |i: usize| Instant {
-            position: y[i],
-            velocity: v[i],
-            friction: friction[i],
-            measured: ends.map(|ago| self.torques[ago][i]),
-            applied: torques[i],
-            torque: torques[i] - forces[i],
-            is_exact: !ends.iter().any(|ago| self.saturated[*ago][i]),
+        let ends = [self.settings.delay, self.settings.delay + 1];
+        let instant = |i: usize| {
+            let measured = ends.map(|ago| self.torques[ago][i]);
+            let applied = 0.5 * (measured[0] + measured[1]);
+            Instant {
+                position: y[i],
+                velocity: v[i],
+                friction: friction[i],
+                measured,
+                applied,
+                torque: applied - forces[i],
+                is_exact: !ends.iter().any(|ago| self.saturated[*ago][i]),
+            }
         };
         let instants: [Instant; N] = core::array::from_fn(instant);
         let finite = |instant: &Instant| instant.torque.is_finite() && instant.friction.is_finite();

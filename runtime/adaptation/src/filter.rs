@@ -42,30 +42,26 @@ impl<const S: usize> LowPass<S> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Window<const N: usize> {
     positions: [[f64; N]; 3],
-    torques: [[f64; N]; 2],
     /// Consecutive measurements.
     length: usize,
 }
 
 impl<const N: usize> Window<N> {
-    pub(super) const EMPTY: Self = Self { positions: [[0.0; N]; 3], torques: [[0.0; N]; 2], length: 0 };
+    pub(super) const EMPTY: Self = Self { positions: [[0.0; N]; 3], length: 0 };
 
     pub(super) fn clear(&mut self) {
         self.length = 0;
     }
 
-    /// Adds a measurement and the torques of the period before it.
-    pub(super) fn push(&mut self, positions: &[f64; N], torques: &[f64; N]) {
+    /// Adds a measurement.
+    pub(super) fn push(&mut self, positions: &[f64; N]) {
         self.positions = [self.positions[1], self.positions[2], *positions];
-        self.torques = [self.torques[1], *torques];
         self.length = (self.length + 1).min(3);
     }
 
-    /// Positions, velocities, accelerations and torques one period ago; `None` for fewer than three
-    /// measurements.
-    pub(super) fn middle(&self, period: f64) -> Option<[[f64; N]; 4]> {
+    /// Positions, velocities and accelerations one period ago; `None` for fewer than three measurements.
+    pub(super) fn middle(&self, period: f64) -> Option<[[f64; N]; 3]> {
         let [before, middle, after] = &self.positions;
-        let [first, second] = &self.torques;
         (self.length == 3).then(|| {
             [
                 *middle,
@@ -73,7 +69,6 @@ impl<const N: usize> Window<N> {
                 core::array::from_fn(|i| {
                     ((after[i] - middle[i]) - (middle[i] - before[i])) / (period * period)
                 }),
-                core::array::from_fn(|i| 0.5 * (first[i] + second[i])),
             ]
         })
     }
