@@ -29,7 +29,7 @@ pub(super) fn begins_with(path: &Path, expected: &str) -> bool {
     read.is_ok() && start == expected.as_bytes()
 }
 
-/// Beginning of the crate's root, which identifies it. A new text would refuse files of older versions.
+/// Beginning of the crate's root, by which [`is_root`] knows it: with another one, files of older versions would be refused.
 const ROOT: &str = "//! The robots of `models/` as generated Rust: plain functions on fixed-size arrays.\n\
     //!\n\
     //! `gelenk generate` writes this crate";

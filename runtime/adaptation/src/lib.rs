@@ -31,8 +31,8 @@
 //! - Friction under load is not learned: it stays as described.
 //! - A constant contact that lasts longer than [`AdaptationSettings::patience`] is learned as an offset.
 //! - Intervals do not include errors of inertia and gravity of the description.
-//! - Of 3000 simulated faults of a joint (a stuck or swapped sensor, rests, gaps, saturation; `runtime/examples/warming.rs`), two
-//!   exceeded 1.05 times the prediction error of the described law, by up to 1.20 times. In both, the torque sensor saturates.
+//! - In two of 3000 simulated runs with a fault (a stuck or swapped sensor, rests, gaps, saturation; `runtime/examples/warming.rs`),
+//!   the acting law had more than 1.05 times the error of the described law, at most 1.20 times. In both, the torque sensor saturates.
 
 #![no_std]
 #![warn(unreachable_pub)]
