@@ -255,7 +255,7 @@ fn a_planned_motion_identifies_what_a_simulated_arm_is() {
     for text in [fs::read_to_string(at("half.toml")).unwrap(), String::from_utf8(half.stdout).unwrap()] {
         assert!(text.contains("its effort is 0 in every row from row 2 on"), "{text}");
         assert!(
-            text.contains("it has no measured effort, or a current while it rests: its friction, drive and offset stay as described"),
+            text.contains("it has no measured effort, or only currents while it rests: its friction, drive and offset stay as described"),
             "{text}"
         );
     }
@@ -297,7 +297,7 @@ fn friction_under_load_is_identified_where_it_is_asked_for() {
     let plain = run(&["log.csv", "--output", "plain.toml", "--format", "json"]);
     let findings = plain["findings"].as_array().unwrap();
     let load = findings.iter().find(|finding| finding["code"] == "friction-under-load").unwrap();
-    assert_eq!(load["help"], "say --load-friction");
+    assert_eq!(load["help"], "use --load-friction");
     assert!((load["values"][0]["value"].as_f64().unwrap() - 0.15).abs() < 0.05, "{load:#}");
     assert!(plain["joints"][1]["load_friction"].is_null());
     let found = run(&["log.csv", "--load-friction", "--output", "load.toml", "--format", "json"]);
@@ -409,7 +409,7 @@ fn logs_reduce_to_moments_and_moments_to_a_description() {
     let other = refused(1, &["identify", "truth.toml", "--merge", "1.moments", "--output", "x.toml"]);
     assert!(other.contains("another description"), "{other}");
     let log = refused(1, &["identify", "arm.toml", "--merge", "1.csv", "--output", "x.toml"]);
-    assert!(log.contains("holds no moments"), "{log}");
+    assert!(log.contains("is not a file of moments"), "{log}");
     let kept = refused(1, &["identify", "arm.toml", "--merge", "1.moments", "--output", "1.moments"]);
     assert!(kept.contains("is not overwritten"), "{kept}");
     fs::write(at("arm.toml"), ARM.replace("mass = 5", "mass = 5.5")).unwrap();

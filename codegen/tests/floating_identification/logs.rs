@@ -196,7 +196,7 @@ fn what_is_not_done_for_such_robots_is_refused_by_name() {
     let folder = tempfile::tempdir().unwrap();
     let text = log(HEADERS[0], &flight(3.0, 3));
     let cases: [(&[&str], &str); 2] = [
-        (&["--gravity-compensated"], "gravity is not compensated where a joint is floating"),
+        (&["--gravity-compensated"], "gravity is not compensated if a joint is floating"),
         (
             &["--plan"],
             "joint base: no motion is planned if a floating joint is moved by its inputs in 4 of its 6 directions",

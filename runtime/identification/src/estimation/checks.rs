@@ -22,13 +22,13 @@ const NO_EFFORT: Rule = Rule::warning("no-effort");
 /// Fixture: `still` in `codegen/tests/findings/arm.rs`.
 const DOES_NOT_MOVE: Rule = Rule::warning("does-not-move");
 
-/// Sees: a residual that follows the acceleration.
+/// Sees: a residual that is correlated with the acceleration.
 /// Matters: the inertia of the rigid body is wrong.
 /// Example: a rotor that the description does not have.
 /// Fixture: `estimation/tests/simulated.rs`.
 const ACCELERATION: Rule = Rule::warning("residual-follows-acceleration");
 
-/// Sees: friction that grows with the load of a gear.
+/// Sees: load-dependent friction of a gear.
 /// Matters: a law of the velocity alone is wrong under other loads.
 /// Example: a worm gear.
 /// Fixture: `friction_under_load_is_identified_where_it_is_asked_for` in `codegen/tests/command_line/identify.rs`.
@@ -43,8 +43,8 @@ pub(super) struct Checked<'a> {
     pub(super) correlation_time: f64,
     /// Joints whose efforts are not used.
     pub(super) left_out: &'a [usize],
-    /// Whether the check for friction under load is left out: this friction is part of the fit, or the rigid forces are
-    /// without gravity and so are not the loads of the gears.
+    /// Whether the check for load-dependent friction is left out. This is so if the friction is part of the fit, or if the
+    /// rigid forces do not contain gravity and therefore are not the loads of the gears.
     pub(super) loads_are_known: bool,
 }
 
@@ -58,8 +58,8 @@ impl Checked<'_> {
                 vec![no_effort(self.robot, joint)]
             } else if !self.layout.moves[joint] && !self.layout.exact[joint] {
                 let still =
-                    DOES_NOT_MOVE.found("it does not move in these data: its friction is not estimated");
-                vec![still.of(self.robot.subject(joint)).help("move it")]
+                    DOES_NOT_MOVE.found("it does not move in these data, so its friction is not estimated");
+                vec![still.of(self.robot.subject(joint)).help("record a log in which it moves")]
             } else {
                 self.joint(joint)
             }
@@ -85,20 +85,21 @@ impl Checked<'_> {
         [&self.forces.rigid, &self.forces.described, &self.forces.measured].map(|of| size(of))
     }
 
-    /// Whether the rigid forces of a joint are several times the described ones or a fraction of them.
+    /// Whether the estimated rigid-body force of a joint differs so much from the described force that the unit of its effort
+    /// may be wrong.
     pub(super) fn has_other_unit(&self) -> bool {
         let known = self.layout.known_efforts();
         (0..self.layout.joints).any(|joint| known[joint] && unit_doubt(self.sizes(joint)).is_some())
     }
 
-    /// The factor between estimated and described forces of the robot as a whole; `None` if no joint gives one.
+    /// Ratio of estimated to described forces of the robot as a whole; `None` if no joint determines the ratio.
     pub(super) fn common_ratio(&self) -> Option<CommonRatio> {
         let sizes: Vec<Sizes> = (0..self.layout.joints).map(|joint| self.sizes(joint)).collect();
         common_ratio(self.robot, self.layout.effort, &self.layout.known_efforts(), &sizes)
     }
 
-    /// The delay of a joint's effort \[s\] that its residual shows; `None` if the residual does not follow the rate of the
-    /// force. A torque that is late by d is `τ(t − d) ≈ τ − d τ̇`.
+    /// The delay of a joint's effort \[s\] that its residual shows; `None` if the residual is not proportional to the rate of
+    /// the force. A torque τ that is late by d is `τ(t − d) ≈ τ − d τ̇`.
     pub(super) fn delay(&self, joint: usize) -> Option<f64> {
         let slope = |run: usize, i: usize| {
             let (p, t) = (self.predicted(run, joint), &self.runs[run].times);
@@ -122,7 +123,7 @@ impl Checked<'_> {
         let (factor, share) = self.explained(joint, &|run, i| self.runs[run].accelerations[joint][i])?;
         self.is_suspicious(share).then(|| {
             let message = format!(
-                "{:.0} % of the residual's variance follows the acceleration ({} per unit): the rigid body is wrong",
+                "{:.0} % of the residual's variance is proportional to the acceleration (factor {}): the rigid body is wrong",
                 100.0 * share,
                 plain(factor, 3)
             );
@@ -131,7 +132,7 @@ impl Checked<'_> {
         })
     }
 
-    /// Finding about friction that grows with the load. It leaves the residual `(|τ_l| − mean) sign(v)`, because the Coulomb
+    /// Finding about load-dependent friction. Such friction leaves the residual `(|τ_l| − mean) sign(v)`, because the Coulomb
     /// term explains the mean of the load's magnitude |τ_l|.
     fn load(&self, joint: usize) -> Option<Finding> {
         // A joint with a quaternion has no gear.
@@ -147,10 +148,10 @@ impl Checked<'_> {
         let (factor, share) = self.explained(joint, &|run, i| (rigid(run, i) - mean) * direction(run, i))?;
         (factor > 0.0 && self.is_suspicious(share)).then(|| {
             let message = format!(
-                "{:.0} % of the residual's variance is friction that grows with the load of the gear, by about {factor:.2} of it",
+                "{:.0} % of the residual's variance is load-dependent friction, which is about {factor:.2} of the gear's load",
                 100.0 * share
             );
-            UNDER_LOAD.found(message).with("share of the load", factor, "").help("say --load-friction")
+            UNDER_LOAD.found(message).with("share of the load", factor, "").help("use --load-friction")
         })
     }
 
@@ -160,8 +161,8 @@ impl Checked<'_> {
             && share > levels::BY_CHANCE.get() * self.correlation_time / total as f64
     }
 
-    /// Factor of a quantity in a joint's residual by linear regression, and the share of the residual's variance that it
-    /// explains; `None` if the quantity is constant or the residual is zero.
+    /// Linear regression of a joint's residual on a quantity: its factor, and the share of the residual's variance that it
+    /// explains. `None` if the quantity is constant or the residual is zero.
     fn explained(&self, joint: usize, quantity: &dyn Fn(usize, usize) -> f64) -> Option<(f64, f64)> {
         let mut sums = [0.0; 6];
         for (run, i) in self.forces.moving(self.layout, self.runs, joint) {
@@ -179,7 +180,7 @@ impl Checked<'_> {
 
 /// The finding about a joint without a usable effort in the logs.
 pub(super) fn no_effort(robot: &dyn Robot, joint: usize) -> Finding {
-    let message = "it has no measured effort, or a current while it rests: its friction, drive and offset stay as described, and \
-                   its body is known from the efforts of other joints alone";
+    let message = "it has no measured effort, or only currents while it rests: its friction, drive and offset stay as described, \
+                   and its body is estimated from the efforts of other joints alone";
     NO_EFFORT.found(message).of(robot.subject(joint))
 }

@@ -1,8 +1,8 @@
-//! Test whether the effort of one joint has a wrong factor: a unit, gear or sensor other than described, or percent of a
-//! rated torque.
+//! Test whether the effort of one joint has a wrong factor, for example because of another unit, gear or sensor than
+//! described, or because the effort is a percentage of a rated torque.
 //!
-//! A body loads several joints, so that the efforts of the other joints determine the factor of one. Forces that act on a
-//! single joint, as its friction, do not determine it.
+//! A body loads several joints, so the efforts of the other joints determine the factor of one joint. Forces that act on a
+//! single joint, for example its friction, do not determine the factor.
 
 use super::super::error::Result;
 use super::super::run::Effort;
@@ -20,7 +20,7 @@ const TRIED: [f64; 12] = [0.05, 0.1, 0.2, 0.33, 0.5, 0.7, 1.4, 2.0, 3.0, 5.0, 10
 const FINE: f64 = 1.05;
 const STEPS: i32 = 8;
 
-/// Whether every joint is explained well.
+/// Whether the fit explains the effort of every joint sufficiently.
 fn explains(chosen: &Chosen, errors: &HeldOut) -> bool {
     let r_squared = chosen.centred_r_squared(&errors.rss);
     chosen.centred.layout.rubbing().all(|joint| r_squared[joint] >= levels::POOR.get())
@@ -53,7 +53,7 @@ pub(super) fn factor(chosen: &Chosen, prior: &Prior) -> Result<Option<(usize, Fi
     Ok(Some((joint, offered(other_factor(layout.effort, factor), share))))
 }
 
-/// The factor of a joint's effort with the least held-out error, and this error; `None` without factors.
+/// The factor of a joint's effort with the least held-out error, and this error; `None` if there are no factors.
 fn best(
     chosen: &Chosen,
     joint: usize,
@@ -71,7 +71,7 @@ fn best(
 }
 
 /// Sees: the effort of one joint that fits better with a factor.
-/// Matters: its masses and its friction would be wrong by the factor.
+/// Matters: masses and friction of this joint would be wrong by the factor.
 /// Example: one sensor in another unit.
 /// Fixture: `factor` in `codegen/tests/findings/arm.rs`.
 const OTHER_FACTOR: Rule = Rule::error("other-factor");
@@ -84,7 +84,7 @@ fn other_factor(effort: Effort, factor: f64) -> Finding {
         Effort::Current => ("gear ratio and motor constant", format!("'current=i1|i2[{shown} A]|i3'")),
     };
     let remedy = format!(
-        "check the effort's unit, {sources}, and the zero of its position; --columns gives one column a factor, as in {example}"
+        "check the effort's unit, {sources}, and the zero of its position; to multiply one column by the factor, use --columns {example}"
     );
     let message = format!("the data are explained better with its effort times {shown}");
     OTHER_FACTOR.found(message).with("factor", factor, "").help(remedy)

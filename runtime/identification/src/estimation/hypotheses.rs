@@ -1,5 +1,6 @@
-//! Test of remedies. Each remedy is a hypothesis about a change of the log or of the description. It is tested by another
-//! fit, and it is offered only if the error on held-out data falls clearly. The finding says by how much the error falls.
+//! Test of remedies. Each remedy is a hypothesis about a change of the log or of the description. Another fit tests the
+//! remedy, and a finding proposes it only if the error on held-out data falls clearly. The finding says by how much the error
+//! falls.
 
 use super::super::error::Result;
 use super::super::robot::Robot;
@@ -37,7 +38,7 @@ const DRIVING: Rule = Rule::error("driving-friction");
 /// Fixture: `a_wrong_sign_and_forces_that_are_noise_are_refused` in `estimation/tests/simulated.rs`.
 const TOO_SHORT: Rule = Rule::error("log-too-short");
 
-/// Sees: efforts that fit better without gravity, or with it if it is said to be compensated.
+/// Sees: efforts that fit better without gravity, or with gravity although the settings say that it is compensated.
 /// Matters: the masses are wrong.
 /// Example: a driver that reports torques without the weight, as UR's ROS 2 driver does.
 /// Fixture: `without_gravity` in `codegen/tests/findings/arm.rs`.
@@ -45,20 +46,20 @@ const GRAVITY: Rule = Rule::error("other-gravity");
 
 /// Sees: an effort that comes later or earlier than `--delay` says.
 /// Matters: the delay causes errors of inertia and friction.
-/// Example: `--delay 0` where efforts are 50 ms early.
+/// Example: `--delay 0` with efforts that are 50 ms early.
 /// Fixture: `efforts_that_come_early_are_moved` in `codegen/tests/external_arm/main.rs`.
 const DELAY: Rule = Rule::warning("other-delay");
 
 /// Sees: columns that fit better in another order of the joints.
-/// Matters: every joint would get the law and the body of another one.
-/// Example: columns in the order of the alphabet, as ROS writes them.
+/// Matters: every joint would get the friction law and the body of another joint.
+/// Example: columns in alphabetical order, as ROS writes them.
 /// Fixture: `alphabetic` and `pan_lift` in `codegen/tests/findings/arm.rs`.
 const ORDER: Rule = Rule::error("other-order");
 
 fn other_sign() -> Finding {
     OTHER_SIGN.found("the data are explained better with the other sign of its effort").help(
-        "check the signs of effort and position; --columns turns all columns, 'torque=tau{}[-1 Nm]', or one of them, \
-         'torque=tau1|tau2[-1 Nm]|tau3'",
+        "check the signs of effort and position. To change the sign of all efforts, use --columns 'torque=tau{}[-1 Nm]'; to change \
+         one sign, use --columns 'torque=tau1|tau2[-1 Nm]|tau3'",
     )
 }
 
@@ -68,13 +69,13 @@ pub(super) fn is_driving(finding: &Finding) -> bool {
 }
 
 fn driving() -> Finding {
-    let message = "its estimated friction drives it. With the other sign of its effort friction would brake, but the fit would \
+    let message = "its estimated friction drives it. With the other sign of its effort, friction would brake, but the fit would \
                    not be better";
-    let remedy = "check sign, unit and assignment of its columns, and whether the robot's controller compensates friction itself";
+    let remedy = "check the sign, the unit and the assignment of its columns, and whether the robot's controller compensates friction";
     DRIVING.found(message).help(remedy)
 }
 
-/// Doubts about the robot as a whole, and a doubt about each joint that refuses the result.
+/// Doubts about the robot as a whole, and for each joint the doubt because of which the result is refused, if there is one.
 pub(super) struct Doubts {
     pub(super) of_all: Vec<Finding>,
     pub(super) of_joints: Vec<Option<Finding>>,
@@ -122,8 +123,8 @@ pub(super) fn other_explanations(
     Ok(Doubts { of_all, of_joints })
 }
 
-/// Tries the columns in other orders if there is a doubt. If an order is better than all other hypotheses, its finding
-/// replaces their findings.
+/// Tries the columns in other orders if there is a doubt. If an order is better than all other hypotheses, the finding about
+/// the order replaces the findings about those hypotheses.
 ///
 /// - `is_doubted`: whether there are other doubts
 pub(super) fn other_order(
@@ -151,18 +152,18 @@ pub(super) fn other_order(
         let names = task.robot.joint_names();
         let moved = (0..order.len()).filter(|j| order[*j] != *j);
         let said: Vec<String> =
-            moved.map(|j| format!("{} has those of {}", names[order[j]], names[j])).collect();
+            moved.map(|j| format!("{} has the columns of {}", names[order[j]], names[j])).collect();
         let finding = ORDER.found(format!("columns belong to other joints: {}", said.join(", ")));
-        let finding =
-            finding.help("name the columns in the order of the joints, as in --columns 'position=q3|q2|q1'");
+        let finding = finding
+            .help("name the columns in the order of the joints, for example --columns 'position=q3|q2|q1'");
         doubts.of_joints.fill(None);
         doubts.of_all = vec![offered(finding, share)];
     }
     Ok(())
 }
 
-/// Orders that are tried. Joint j has the columns of joint `order[j]`. Programs sort names or reverse the chain, and users
-/// exchange two columns.
+/// Orders that are tried: names in alphabetical order, the reversed chain, and all exchanges of two joints. In an order,
+/// joint j has the columns of joint `order[j]`.
 fn orders(task: &Task) -> Vec<Vec<usize>> {
     let (names, units, layout) = (task.robot.joint_names(), task.robot.position_units(), task.layout);
     let count = names.len();
@@ -195,7 +196,8 @@ fn orders(task: &Task) -> Vec<Vec<usize>> {
     distinct
 }
 
-/// Held-out errors with columns in another order, by column. Friction moves with its columns.
+/// Held-out errors with columns in another order, one for each column. The chosen friction terms are reordered with the
+/// columns.
 fn in_order(task: &Task, chosen: &Chosen, order: &[usize], errors: Errors) -> Result<HeldOut> {
     fn moved_by<T: Clone>(order: &[usize], values: &[T]) -> Vec<T> {
         order.iter().map(|k| values[*k].clone()).collect()
@@ -231,8 +233,8 @@ fn in_order(task: &Task, chosen: &Chosen, order: &[usize], errors: Errors) -> Re
     Ok(HeldOut { rss, ..errors })
 }
 
-/// Findings about stated delays, if the residual follows a further delay and the effort is better explained with this delay.
-/// Delays that are not stated are unknowns of the fit.
+/// Findings about delays that the settings state, if the residual shows a further delay and the effort is better explained
+/// with this delay. Other delays are unknowns of the fit and have no such finding.
 pub(super) fn other_delays(
     task: &Task,
     (chosen, own): (&Chosen, &HeldOut),
@@ -248,18 +250,18 @@ pub(super) fn other_delays(
         if share > levels::CLEARLY.get() && -excess > 2.0 * deviation {
             let way = if seconds > 0.0 { "later" } else { "earlier" };
             let message = format!(
-                "its effort comes {:.1} ms {way} than stated, next to its position",
+                "compared with its position, its effort comes {:.1} ms {way} than the stated delay says",
                 1e3 * seconds.abs()
             );
             let finding = DELAY.found(message).with("delay", seconds, "s").of(task.robot.subject(joint));
-            let remedy = "leave --delay out, or give the whole delay with --delay SECONDS, above 0 if efforts are late";
+            let remedy = "leave --delay out, or give the whole delay with --delay SECONDS (positive if efforts are late)";
             found.push(offered(finding.help(remedy), share));
         }
     }
     Ok(found)
 }
 
-/// Held-out errors of the same choice if the efforts of a joint are shifted to earlier times \[s\].
+/// Held-out errors of the same choice if the efforts of a joint are shifted to earlier times by a number of seconds.
 fn earlier(task: &Task, chosen: &Chosen, (joint, seconds): (usize, f64)) -> Result<HeldOut> {
     let mut delays = vec![0.0; task.runs.first().map_or(0, |run| run.efforts.len())];
     task.layout.acting(joint).for_each(|(effort, _)| delays[effort] = seconds);
@@ -268,8 +270,8 @@ fn earlier(task: &Task, chosen: &Chosen, (joint, seconds): (usize, f64)) -> Resu
     chosen.over(&sums).held_out(task.prior)
 }
 
-/// Tries a spring at each joint, if there is no doubt except about the direction of gravity. The finding about a spring that
-/// explains the data better replaces that doubt.
+/// Tries a spring at each joint, if there is no doubt except one about the direction of gravity. If a spring explains the
+/// data better, its finding replaces the doubt about gravity.
 pub(super) fn other_spring(task: &Task, chosen: &Chosen, doubts: &mut Doubts) -> Result<()> {
     let is_doubted = !doubts.refusals().is_empty() || doubts.of_joints.iter().any(Option::is_some);
     if is_doubted || too_short(task).is_some() {
@@ -319,8 +321,9 @@ pub(super) fn signs(
     Ok(doubts)
 }
 
-/// Finding that replaces a doubt about a sign if friction cannot be separated from chance; `None` if there are enough
-/// samples. The number of samples decides, because a wrong sign makes the correlation time of the residuals long.
+/// Finding that replaces a doubt about a sign if there are too few samples to distinguish friction from noise; `None` if
+/// there are enough samples. The criterion is the number of samples, because a wrong sign makes the correlation time of the
+/// residuals long.
 fn too_short(task: &Task) -> Option<Finding> {
     let samples: usize = task.runs.iter().map(|run| run.times.len()).sum();
     (samples < levels::FEWEST_SAMPLES.get()).then(|| {
@@ -338,26 +341,26 @@ fn gravity(task: &Task, chosen: &Chosen, own: &HeldOut, ratio: Option<f64>) -> R
     let described = as_described(chosen.over(chosen.centred.sums), task.prior)?;
     let other = as_described(chosen.over(&sums), task.prior)?;
     let Some(share) = described.gain(&other) else { return Ok(None) };
-    // Bodies that are described too heavy, and efforts in a larger unit, are also better explained without gravity.
+    // If described bodies are too heavy or efforts are in a larger unit, the data are also better explained without gravity.
     let joints: Vec<usize> = (0..task.layout.joints).collect();
     let scaled = ratio.map(|ratio| times(chosen, &joints, 1.0 / ratio, as_described, task.prior));
     let is_scaled = scaled.transpose()?.is_some_and(|scaled| scaled.total() < other.total());
-    // So are other forces that the description lacks.
+    // Forces that the description lacks may have the same effect. Fitted bodies show whether gravity is the cause.
     if is_scaled || own.is_exceeded_by(&fitted(chosen.over(&sums), task.prior)?) {
         return Ok(None);
     }
     let (what, remedy) = if task.layout.exact.contains(&true) {
         (
             "without",
-            "check that the vertical of the log's axes is that of the description, and the order of the quaternion's entries",
+            "check that the vertical axis of the log is that of the description, and check the order of the quaternion's entries",
         )
     } else if compensated {
         ("with", "leave out --gravity-compensated: the efforts seem to contain the weight")
     } else {
         (
             "without",
-            "use --gravity-compensated if the robot compensates gravity outside the recorded efforts; if it is mounted otherwise \
-             than described, as on a wall or a ceiling, set `gravity = [x, y, z]`",
+            "use --gravity-compensated if the robot compensates gravity outside the recorded efforts. If it is not mounted as \
+             described, for example on a wall or a ceiling, set `gravity = [x, y, z]`",
         )
     };
     let finding = GRAVITY.found(format!("the data are explained better {what} gravity")).help(remedy);

@@ -1,7 +1,8 @@
-//! Test of hypotheses. A hypothesis is offered if it lowers the error on held-out data clearly.
+//! Test of hypotheses. A hypothesis becomes a finding if it lowers the error on held-out data clearly.
 //!
-//! Some hypotheses are compared with fitted bodies, others with the described ones, because free bodies would explain much
-//! of the difference. With the other kind of bodies the hypothesis must not raise the error by more than its standard error.
+//! Some hypotheses are tested with fitted bodies. Others are tested with the described bodies, because fitted bodies would
+//! explain much of the difference. With the other kind of bodies the hypothesis must not raise the error by more than the
+//! standard error.
 
 use super::super::error::Result;
 use super::choice::Chosen;
@@ -9,16 +10,16 @@ use super::fit::HeldOut;
 use super::prior::Prior;
 use gelenk_findings::Finding;
 
-/// Weight with which an additional parameter stays zero.
+/// Weight of the prior that keeps an additional parameter at zero.
 pub(super) const HELD: f64 = 1e12;
 
-/// Weight of the description at which the fit does not change its bodies.
+/// Weight of the description at which the bodies stay as described.
 const AS_DESCRIBED: f64 = 1e12;
 
-/// Name of the number in a finding by which a hypothesis lowers the error, in percent.
+/// Name of the decrease of the held-out error [%] among the numbers of a finding.
 pub(super) const FALL: &str = "fall of the held-out error";
 
-/// Computes held-out errors of a choice that may be changed.
+/// Function that computes the held-out errors of a choice. It takes the choice by value and may change it.
 pub(super) type Errors = fn(Chosen, &Prior) -> Result<HeldOut>;
 
 /// Held-out errors with fitted bodies.
@@ -34,7 +35,7 @@ pub(super) fn as_described(mut chosen: Chosen, prior: &Prior) -> Result<HeldOut>
     chosen.held_out(prior)
 }
 
-/// Held-out errors with the efforts of some joints times a factor, in the units of the recorded efforts.
+/// Held-out errors in the units of the recorded efforts, if the efforts of some joints are multiplied by a factor.
 pub(super) fn times(
     chosen: &Chosen,
     joints: &[usize],
@@ -57,7 +58,9 @@ pub(super) fn gain_of_unit(chosen: &Chosen, factor: f64, prior: &Prior) -> Resul
     Ok(of(1.0)?.gain(&of(factor)?))
 }
 
-/// The finding with the share of [`HeldOut::gain`].
+/// The finding, with the relative decrease of the held-out error in its message and its numbers.
+///
+/// - `share`: the decrease as in [`HeldOut::gain`]
 pub(super) fn offered(finding: Finding, share: f64) -> Finding {
     let percent = 100.0 * share;
     let message = format!("{}; the error on held-out data falls by {percent:.0} %", finding.message);

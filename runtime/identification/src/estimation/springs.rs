@@ -9,11 +9,11 @@ use super::task::Task;
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule, Subject};
 
-/// Weight of the prior with which the data alone determine the stiffness.
+/// Weight of the prior that is small enough for the data alone to determine the stiffness.
 const FREE: f64 = 1e-12;
 
-/// Sees: efforts of a joint that another stiffness of its spring explains better, next to bodies that may change.
-/// Matters: its force causes errors of bodies and friction.
+/// Sees: efforts of a joint that another spring stiffness explains better, even if the bodies are fitted, too.
+/// Matters: a spring that the description lacks causes errors of bodies and friction.
 /// Example: a cable that the joint winds up.
 /// Fixture: `spring` in `codegen/tests/findings/arm.rs`.
 const SPRING: Rule = Rule::warning("spring");
@@ -75,11 +75,12 @@ fn described_stiffness(task: &Task, joint: usize) -> f64 {
 fn finding(task: &Task, joint: usize, stiffness: f64) -> Finding {
     let (shown, unit) = (plain(stiffness.abs(), 3), task.robot.position_units()[joint]);
     let force = if unit == "m" { "N" } else { "N·m" };
-    let (side, change) = if stiffness > 0.0 { ("more", "add") } else { ("less", "subtract") };
+    let (side, change) = if stiffness > 0.0 { ("more", "increase") } else { ("less", "reduce") };
     let message =
         format!("the data are explained better with {shown} {force}/{unit} {side} stiffness than described");
     let remedy = format!(
-        "if it has a spring, or a cable that pulls, {change} {shown} in its `spring = {{ stiffness = … }}`; otherwise check the load"
+        "if the joint has a spring or a cable that pulls, {change} its `spring = {{ stiffness = … }}` by {shown}; otherwise check \
+         the load"
     );
     SPRING.found(message).with("stiffness", stiffness, "").of(task.robot.subject(joint)).help(remedy)
 }

@@ -1,4 +1,4 @@
-//! Robot, runs and settings, which all stages of an estimate share.
+//! Robot, runs and settings that all stages of an estimate share.
 
 use super::super::error::Result;
 use super::super::robot::Robot;
@@ -25,7 +25,8 @@ pub(super) struct Task<'a> {
     pub(super) gravity: Gravity,
     pub(super) pieces: Vec<Piece>,
     pub(super) loads: Option<&'a Loads>,
-    /// First fit with unknown delays, which have been removed from the runs; `None` if the delays are known.
+    /// First fit with unknown delays. The estimated delays have been removed from [`Self::runs`]. `None` if the delays are
+    /// known.
     pub(super) first_fit: Option<&'a FirstFit>,
     /// Columns that a hypothesis adds to the regressor.
     pub(super) more: Option<More<'a>>,
@@ -45,10 +46,12 @@ impl Task<'_> {
         forces(&mut self.rows(), self.layout, self.runs, values, offsets)
     }
 
-    /// Evaluates a function of this task with additional parameters, and of its sums over moving samples.
+    /// Extends this task by additional parameters, and calls a function with the extended task and its sums over moving
+    /// samples.
     ///
     /// - `count`: number of additional parameters
     /// - `more`: change of the regressor, with the columns of the additional parameters at the end
+    /// - `of`: function that is called
     pub(super) fn with_more<T>(
         &self,
         (count, more): (usize, More),

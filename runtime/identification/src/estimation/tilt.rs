@@ -1,9 +1,10 @@
 //! Test of the described direction of gravity.
 //!
-//! Weights are linear in gravity. If gravity turns by small angles ε₁ and ε₂, the weights change by `ε₁ W₁(y) π + ε₂ W₂(y)
-//! π`, where W₁ and W₂ are regressors at rest under gravities perpendicular to it. The angles are fitted together with all
-//! other unknowns. Bodies are almost free, so an effect that other bodies explain equally well does not count as a tilt.
-//! Each pass starts from the gravity of the pass before until the direction converges (Gauss–Newton).
+//! Gravity forces are linear in the gravity vector. If this vector turns by small angles ε₁ and ε₂, the gravity forces change
+//! by `ε₁ W₁(y) π + ε₂ W₂(y) π`. W₁ and W₂ are regressors at rest for two gravity vectors perpendicular to the original one,
+//! and π are the inertial parameters. The angles are fitted together with all other unknowns. Bodies are almost free, so an
+//! effect that other bodies explain equally well does not count as a tilt. Each pass starts from the gravity of the previous
+//! pass until the direction converges (Gauss–Newton).
 
 use super::super::error::Result;
 use super::super::methods::confidence::quantile;
@@ -69,19 +70,19 @@ fn across(gravity: Vector3<f64>) -> [Vector3<f64>; 2] {
     [first, down.cross(&first)]
 }
 
-/// A gravity that differs from the described one, and the axes along which it turns further.
+/// A gravity vector that differs from the described one, and the two directions in which it is turned further.
 struct Turning<'a> {
     robot: &'a dyn Robot,
     described: Vector3<f64>,
     gravity: Vector3<f64>,
     across: [Vector3<f64>; 2],
-    /// Inertial parameters π of the bodies whose weights turn.
+    /// Inertial parameters π of the bodies.
     pi: Vec<f64>,
 }
 
 impl Turning<'_> {
-    /// Adds to the regressor the weights under this gravity minus those under the described one, and the columns of the
-    /// angles.
+    /// Writes into the regressor the gravity columns under this gravity minus those under the described one, and the columns
+    /// of the angles.
     fn add(&self, y: &[f64], joints: usize, regressor: &mut [f64]) {
         let count = self.pi.len();
         let turned = self.at_rest(y, joints, self.gravity - self.described);
@@ -103,7 +104,7 @@ impl Turning<'_> {
         regressor
     }
 
-    /// Whether bodies that differ by these changes have weights opposite to those of the described bodies. The assumed
+    /// Whether bodies that differ by these changes have gravity forces opposite to those of the described bodies. The assumed
     /// gravity is then upside down.
     fn weighs_less_than_nothing(&self, runs: &[PreparedRun], changes: &DVector<f64>) -> bool {
         let described = self.robot.parameters();
@@ -134,7 +135,7 @@ impl Turning<'_> {
         turned * (size / turned.norm())
     }
 
-    /// Held-out errors under this gravity without further turning, of the same choice and of the described bodies.
+    /// Held-out errors under this gravity without further turning, of the fitted bodies and of the described bodies.
     fn errors(&self, task: &Task, last: &Chosen) -> Result<[HeldOut; 2]> {
         let more = |y: &[f64], regressor: &mut [f64]| self.add(y, task.layout.joints, regressor);
         task.with_more((2, &more), |task, sums| {
@@ -145,7 +146,7 @@ impl Turning<'_> {
 
     /// The angles, fitted together with all other unknowns.
     ///
-    /// - `time`: correlation time of the residuals, if a covariance is needed
+    /// - `time`: correlation time of the residuals [samples], if a covariance is needed
     fn angles(&self, (task, last): (&Task, &Chosen), time: Option<f64>) -> Result<Angles> {
         let more = |y: &[f64], regressor: &mut [f64]| self.add(y, task.layout.joints, regressor);
         task.with_more((2, &more), |task, sums| {
@@ -163,7 +164,7 @@ struct Angles {
     values: DVector<f64>,
     /// Changes of all unknowns.
     changes: DVector<f64>,
-    /// Directions that the data determine, by the covariance under independent residuals.
+    /// Directions that the data determine according to the covariance for independent residuals, as columns.
     seen: DMatrix<f64>,
     covariance: DMatrix<f64>,
     freedom: f64,
@@ -238,7 +239,7 @@ fn seen(variance: DMatrix<f64>) -> DMatrix<f64> {
     eigen.eigenvectors.select_columns(&observable)
 }
 
-/// Sees: weights that another direction of gravity explains.
+/// Sees: gravity forces that another direction of gravity explains.
 /// Matters: the tilt causes errors of the bodies.
 /// Example: a robot on a wedge of 5°.
 /// Fixture: `tilted` in `codegen/tests/findings/arm.rs`.
@@ -254,9 +255,9 @@ fn finding([described, found]: [Vector3<f64>; 2], angles: [f64; 2]) -> Finding {
         vector.iter().map(entry).collect::<Vec<_>>().join(", ")
     });
     let message = format!(
-        "the efforts show a gravity {angle:.1}° ± {half:.1}° off the described one, turned about [{axis}] of the base: the base is \
-         mounted at an angle, or `gravity` is wrong. Bodies and friction were fitted with the described one"
+        "the efforts show a gravity {angle:.1}° ± {half:.1}° off the described one, turned about the axis [{axis}] of the base: the \
+         base is mounted at an angle, or `gravity` is wrong. Bodies and friction were fitted with the described gravity"
     );
-    let remedy = format!("set gravity = [{found}], and identify again");
+    let remedy = format!("set `gravity = [{found}]`, and identify again");
     TILT.found(message).with("angle", angle, "°").help(remedy)
 }
