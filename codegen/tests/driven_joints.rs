@@ -182,7 +182,7 @@ fn a_log_without_the_motion_of_the_rail_is_refused() {
     fs::write(folder.path().join("log.csv"), text).unwrap();
     let description = rail_arm().display().to_string();
     for (more, words) in [
-        (&[][..], "no column is the position of `rail`"),
+        (&[][..], "the log has no column for the position of `rail`"),
         (
             &["--reduce", "--output", "log.moments"][..],
             "logs are not reduced to moments if a joint is driven",

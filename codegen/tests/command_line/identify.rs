@@ -209,7 +209,7 @@ fn a_plan_begins_where_the_robot_stands() {
         }
     }
     for (start, reason) in [
-        ("shoulder=0.3", "missing: elbow"),
+        ("shoulder=0.3", "add the positions of elbow"),
         ("shoulder=0.3,wrist=1", "there is no joint 'wrist'; the joints are shoulder, elbow"),
         ("shoulder=0.3,elbow=up", "'elbow=up' needs a number"),
         ("shoulder=1,shoulder=2", "joint shoulder is given twice"),
@@ -268,7 +268,10 @@ fn a_planned_motion_identifies_what_a_simulated_arm_is() {
     let failed = gelenk(folder.path(), &arguments);
     let said = String::from_utf8(failed.stderr.clone()).unwrap();
     let place = |words: &str| said.find(words).unwrap_or_else(|| panic!("{words}: {said}"));
-    assert!(place("1 samples have the time of the one before") < place("error: missing.csv"), "{said}");
+    assert!(
+        place("1 samples have the same time as the sample before") < place("error: missing.csv"),
+        "{said}"
+    );
     assert_eq!(failed.status.code(), Some(1));
     // Once more over its own output, never over what was read.
     assert!(gelenk(folder.path(), &["identify", "arm.toml", "log.csv"]).status.success());
@@ -387,7 +390,7 @@ fn logs_reduce_to_moments_and_moments_to_a_description() {
         assert!(joint["r_squared_held_out"].as_f64().unwrap() > 0.99, "{result:#}");
     }
     let page = String::from_utf8(bytes("page/index.html")).unwrap();
-    assert!(page.contains("Moments have no samples") && !page.contains("NaN"));
+    assert!(page.contains("Moments do not contain samples") && !page.contains("NaN"));
     // The description is one: it reads, and says what the arm is.
     let [before, after] = torques_off(folder.path(), [1.0, 1.5, 3.0]);
     assert!(before > 2.0 && after < 0.3);

@@ -18,8 +18,8 @@ use super::read::{read, say};
 use crate::identify::{DescribedForces, InterpretedRobot, OnlineJoint, Replay, online_page, replay};
 use crate::wording::list;
 
-/// Replays logs through the friction estimator of the control loop. Prints friction terms with intervals,
-/// trust, and prediction errors, and writes the page.
+/// Replays logs through the friction estimator of the control loop. It prints the friction terms with
+/// intervals, the trust in the learned law and the prediction errors, and writes the page.
 pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
     let (loaded, robot) = read(arguments)?;
     let forces = DescribedForces::new(&loaded.model, arguments.gravity_compensated)
@@ -51,7 +51,7 @@ fn learned(found: &Replay, robot: &InterpretedRobot) -> Vec<OnlineJoint> {
     learned.map(|(name, unit, replay)| OnlineJoint::new(name, unit, replay)).collect()
 }
 
-/// Names of the joints that are not learned.
+/// Returns the names of the joints whose friction is not learned.
 fn unlearned(found: &Replay, robot: &InterpretedRobot) -> Vec<String> {
     let named = robot.joint_names().into_iter().zip(&found.joints);
     named.filter(|(_, replay)| replay.is_none()).map(|(name, _)| name).collect()
@@ -81,7 +81,7 @@ fn as_text(
         let errors = [described, learned, by_run, batch, hindsight, learned / by_run].map(|x| plain(x, 3));
         state.into_iter().chain([since]).chain(errors).collect::<Vec<_>>()
     };
-    text.push_str("\nrms error of predictions [N m or N]:\n");
+    text.push_str("\nrms error of predictions in N m or N:\n");
     text.push_str(&table(&head, joints.iter().map(row)));
     let head = ["joint", "term", "learned", "±", "acting", "excited by the motion"];
     let rows = joints.iter().flat_map(|joint| {
@@ -96,7 +96,11 @@ fn as_text(
     });
     if !unlearned.is_empty() {
         let names = list(unlearned.iter().map(String::as_str));
-        text.extend(["\nnot learned, because the input or some efforts are missing: ", &names, "\n"]);
+        text.extend([
+            "\nfriction of these joints is not learned, because the input or some efforts are missing: ",
+            &names,
+            "\n",
+        ]);
     }
     text.push_str("\nterms that are added to the described friction, with 90 % intervals:\n");
     text.push_str(&table(&head, rows));

@@ -10,8 +10,8 @@ use crate::functions::size::MOST_OPERATIONS;
 use crate::model::Model;
 use gelenk_formula::Formula;
 
-/// Inverse dynamics and friction torques of a robot. They are interpreted, with the same bits as the
-/// generated module.
+/// Inverse dynamics and friction torques of a robot. An interpreter evaluates them. The results have the
+/// same bits as those of the generated module.
 #[derive(Debug)]
 pub struct DescribedForces {
     functions: [Function; 2],
@@ -21,10 +21,10 @@ pub struct DescribedForces {
 impl DescribedForces {
     /// Derives the inverse dynamics and the friction torques of the robot.
     ///
-    /// - `without_gravity`: leaves out gravity, for logs whose efforts do not include it
+    /// - `without_gravity`: whether gravity is left out, for logs whose efforts do not include the weight
     ///
     /// # Errors
-    /// Errors of [`derive_in_form`].
+    /// The errors are those of [`derive_in_form`].
     pub fn new(model: &Model, without_gravity: bool) -> Result<Self, Diagnostics> {
         let mut model = model.clone();
         if without_gravity {
@@ -42,11 +42,14 @@ impl DescribedForces {
         })
     }
 
-    /// Generalized forces of the inverse dynamics including friction, and the friction alone [N·m or N].
+    /// Returns the generalized forces of the inverse dynamics including friction, and the friction alone,
+    /// both in N·m or N.
+    ///
+    /// - `y`, `v`, `a`: positions, velocities and accelerations of all joints
     #[must_use]
     pub fn at(&self, y: &[f64], v: &[f64], a: &[f64]) -> [Vec<f64>; 2] {
         let [inverse_dynamics, friction] = &self.functions;
-        // Friction takes positions if a law depends on them.
+        // The friction function has positions as arguments if a law depends on them.
         let arguments = [y, v];
         let of_friction = &arguments[2 - friction.program.inputs.len()..];
         [result(inverse_dynamics, &[y, v, a], &self.free), result(friction, of_friction, &self.free)]

@@ -1,4 +1,4 @@
-//! Page of a replay: learned friction over time, and errors of the predictions.
+//! Report page of a replay: learned friction over time, and errors of the predictions.
 
 use gelenk_findings::digits::significant;
 use gelenk_report::{Axis, Block, Cell, Figure, Marks, Plot, Report, Section, Table, text};
@@ -8,23 +8,25 @@ use super::batch::{BatchLaw, best_causal, best_in_hindsight};
 use super::replay::{JointReplay, OnlineSample};
 use gelenk_adaptation::TERM_NAMES;
 
-/// Time over which errors are averaged in the figure \[s\].
+/// Duration in s over which errors are averaged in the figure.
 const SMOOTHING: f64 = 5.0;
 
-/// A joint of a replay, with batch laws for comparison.
+/// Results of a replay for one joint, with batch laws for comparison.
 #[derive(Debug, Clone)]
 pub struct OnlineJoint {
     /// Name of the joint.
     pub name: String,
-    /// Unit of the joint's position.
+    /// Unit of the joint's position, `rad` or `m`.
     pub unit: &'static str,
     /// Learned friction law and samples of the joint.
     pub replay: JointReplay,
-    /// The best batch law that predicts each run from the samples before it; `None` if there is none.
+    /// Best batch law that predicts each run from the samples before this run; `None` if no such law has a finite
+    /// error.
     pub by_run: Option<BatchLaw>,
-    /// The best batch law that predicts each sample from the samples before it; `None` if there is none.
+    /// Best batch law that predicts each sample from the samples before this sample; `None` if no such law has a
+    /// finite error.
     pub causal: Option<BatchLaw>,
-    /// The best batch law that was fitted to all samples; `None` if there is none.
+    /// Best batch law that was fitted to all samples; `None` if no such law has a finite error.
     pub hindsight: Option<BatchLaw>,
 }
 
@@ -38,8 +40,15 @@ impl OnlineJoint {
         Self { name, unit, replay, by_run, causal, hindsight }
     }
 
-    /// Root mean squares of the prediction errors [N·m or N], in this order: described law, learned law,
-    /// acting law, batch laws fitted before each run and before each sample, best law of the whole log. NaN without the batch law.
+    /// Returns root mean squares of prediction errors in N·m or N, or NaN if the law does not exist. They
+    /// belong to these laws, in this order:
+    ///
+    /// - described law
+    /// - learned law
+    /// - acting law
+    /// - best batch law that was fitted before each run
+    /// - best batch law that was fitted before each sample
+    /// - best law of the whole log
     #[must_use]
     pub fn errors(&self) -> [f64; 6] {
         let of = |law: &Option<BatchLaw>| law.as_ref().map_or(f64::NAN, |law| law.error);
@@ -53,7 +62,7 @@ impl OnlineJoint {
         ]
     }
 
-    /// Number of samples outside of the interval of their prediction.
+    /// Returns the number of samples outside of the interval of their prediction.
     #[must_use]
     pub fn unexplained(&self) -> usize {
         self.replay.samples.iter().filter(|sample| !sample.prediction.is_explained).count()
@@ -64,19 +73,21 @@ impl OnlineJoint {
     }
 }
 
-/// Makes the page.
+/// Creates the report page.
 ///
 /// - `joints`: joints whose friction is learned
 /// - `command`: command line that made the page
 #[must_use]
 pub fn online_page(name: &str, joints: &[OnlineJoint], command: &str) -> Report {
     let mut report = Report::new(format!("Friction of {name}, learned online")).lead(
-        "The log passed through the estimator of the control loop, period by period. Each sample was predicted before it was learned.",
+        "The estimator of the control loop processed the log period by period. It predicted each sample before it used the \
+         sample for learning.",
     );
     report.made_by = command.to_owned();
     let mut section = Section::new("joints", "Joints").block(text(
-        "Left: friction at the joint's root-mean-square speed. Right: errors of the predictions, root mean square over 5 s. The batch law is the best \
-         of those fitted to the samples before each one; its number of terms and its time window are chosen afterwards.",
+        "Left: friction at the joint's root-mean-square speed. Right: errors of the predictions, root mean square over 5 \
+         s. The batch law is the best law that is fitted to the samples before each predicted sample. Its number of terms \
+         and its time window are chosen afterwards.",
     ));
     for (index, joint) in joints.iter().enumerate() {
         section = section.block(Block::Figure(figure(index, joint)));
@@ -106,7 +117,7 @@ fn figure(index: usize, joint: &OnlineJoint) -> Figure {
     Figure::new(format!("online_{}", index + 1), "").plot(law).plot(errors)
 }
 
-/// Root mean squares over the samples of the last [`SMOOTHING`] seconds.
+/// Returns root mean squares over the samples of the last [`SMOOTHING`] seconds.
 fn smoothed(samples: &[OnlineSample], of: &dyn Fn(usize) -> f64) -> Vec<[f64; 2]> {
     let mut sums = vec![0.0];
     for i in 0..samples.len() {
@@ -122,8 +133,9 @@ fn smoothed(samples: &[OnlineSample], of: &dyn Fn(usize) -> f64) -> Vec<[f64; 2]
 fn errors(joints: &[OnlineJoint]) -> Table {
     let mut table = Table::new(
         "errors",
-        "Root mean square of the errors of the predictions. Acting: the law that the controller had. By run: the best law fitted to the samples \
-         before each run. Batch: the same before each sample. Hindsight: the best law fitted to the whole log.",
+        "Root mean square of the errors of the predictions. Acting: the law that a controller would have used. By run: the \
+         best law that is fitted to the samples before each run. Batch: the best law that is fitted to the samples before \
+         each sample. Hindsight: the best law that is fitted to the whole log.",
     )
     .column("joint", "joint", "")
     .column("acts", "trust", "")
@@ -149,8 +161,9 @@ fn errors(joints: &[OnlineJoint]) -> Table {
 fn terms(joints: &[OnlineJoint]) -> Table {
     let table = Table::new(
         "terms",
-        "Terms that the learned law adds to the described friction $\\tau_d$, $\\delta_1 \\tau_d + \\delta_2 v + \\delta_3 + \\delta_4 |\\tau_d|$, with half of \
-         their 90 % intervals. A term that the motion did not excite is frozen.",
+        "Terms that the learned law adds to the described friction $\\tau_d$, $\\delta_1 \\tau_d + \\delta_2 v + \\delta_3 \
+         + \\delta_4 |\\tau_d|$, with the half widths of their 90 % intervals. The coefficient of a term is frozen if the \
+         motion does not excite the term.",
     )
     .column("joint", "joint", "")
     .column("term", "term", "")

@@ -373,7 +373,7 @@ fn what_does_not_belong_together_is_refused_with_what_to_do() {
     assert!(few.contains("of 16 shares") && few.contains("add more logs"), "{few}");
     assert_eq!(
         sum(&[]).unwrap_err().to_string(),
-        "the list of moments is empty: there is nothing to identify from"
+        "the list of moments is empty, so that nothing can be identified"
     );
 }
 

@@ -145,7 +145,7 @@ fn every_run_has_its_own_offset() {
     let bad = [0..10, 11..6000];
     let data = FrictionData { runs: Some(&bad), velocities: &v, torques: &torque, ..FrictionData::default() };
     let message = FrictionIdentification::new().unwrap().identify(&data).unwrap_err().to_string();
-    assert!(message.contains("first sample of a run of : 10 expected, 11 given"), "{message}");
+    assert!(message.contains("first sample of a run of : 10 are expected, but 11 are given"), "{message}");
 }
 
 #[test]
@@ -199,7 +199,7 @@ fn asymmetries_are_left_out_where_the_joint_moves_in_one_direction() {
     let report = identify(&settings, &v, &torque).unwrap();
     assert!(report.terms.iter().all(|t| !t.starts_with("abs")), "{:?}", report.terms);
     let text = report.result.settings.join("\n");
-    assert!(text.contains("abs(v), abs(tanh(20*v)) left out: nine tenths"), "{text}");
+    assert!(text.contains("abs(v), abs(tanh(20*v)) left out, because nine tenths"), "{text}");
     assert!((report.result.law.torques(&[-0.5]).unwrap()[0] + 3.0).abs() < 0.1);
 }
 
@@ -385,11 +385,11 @@ fn bad_data_have_messages() {
     let settings = FrictionIdentification::new().unwrap();
     let message = |v: &[f64], t: &[f64]| identify(&settings, v, t).unwrap_err().to_string();
     assert!(message(&[], &[]).starts_with("the friction of beta is empty"));
-    assert!(message(&[1.0], &[1.0]).contains("needs at least 2 samples, there are 1"));
+    assert!(message(&[1.0], &[1.0]).contains("needs at least 2 samples, but there are 1"));
     assert!(message(&[1.0; 50], &[1.0; 50]).starts_with("the velocity of beta is constant (1) in all 50"));
     assert!(message(&[1.0, f64::NAN], &[1.0; 2]).contains("not finite (NaN) at row 1"));
-    assert!(message(&[1.0, 2.0], &[1.0]).contains("friction torques: 2 expected, 1 given"));
-    assert!(message(&[0.1, 0.2, 0.3], &[1.0; 3]).contains("needs at least 7 samples, there are 3"));
+    assert!(message(&[1.0, 2.0], &[1.0]).contains("friction torques: 2 are expected, but 1 are given"));
+    assert!(message(&[0.1, 0.2, 0.3], &[1.0; 3]).contains("needs at least 7 samples, but there are 3"));
 }
 
 /// Torques that passed a filter, which rounds the reversals. Terms that also pass the filter reproduce the law. Other terms do

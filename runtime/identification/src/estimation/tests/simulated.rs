@@ -252,7 +252,11 @@ fn data_of_the_wrong_shape_are_named() {
     run.velocities[1][5] = f64::NAN;
     assert!(message(&run).contains("velocities of simulated is not finite"), "{}", message(&run));
     run.velocities.pop();
-    assert!(message(&run).contains("velocities of simulated: 2 expected, 1 given"), "{}", message(&run));
+    assert!(
+        message(&run).contains("velocities of simulated: 2 are expected, but 1 are given"),
+        "{}",
+        message(&run)
+    );
     assert!(estimate(&truth, &[], &EstimationSettings::default(), &mut |_| ()).is_err());
 }
 

@@ -1,4 +1,4 @@
-//! The columns of a log as an argument of `--columns`, which the user can edit and pass again.
+//! The columns of a log as an argument of `--columns`, which the user can edit.
 
 use super::super::super::error::Result;
 use super::super::sheet::Sheet;
@@ -9,21 +9,21 @@ use super::mapping::Parts;
 use super::pattern::ColumnOptions;
 use super::robot::RobotColumns;
 
-/// The columns of a log that were found.
+/// Columns of a log that were found, as an argument of `--columns`.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct ColumnGuess {
-    /// The argument of `--columns`. `QUANTITY=?` is a quantity that was not found.
+    /// Argument of `--columns`. The text `QUANTITY=?` means that no columns of this quantity were found.
     pub line: String,
-    /// Reasons for which quantities were not found.
+    /// Errors of the quantities whose columns were not found.
     pub faults: Vec<String>,
     /// All columns of the log: their headers, or the fields of the first row if there are no headers.
     pub columns: Vec<String>,
 }
 
-/// The columns of a sheet that are found.
+/// Finds the columns of a sheet.
 ///
 /// # Errors
-/// Errors of options that cannot be read. Columns that are not found are not an error.
+/// The errors are those of options that are not valid. A missing column is not an error.
 pub(in crate::log) fn guess(
     sheet: &Sheet,
     robot: &RobotColumns,
@@ -39,7 +39,7 @@ pub(in crate::log) fn guess(
     Ok(guess)
 }
 
-/// Columns of a quantity, and the part of the argument that names them; `None` without columns.
+/// Columns of a quantity, and the part of the argument that names them; `None` if there are no columns.
 type Part = Option<(Vec<usize>, String)>;
 
 impl Finder<'_> {
@@ -75,7 +75,7 @@ impl Finder<'_> {
         ColumnGuess { line: line.join(","), ..guess }
     }
 
-    /// The columns of one quantity, of one joint after the other.
+    /// Returns the columns of one quantity, joint by joint.
     fn part(&self, found: Vec<Found>) -> Part {
         let columns: Vec<usize> = found.iter().flat_map(Found::indices).collect();
         let texts: Vec<String> = columns.iter().map(|column| self.unique(*column)).collect();
