@@ -2,10 +2,10 @@
 
 use super::filter::Window;
 use super::joint::{Derived, Instant, Joint, Prediction};
-use super::law::{JointScale, TERMS, dot, root, terms};
+use super::law::{JointScale, TERM_NAMES, TERMS, dot, root, terms};
 use super::settings::{AdaptationError, AdaptationSettings, MOST_DELAY};
 use super::trust::Trust;
-use gelenk_dynamics::dynamics::Dynamics;
+use gelenk_dynamics::dynamics::{Dynamics, load, under_load};
 use gelenk_kernels::hash::fnv1a;
 
 /// Measurements of a period.
@@ -26,14 +26,26 @@ pub struct Measured<const N: usize> {
 pub struct DescribedForces<const N: usize> {
     /// Inverse dynamics including friction [N m or N].
     pub forces: [f64; N],
-    /// Friction [N m or N].
+    /// Friction without its load-dependent part [N m or N].
     pub friction: [f64; N],
+    /// Load-dependent friction |τ_l| s₁ [N m or N].
+    pub load_friction: [f64; N],
 }
 
 impl<const N: usize> DescribedForces<N> {
     /// Forces of a robot at positions y, velocities v and accelerations a.
     pub fn of<const M: usize>(robot: &impl Dynamics<N, M>, y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> Self {
-        Self { forces: robot.inverse_dynamics(y, v, a), friction: robot.friction_torques(y, v) }
+        let (forces, friction) = (robot.inverse_dynamics(y, v, a), robot.friction_torques(y, v));
+        Self::new(forces, friction, &robot.load_friction(y, v))
+    }
+
+    /// - `forces`: inverse dynamics including friction [N m or N]
+    /// - `friction`: friction without its load-dependent part [N m or N]
+    /// - `shares`: load-dependent friction per unit of load, s₁
+    #[must_use]
+    pub fn new(forces: [f64; N], friction: [f64; N], shares: &[f64; N]) -> Self {
+        let of_load = |i: usize| under_load(load(forces[i] - friction[i], shares[i]), shares[i]);
+        Self { forces, friction, load_friction: core::array::from_fn(of_load) }
     }
 }
 
@@ -61,6 +73,35 @@ pub struct JointState {
     pub correlated: f64,
     /// False at rest, after a reversal and in saturation, when nothing is learned.
     pub is_learning: bool,
+}
+
+/// A term of the learned law, see [`terms`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TermState {
+    /// Name of the term.
+    pub name: &'static str,
+    /// δ of the learned law within its bounds.
+    pub learned: f64,
+    /// Half of the 90 % interval.
+    pub half_width: f64,
+    /// δ of the acting law.
+    pub acting: f64,
+    /// Whether the variance is below half of the prior's. The term is frozen otherwise.
+    pub is_excited: bool,
+}
+
+impl JointState {
+    /// Terms that the joint has.
+    pub fn terms(&self) -> impl Iterator<Item = TermState> + '_ {
+        let term = |k: usize| TermState {
+            name: TERM_NAMES[k],
+            learned: self.learned[k],
+            half_width: self.half_widths[k],
+            acting: self.acting[k],
+            is_excited: self.is_excited[k],
+        };
+        (0..TERMS).map(term).filter(|term| term.half_width > 0.0)
+    }
 }
 
 /// Number of periods whose torques are stored: those before and after an instant, at the largest delay.
@@ -99,7 +140,9 @@ impl<const N: usize> Adaptation<N> {
         let mut scales = [None; N];
         for i in 0..N {
             if inputs[i].iter().any(|b| *b != 0.0) {
-                let friction = |v: &[f64; N]| robot.friction_torques(&robot.neutral(), v)[i];
+                let y = robot.neutral();
+                let friction =
+                    |v: &[f64; N]| [robot.friction_torques(&y, v)[i], robot.load_friction(&y, v)[i]];
                 let magnitudes = Magnitudes {
                     speed: limits.velocity[i],
                     effort: limits.peak_effort[i],
@@ -213,7 +256,7 @@ impl<const N: usize> Adaptation<N> {
         if !(0..N).all(possible) {
             return None;
         }
-        let DescribedForces { forces, friction } = described(&y, &v, &a);
+        let DescribedForces { forces, friction, load_friction } = described(&y, &v, &a);
         let ends = [self.settings.delay, self.settings.delay + 1];
         let instant = |i: usize| {
             let measured = ends.map(|ago| self.torques[ago][i]);
@@ -222,6 +265,7 @@ impl<const N: usize> Adaptation<N> {
                 position: y[i],
                 velocity: v[i],
                 friction: friction[i],
+                load_friction: load_friction[i],
                 measured,
                 applied,
                 torque: applied - forces[i],
@@ -229,7 +273,8 @@ impl<const N: usize> Adaptation<N> {
             }
         };
         let instants: [Instant; N] = core::array::from_fn(instant);
-        let finite = |instant: &Instant| instant.torque.is_finite() && instant.friction.is_finite();
+        let finite =
+            |now: &Instant| [now.torque, now.friction, now.load_friction].iter().all(|x| x.is_finite());
         instants.iter().all(finite).then_some(instants)
     }
 
@@ -278,16 +323,48 @@ impl<const N: usize> Adaptation<N> {
         core::array::from_fn(|i| self.joints[i].as_ref().map_or([[0.0; TERMS]; TERMS], errors))
     }
 
-    /// Learned friction of a joint at velocity `v` including the offset, and half of its 90 % interval [N m
-    /// or N]; `None` for joints that are not learned.
+    /// Learned friction of a joint at velocity `v` including the offset, without load-dependent friction, and half of its 90 %
+    /// interval [N m or N]; `None` for joints that are not learned.
     ///
     /// - `described`: described friction at this velocity
     #[must_use]
     pub fn friction(&self, joint: usize, described: f64, v: f64) -> Option<[f64; 2]> {
-        let (state, scale) = (self.joints[joint].as_ref()?, self.scales[joint].as_ref()?);
-        let derived = self.derived[joint].as_ref()?;
-        let phi = terms(scale.shape(described, v, derived.rest), v);
+        let (state, phi) = (self.joints[joint].as_ref()?, self.terms(joint, described, v)?);
         Some([described + dot(&phi, &state.learned), state.half_width(&phi)])
+    }
+
+    /// Like [`Self::friction`] for the acting law, without an interval.
+    #[must_use]
+    pub fn acting_friction(&self, joint: usize, described: f64, v: f64) -> Option<f64> {
+        let (state, phi) = (self.joints[joint].as_ref()?, self.terms(joint, described, v)?);
+        Some(described + dot(&phi, &state.acting))
+    }
+
+    /// Terms at velocity `v` without load.
+    fn terms(&self, joint: usize, described: f64, v: f64) -> Option<[f64; TERMS]> {
+        let scale = self.scales[joint].as_ref()?;
+        Some(terms(scale.shape(described, v, self.rest(joint)), v, 0.0))
+    }
+
+    /// Narrows the bounds of the terms of a joint, for example to half of the 95 % interval of an offline identification. The prior's
+    /// standard deviation is half of the bound. A term with the bound 0 is not learned. The joint starts anew. A saved state belongs to these
+    /// bounds.
+    ///
+    /// - `most`: largest magnitude of each δ; the bounds by [`AdaptationSettings::largest_change`] also apply
+    ///
+    /// # Errors
+    /// [`AdaptationError::Bounds`] for a joint that is not learned, and for bounds that are negative or NaN.
+    pub fn set_bounds(&mut self, joint: usize, most: [f64; TERMS]) -> Result<(), AdaptationError> {
+        let scale =
+            self.scales.get(joint).copied().flatten().filter(|_| most.iter().all(|most| *most >= 0.0));
+        let scale = JointScale { most, ..scale.ok_or(AdaptationError::Bounds(joint))? };
+        let derived = Derived::new(&self.settings, &scale);
+        self.scales[joint] = Some(scale);
+        self.derived[joint] = Some(derived);
+        self.joints[joint] = Some(Joint::new(joint, &derived, &scale));
+        let bits = most.map(f64::to_bits).into_iter().chain([self.fingerprint, joint as u64]);
+        self.fingerprint = fnv1a(bits.flat_map(u64::to_le_bytes));
+        Ok(())
     }
 
     /// Speed [rad/s or m/s] below which a joint counts as at rest; 0 for joints that are not learned.
@@ -317,22 +394,23 @@ impl Magnitudes {
     /// A drive cannot reach a speed at which friction exceeds its effort; the largest speed is then the one
     /// below it.
     ///
-    /// - `friction`: described friction of the joint at velocities of all joints
+    /// - `friction`: described friction of the joint at velocities of all joints, and its load-dependent friction per unit of load
     #[must_use]
     pub fn scale<const N: usize>(
         &self,
         joint: usize,
-        friction: impl Fn(&[f64; N]) -> f64,
+        friction: impl Fn(&[f64; N]) -> [f64; 2],
     ) -> Option<JointScale> {
         const STEPS: i32 = 64;
-        let at = |v: f64| {
+        let law = |v: f64| {
             let mut velocities = [0.0; N];
             velocities[joint] = v;
-            friction(&velocities).abs()
+            friction(&velocities).map(f64::abs)
         };
+        let at = |v: f64| law(v)[0];
         let is_reached = |v: &f64| at(*v).max(at(-v)) <= self.effort;
-        let mut speeds = (1..=STEPS).rev().map(|k| self.speed * f64::from(k) / f64::from(STEPS));
-        let speed = speeds.find(is_reached).unwrap_or(self.speed);
+        let speeds = || (1..=STEPS).rev().map(|k| self.speed * f64::from(k) / f64::from(STEPS));
+        let speed = speeds().find(is_reached).unwrap_or(self.speed);
         let described = at(speed).max(at(-speed));
         let torque = if described > 0.0 { described } else { USUAL * self.effort };
         let possible = [speed, torque].iter().all(|x| x.is_finite() && *x > 0.0);
@@ -351,6 +429,8 @@ impl Magnitudes {
                 core::f64::consts::TAU
             },
             is_described: described > 0.0,
+            most: [f64::INFINITY; TERMS],
+            is_loaded: speeds().any(|v| law(v)[1].max(law(-v)[1]) > 0.0),
         })
     }
 }

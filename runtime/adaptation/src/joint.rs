@@ -73,8 +73,9 @@ impl Derived {
 pub(super) struct Instant {
     pub position: f64,
     pub velocity: f64,
-    /// Described friction [N m or N].
+    /// Described friction, and its load-dependent part [N m or N].
     pub friction: f64,
+    pub load_friction: f64,
     /// Drive torques of the periods before and after the instant [N m or N], the later one first.
     pub measured: [f64; 2],
     /// Their mean [N m or N].
@@ -196,8 +197,9 @@ impl Joint {
         } else {
             0.0
         };
-        let [scale_term, viscous, offset, asymmetry] = terms(scale.shape(now.friction, v, derived.rest), v);
-        let signals = [scale_term, viscous, offset, asymmetry, now.torque, now.applied];
+        let terms = terms(scale.shape(now.friction, v, derived.rest), v, now.load_friction);
+        let others = [now.torque, now.applied];
+        let signals = core::array::from_fn(|k| if k < TERMS { terms[k] } else { others[k - TERMS] });
         let filtered = self.filter.take(&signals, derived.weight);
         self.repeated = if now.measured[0] == self.torque { self.repeated.saturating_add(1) } else { 0 };
         self.torque = now.measured[0];
@@ -248,10 +250,10 @@ impl Joint {
     /// It does not if a sign is swapped.
     fn dissipates(&self, scale: &JointScale) -> bool {
         let described = if scale.is_described { scale.torque } else { 0.0 };
-        let [along, viscous, _, asymmetry] = terms(scale.torque, scale.speed);
+        let [along, viscous, _, asymmetry, _] = terms(scale.torque, scale.speed, 0.0);
         [1.0, -1.0]
             .iter()
-            .all(|side| described + dot(&[along, viscous, 0.0, side * asymmetry], &self.law.mean) > 0.0)
+            .all(|side| described + dot(&[along, viscous, 0.0, side * asymmetry, 0.0], &self.law.mean) > 0.0)
     }
 
     /// Takes a sample, with the error of the learned law; false if it is beyond the interval.

@@ -3,23 +3,26 @@
 pub(super) use gelenk_kernels::math::sqrt as root;
 
 /// Number of terms.
-pub const TERMS: usize = 4;
+pub const TERMS: usize = 5;
 
 /// Names of the terms in the order of the nested laws.
-pub const TERM_NAMES: [&str; TERMS] = ["shape", "viscous", "offset", "asymmetry"];
+pub const TERM_NAMES: [&str; TERMS] = ["shape", "viscous", "offset", "asymmetry", "load"];
 
-/// Values of the four terms at velocity `v`; `shape` is s at this velocity.
+/// Values of the five terms at velocity `v`.
 ///
 /// ```text
-///     τ(v) = τ_d(v) + δ₁ s(v) + δ₂ v + δ₃ + δ₄ |s(v)|
+///     τ(v) = τ_d(v) + |τ_l| s₁(v) + δ₁ s(v) + δ₂ v + δ₃ + δ₄ |s(v)| + δ₅ |τ_l| s₁(v)
 /// ```
 ///
-/// The first term scales the shape s, the last makes it depend on the direction. s is the described friction τ_d, or smooth Coulomb
-/// friction if τ_d is zero ([`JointScale::shape`]).
+/// The first term scales the shape s, and the fourth makes it depend on the direction. s is the described friction τ_d, or smooth
+/// Coulomb friction if τ_d is zero ([`JointScale::shape`]). The fifth scales the described load-dependent friction.
+///
+/// - `shape`: s at this velocity
+/// - `load`: described load-dependent friction |τ_l| s₁ [N m or N]
 #[inline]
 #[must_use]
-pub fn terms(shape: f64, v: f64) -> [f64; TERMS] {
-    [shape, v, 1.0, shape.abs()]
+pub fn terms(shape: f64, v: f64, load: f64) -> [f64; TERMS] {
+    [shape, v, 1.0, shape.abs(), load]
 }
 
 /// Magnitudes of a joint from the description.
@@ -35,6 +38,10 @@ pub struct JointScale {
     pub range: f64,
     /// Whether the shape s is the described friction τ_d. It is not if τ_d is zero.
     pub is_described: bool,
+    /// Whether the joint has described load-dependent friction. Without it, δ₅ is zero.
+    pub is_loaded: bool,
+    /// Further bounds of the magnitudes of δ, see [`Adaptation::set_bounds`](super::Adaptation::set_bounds).
+    pub most: [f64; TERMS],
 }
 
 impl JointScale {
@@ -48,20 +55,22 @@ impl JointScale {
     /// Largest magnitude of each δ if friction may change by the share `change` of the described friction.
     #[must_use]
     pub fn bounds(&self, change: f64) -> [f64; TERMS] {
-        [change, change * self.torque / self.speed, change * self.torque, 0.5 * change]
+        let of_load = if self.is_loaded { change } else { 0.0 };
+        let usual = [change, change * self.torque / self.speed, change * self.torque, 0.5 * change, of_load];
+        core::array::from_fn(|k| usual[k].min(self.most[k]))
     }
 
     /// The nearest δ, term by term, that is within ±`bounds` and whose friction dissipates at every velocity.
     ///
-    /// With β = 1 if friction is described and 0 otherwise, friction without the offset has the power
+    /// With β = 1 if friction is described and 0 otherwise, friction without offset and load has the power
     ///
     /// ```text
     ///     v τ(v) = |v| (|s| (β + δ₁ ± δ₄) + δ₂ |v|) ≥ v² (b (β + δ₁ − |δ₄|) + δ₂)       b = min |s|/|v|
     /// ```
     ///
     /// since v s ≥ 0. Therefore `δ₁ ≥ −β`, `|δ₄| ≤ β + δ₁` and `δ₂ ≥ −b (β + δ₁ − |δ₄|)` are sufficient, and
-    /// also necessary if b is attained. The bounds are applied in sequence; each is a continuous function of
-    /// δ.
+    /// also necessary if b is attained. Load-dependent friction dissipates if δ₅ ≥ −1. The bounds are applied in sequence; each is a
+    /// continuous function of δ.
     #[must_use]
     pub fn admissible(&self, mut delta: [f64; TERMS], bounds: &[f64; TERMS]) -> [f64; TERMS] {
         for (delta, bound) in delta.iter_mut().zip(bounds) {
@@ -72,6 +81,7 @@ impl JointScale {
         let factor = base + delta[0];
         delta[3] = delta[3].clamp(-factor, factor);
         delta[1] = delta[1].max(-self.least_slope * (factor - delta[3].abs()));
+        delta[4] = delta[4].max(-1.0);
         delta
     }
 }

@@ -4,12 +4,12 @@
 //! τ_d for each joint,
 //!
 //! ```text
-//!     τ(v) = τ_d(v) + δ₁ s(v) + δ₂ v + δ₃ + δ₄ |s(v)|        [`terms`]
+//!     τ(v) = τ_d(v) + |τ_l| s₁(v) + δ₁ s(v) + δ₂ v + δ₃ + δ₄ |s(v)| + δ₅ |τ_l| s₁(v)        [`terms`]
 //! ```
 //!
 //! from positions and torques alone. Each period it goes through these steps, in the order of the files:
 //!
-//! 1. **Filter.** The torque that the described robot does not explain and the four terms pass the same two poles (Ljung, *System
+//! 1. **Filter.** The torque that the described robot does not explain and the five terms pass the same two poles (Ljung, *System
 //!    Identification*, 1999, section 14.4). The inertia enters as differences of the momentum (Slotine, Li, 1987), so the filter limits
 //!    what noise of the encoders adds.
 //! 2. **Exclusion.** A sample is left out at rest, within the filter's memory of a rest, a reversal, a gap, a limit of the torque or
@@ -28,7 +28,7 @@
 //! # Limits
 //!
 //! - Robots with quaternions, inputs at frames or driven joints are not supported.
-//! - Friction under load is not learned: it stays as described.
+//! - The factor of load-dependent friction is learned only for joints with described load-dependent friction.
 //! - A constant contact that lasts longer than [`AdaptationSettings::patience`] is learned as an offset.
 //! - Intervals do not include errors of inertia and gravity of the description.
 //! - In two of 3000 simulated runs with a fault (a stuck or swapped sensor, rests, gaps, saturation; `runtime/examples/warming.rs`),
@@ -50,7 +50,7 @@ mod persistent;
 mod settings;
 mod trust;
 
-pub use estimator::{Adaptation, DescribedForces, JointState, Magnitudes, Measured};
+pub use estimator::{Adaptation, DescribedForces, JointState, Magnitudes, Measured, TermState};
 pub use inputs::input_inverse;
 pub use joint::Prediction;
 pub use law::{JointScale, TERM_NAMES, TERMS, terms};

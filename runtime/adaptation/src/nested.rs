@@ -24,6 +24,11 @@ pub(super) fn averaged(full: &Gaussian, prior: &[f64; TERMS]) -> Gaussian {
     let mut logarithms = [0.0; LAWS];
     for k in (0..TERMS).rev() {
         let above = laws[k + 1];
+        if prior[k] == 0.0 {
+            // The joint does not have this term, so this law is the next one.
+            (laws[k], logarithms[k], logarithms[k + 1]) = (above, logarithms[k + 1], f64::NEG_INFINITY);
+            continue;
+        }
         let variance = above.covariance[k][k].max(f64::EPSILON * prior[k]);
         logarithms[k] = logarithms[k + 1] + 0.5 * log(prior[k] / variance)
             - 0.5 * above.mean[k] * above.mean[k] / variance;
@@ -44,7 +49,7 @@ pub(super) fn constrained(
 ) -> [f64; TERMS] {
     let mut law = *law;
     // The order of the bounds in `admissible`: each depends on those before it.
-    for k in [0, 3, 1, 2] {
+    for k in [0, 3, 1, 2, 4] {
         let nearest = scale.admissible(law.mean, bounds)[k];
         if nearest != law.mean[k] {
             let variance = law.covariance[k][k].max(f64::EPSILON * prior[k]);

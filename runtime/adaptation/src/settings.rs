@@ -95,6 +95,11 @@ pub enum AdaptationError {
     /// The bounds of a load's parameter are empty or infinite, or exclude 0.
     #[error("parameter {0} of the load needs finite bounds with 0 between them")]
     Load(usize),
+    /// Bounds of a joint that is not learned, or bounds that are negative or NaN.
+    #[error(
+        "joint {0} cannot have these bounds: the joint must be learned, and the bounds must be at least 0"
+    )]
+    Bounds(usize),
     /// The description lacks the magnitudes of a joint.
     #[error(
         "the size of the friction of joint {} is unknown: describe a finite speed limit, and friction or a \

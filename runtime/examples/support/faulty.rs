@@ -60,7 +60,7 @@ pub fn run(seed: u64) -> Outcome {
         let v = joint.state[1];
         if v.abs() > adaptation.rest(0) {
             let described = joint.described(v);
-            let phi: [f64; TERMS] = terms(described, v);
+            let phi: [f64; TERMS] = terms(described, v, 0.0);
             let more: f64 = phi.iter().zip(&adaptation.acting()[0]).map(|(phi, delta)| phi * delta).sum();
             for (sum, law) in sums.iter_mut().zip([described + more, described]) {
                 *sum += (law - joint.true_friction(v)).powi(2) + joint.noise * joint.noise;

@@ -184,16 +184,14 @@ impl Simulated {
     /// Forces of the described joint.
     pub fn forces(&self, y: f64, v: f64, a: f64) -> DescribedForces<1> {
         let friction = self.described(v);
-        DescribedForces {
-            forces: [self.inertia * a + self.gravity * y.sin() + friction],
-            friction: [friction],
-        }
+        let forces = [self.inertia * a + self.gravity * y.sin() + friction];
+        DescribedForces::new(forces, [friction], &[0.0])
     }
 
     /// The estimator of this joint.
     pub fn estimator(&self, settings: AdaptationSettings) -> Adaptation<1> {
         let magnitudes = Magnitudes { speed: SPEED, effort: 100.0, range: f64::INFINITY };
-        let scale = magnitudes.scale(0, |v: &[f64; 1]| self.described(v[0]));
+        let scale = magnitudes.scale(0, |v: &[f64; 1]| [self.described(v[0]), 0.0]);
         Adaptation::new([scale], settings, |y, v, a| self.forces(y[0], v[0], a[0]))
             .expect("settings are in range")
     }

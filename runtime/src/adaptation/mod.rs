@@ -11,6 +11,6 @@ pub use carrying::Carrying;
 pub use controller::{Adaptive, TakesModel, TorqueSource};
 pub use gelenk_adaptation::{
     Adaptation, AdaptationError, AdaptationSettings, DescribedForces, JointScale, JointState, LoadEstimator,
-    LoadState, MOST_DELAY, Magnitudes, Measured, Prediction, TERM_NAMES, TERMS, Trust, terms,
+    LoadState, MOST_DELAY, Magnitudes, Measured, Prediction, TERM_NAMES, TERMS, TermState, Trust, terms,
 };
 pub use model::LearnedFriction;

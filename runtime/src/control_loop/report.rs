@@ -7,7 +7,7 @@ use super::monitor::LimitFault;
 use super::stage::STAGES;
 use crate::dynamics::Named;
 use crate::transport::{Brakes, TransportError};
-use gelenk_adaptation::{JointState, TERM_NAMES};
+use gelenk_adaptation::JointState;
 use std::fmt;
 use std::time::Duration;
 use thiserror::Error;
@@ -241,10 +241,11 @@ impl<const N: usize> fmt::Display for LoopReport<N> {
             c.transport_errors
         )?;
         for (name, state) in self.joints.iter().zip(&self.learned) {
-            let Some(JointState { learned, half_widths, trust, since, .. }) = state else { continue };
-            write!(f, "\nfriction of joint {}: {} since {since:.2} s; learned:", Named(name), trust.name())?;
-            for (k, term) in TERM_NAMES.iter().enumerate() {
-                write!(f, " {term} {:.3} ± {:.3}", learned[k], half_widths[k])?;
+            let Some(state) = state else { continue };
+            let (name, trust) = (Named(name), state.trust.name());
+            write!(f, "\nfriction of joint {name}: {trust} since {:.2} s; learned:", state.since)?;
+            for term in state.terms() {
+                write!(f, " {} {:.3} ± {:.3}", term.name, term.learned, term.half_width)?;
             }
         }
         if c.late_warm_ups > 0 {

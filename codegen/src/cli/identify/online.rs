@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use gelenk_adaptation::TERM_NAMES;
 use gelenk_findings::Finding;
 use gelenk_findings::digits::{plain, rounded};
 use gelenk_identification::log::runs;
@@ -85,12 +84,11 @@ fn as_text(
     text.push_str(&table(&head, joints.iter().map(row)));
     let head = ["joint", "term", "learned", "±", "acting", "excited by the motion"];
     let rows = joints.iter().flat_map(|joint| {
-        let state = &joint.replay.state;
-        TERM_NAMES.iter().enumerate().map(move |(k, term)| {
-            let half = Some(state.half_widths[k]);
-            let shown = if state.is_excited[k] { "yes" } else { "no" };
-            let values = [state.learned[k], state.half_widths[k], state.acting[k]].map(|x| rounded(x, half));
-            let names = [joint.name.clone(), (*term).to_owned()];
+        joint.replay.state.terms().map(|term| {
+            let shown = if term.is_excited { "yes" } else { "no" };
+            let values =
+                [term.learned, term.half_width, term.acting].map(|x| rounded(x, Some(term.half_width)));
+            let names = [joint.name.clone(), term.name.to_owned()];
             names.into_iter().chain(values).chain([shown.to_owned()]).collect::<Vec<_>>()
         })
     });
@@ -120,10 +118,10 @@ fn as_json(
 ) -> Value {
     let one = |joint: &OnlineJoint| {
         let (replay, state) = (&joint.replay, &joint.replay.state);
-        let terms = TERM_NAMES.iter().enumerate().map(|(k, term)| {
+        let terms = state.terms().map(|term| {
             json!({
-                "name": term, "learned": state.learned[k], "half_width": state.half_widths[k], "acting": state.acting[k],
-                "shown": state.is_excited[k],
+                "name": term.name, "learned": term.learned, "half_width": term.half_width, "acting": term.acting,
+                "shown": term.is_excited,
             })
         });
         let [described, learned, acting, by_run, batch, hindsight] = joint.errors();

@@ -6,7 +6,6 @@ use gelenk_report::{Axis, Block, Cell, Figure, Marks, Plot, Report, Section, Tab
 use super::super::page::thinned;
 use super::batch::{BatchLaw, best_causal, best_in_hindsight};
 use super::replay::{JointReplay, OnlineSample};
-use gelenk_adaptation::TERM_NAMES;
 
 /// Duration in s over which errors are averaged in the figure.
 const SMOOTHING: f64 = 5.0;
@@ -92,7 +91,12 @@ pub fn online_page(name: &str, joints: &[OnlineJoint], command: &str) -> Report 
     for (index, joint) in joints.iter().enumerate() {
         section = section.block(Block::Figure(figure(index, joint)));
     }
-    report.section(section.block(Block::Table(errors(joints))).block(Block::Table(terms(joints))))
+    report.section(
+        section
+            .block(Block::Table(errors(joints)))
+            .block(Block::Table(trust(joints)))
+            .block(Block::Table(terms(joints))),
+    )
 }
 
 fn figure(index: usize, joint: &OnlineJoint) -> Figure {
@@ -107,7 +111,8 @@ fn figure(index: usize, joint: &OnlineJoint) -> Figure {
     let law = Plot::new(joint.name.clone(), time(), Axis::new(speed, joint.force()))
         .series("learned", Marks::Line, curve(&|sample| sample.friction[0]))
         .series("90 % interval", Marks::Dashed, [end(1.0), vec![[f64::NAN; 2]], end(-1.0)].concat())
-        .series("described", Marks::Line, curve(&|_| joint.replay.described));
+        .series("described", Marks::Line, curve(&|_| joint.replay.described))
+        .series("acting", Marks::Dashed, curve(&|sample| sample.acting_friction));
     let mut errors = Plot::new(joint.name.clone(), time(), Axis::new("rms error", joint.force()))
         .series("described", Marks::Line, error(&|i| samples[i].prediction.torque))
         .series("learned", Marks::Line, error(&|i| samples[i].prediction.error));
@@ -158,12 +163,27 @@ fn errors(joints: &[OnlineJoint]) -> Table {
     table.rows(joints.iter().map(row))
 }
 
+fn trust(joints: &[OnlineJoint]) -> Table {
+    let table = Table::new("trust", "Acting law over time: each change of the law, and the reason.")
+        .column("joint", "joint", "")
+        .column("since", "since", "s")
+        .column("acts", "trust", "");
+    let rows = joints.iter().flat_map(|joint| {
+        let phases = joint.replay.samples.chunk_by(|a, b| a.trust == b.trust);
+        phases.map(|phase| {
+            let (since, trust) = (phase[0].time, phase[0].trust.name());
+            vec![Cell::text(joint.name.clone()), Cell::Rounded(since, 4), Cell::text(trust)]
+        })
+    });
+    table.rows(rows)
+}
+
 fn terms(joints: &[OnlineJoint]) -> Table {
     let table = Table::new(
         "terms",
         "Terms that the learned law adds to the described friction $\\tau_d$, $\\delta_1 \\tau_d + \\delta_2 v + \\delta_3 \
-         + \\delta_4 |\\tau_d|$, with the half widths of their 90 % intervals. The coefficient of a term is frozen if the \
-         motion does not excite the term.",
+         + \\delta_4 |\\tau_d| + \\delta_5 |\\tau_l| s_1$, with the half widths of their 90 % intervals. The coefficient of a term \
+         is frozen if the motion does not excite the term.",
     )
     .column("joint", "joint", "")
     .column("term", "term", "")
@@ -172,17 +192,15 @@ fn terms(joints: &[OnlineJoint]) -> Table {
     .column("acting", "acting", "")
     .column("shown", "shown", "");
     let rows = joints.iter().flat_map(|joint| {
-        let state = &joint.replay.state;
-        TERM_NAMES.iter().enumerate().map(move |(k, term)| {
-            let half = state.half_widths[k];
-            let digits = |value| significant(value, Some(half)).unwrap_or(3);
+        joint.replay.state.terms().map(|term| {
+            let digits = |value| significant(value, Some(term.half_width)).unwrap_or(3);
             vec![
                 Cell::text(joint.name.clone()),
-                Cell::text(*term),
-                Cell::Rounded(state.learned[k], digits(state.learned[k])),
-                Cell::Rounded(half, 2),
-                Cell::Rounded(state.acting[k], digits(state.acting[k])),
-                Cell::text(if state.is_excited[k] { "yes" } else { "no" }),
+                Cell::text(term.name),
+                Cell::Rounded(term.learned, digits(term.learned)),
+                Cell::Rounded(term.half_width, 2),
+                Cell::Rounded(term.acting, digits(term.acting)),
+                Cell::text(if term.is_excited { "yes" } else { "no" }),
             ]
         })
     });

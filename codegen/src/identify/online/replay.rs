@@ -20,10 +20,10 @@ const OTHER_RATE: f64 = 0.01;
 /// periods.
 const LARGEST_JITTER: f64 = 0.1;
 
-/// Function of positions y (rad or m), velocities ẏ (per s) and accelerations ÿ (per s²). It returns two
-/// vectors in N·m or N: the generalized forces of the inverse dynamics including friction, and the friction
-/// alone.
-pub type Forces<'a> = dyn Fn(&[f64], &[f64], &[f64]) -> [Vec<f64>; 2] + 'a;
+/// Function of positions y (rad or m), velocities ẏ (per s) and accelerations ÿ (per s²). It returns the
+/// generalized forces of the inverse dynamics including friction and the friction without its load-dependent
+/// part, both in N·m or N, and the load-dependent friction per unit of load.
+pub type Forces<'a> = dyn Fn(&[f64], &[f64], &[f64]) -> [Vec<f64>; 3] + 'a;
 
 /// Result of a replay.
 #[derive(Debug, Clone)]
@@ -64,6 +64,8 @@ pub struct OnlineSample {
     /// Learned friction at [`JointReplay::speed`] after this sample, and the half width of its 90 %
     /// interval, both in N·m or N.
     pub friction: [f64; 2],
+    /// Friction of the acting law at [`JointReplay::speed`] after this sample, in N·m or N.
+    pub acting_friction: f64,
     /// State that determines which law acts after this sample.
     pub trust: Trust,
 }
@@ -108,7 +110,8 @@ pub fn replay(robot: &dyn Robot, forces: &Forces<'_>, runs: &[Run], delay: f64) 
     let adaptation = Adaptation::new(scales, settings, |y, v, a| robot.forces(y, v, a));
     let mut adaptation = adaptation.map_err(|error| fault("the log", error.to_string()))?;
     let speeds: Vec<f64> = (0..robot.joints).map(|joint| speed(runs, joint, rate)).collect();
-    let described: Vec<f64> = (0..robot.joints).map(|joint| robot.friction(joint, speeds[joint])).collect();
+    let described: Vec<f64> =
+        (0..robot.joints).map(|joint| robot.friction(joint, speeds[joint])[0]).collect();
     let mut samples = vec![Vec::new(); robot.joints];
     let mut begin = 0.0;
     for run in runs {
@@ -123,12 +126,14 @@ pub fn replay(robot: &dyn Robot, forces: &Forces<'_>, runs: &[Run], delay: f64) 
                 let Some(prediction) = prediction else { continue };
                 let explained: f64 = acting[joint].iter().zip(&prediction.terms).map(|(d, p)| d * p).sum();
                 let friction = adaptation.friction(joint, described[joint], speeds[joint]);
+                let acts = adaptation.acting_friction(joint, described[joint], speeds[joint]);
                 samples[joint].push(OnlineSample {
                     time,
                     begin,
                     prediction,
                     acting: prediction.torque - explained,
                     friction: friction.unwrap_or_default(),
+                    acting_friction: acts.unwrap_or_default(),
                     trust: adaptation.states()[joint].map_or(Trust::Unknown, |state| state.trust),
                 });
             }
@@ -288,14 +293,17 @@ impl<'a> Described<'a> {
 
     fn forces(&self, y: &[f64; MOST], v: &[f64; MOST], a: &[f64; MOST]) -> DescribedForces<MOST> {
         let n = self.joints;
-        let [forces, friction] = (self.forces)(&y[..n], &v[..n], &a[..n]);
-        DescribedForces { forces: padded(&forces), friction: padded(&friction) }
+        let [forces, friction, shares] =
+            (self.forces)(&y[..n], &v[..n], &a[..n]).map(|values| padded(&values));
+        DescribedForces::new(forces, friction, &shares)
     }
 
-    fn friction(&self, joint: usize, speed: f64) -> f64 {
-        let mut v = [0.0; MOST];
+    /// Friction of a joint, and its load-dependent friction per unit of load.
+    fn friction(&self, joint: usize, speed: f64) -> [f64; 2] {
+        let (zero, mut v) = (vec![0.0; self.joints], vec![0.0; self.joints]);
         v[joint] = speed;
-        self.forces(&[0.0; MOST], &v, &[0.0; MOST]).friction[joint]
+        let [_, friction, shares] = (self.forces)(&zero, &v, &zero);
+        [friction[joint], shares[joint]]
     }
 
     fn scales(&self) -> Result<[Option<JointScale>; MOST]> {
