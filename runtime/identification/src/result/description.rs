@@ -356,7 +356,7 @@ mod tests {
         let message = |basis: &str| with(basis, 1.0).unwrap_err().to_string();
         assert!(message("ln(1 + abs(v))").contains("the function `ln` is not available in descriptions"));
         assert!(message("v*y").contains("unknown name `y`"));
-        assert!(message("powi(v, 40)").contains("an exponent is a whole number from 0 to 16"));
+        assert!(message("powi(v, 40)").contains("an exponent must be a whole number from 0 to 16"));
         assert!(message("v*(v").contains("expression `v*(v`"));
         let nan = with("v", f64::NAN).unwrap_err().to_string();
         assert!(nan.contains("the coefficient of v of joint beta is not finite (NaN)"), "{nan}");

@@ -369,6 +369,6 @@ mod tests {
             message("hold=elbow")
                 .contains("--hold `elbow`: no joint has such a name. The joints are shoulder")
         );
-        assert!(message("hold=wrist_1=up").contains("the value is not a number"));
+        assert!(message("hold=wrist_1=up").contains("the value must be a finite number"));
     }
 }
