@@ -1,11 +1,9 @@
-// Sine and cosine in one pass, without branches up to 1e5, tables or fused operations. Results have the same
-// bits on every platform.
+// Sine and cosine in one pass, without branches up to 1e5, tables or fused operations. Bits are reproducible.
 //
 // The angle is reduced to x = n π/2 + hi − low with |hi| ≤ π/4. Up to 1e5, π/2 is used in three parts (Cody
 // and Waite, Software Manual for the Elementary Functions, 1980, ch. 8). Above 1e5, the bits of 2/π are used
 // (Payne and Hanek, SIGNUM Newsletter 18, 1983). Minimax polynomials follow (Remez exchange, minimax.py). The
-// error is below 0.9 ulp for every finite x (measured: 0.80). The results are NaN for NaN and ±∞, and sin −0
-// is −0.
+// error is below 0.9 ulp for every finite x (measured: 0.80). NaN and ±∞ give NaN, and sin −0 is −0.
 
 /// Largest angle of the fast path. Up to this angle, `n π/2` is exact in the first two parts.
 const LARGEST_DIRECT_ANGLE: f64 = 1.0e5;
@@ -20,8 +18,7 @@ pub fn sin_cos(x: f64) -> (f64, f64) {
     }
 }
 
-/// Sine and cosine for `|x| ≤ 1e5`. The first difference is exact. The rounding error of the second
-/// difference is kept (Fast2Sum).
+/// Sine and cosine for `|x| ≤ 1e5`. The first difference is exact. Fast2Sum keeps the error of the second.
 #[inline(always)]
 fn sin_cos_direct(x: f64) -> (f64, f64) {
     const HALF_PI: [f64; 3] = [
@@ -40,8 +37,7 @@ fn sin_cos_direct(x: f64) -> (f64, f64) {
     sin_cos_quarter(hi, low, shifted.to_bits())
 }
 
-/// Sine and cosine of `hi − low + quadrant π/2` with `|hi| ≤ π/4`. `low` has the size of a rounding error of
-/// `hi`.
+/// Sine and cosine of `hi − low + quadrant π/2` with `|hi| ≤ π/4`. `low` is a rounding error of `hi`.
 #[inline(always)]
 fn sin_cos_quarter(hi: f64, low: f64, quadrant: u64) -> (f64, f64) {
     let z = hi * hi;
@@ -73,8 +69,7 @@ fn in_quadrant(sin: f64, cos: f64, quadrant: u64) -> (f64, f64) {
     )
 }
 
-/// Sine and cosine for `|x| > 1e5` or NaN. `x · 2/π` modulo 4 is computed in integers from the relevant bits
-/// of 2/π.
+/// Sine and cosine for `|x| > 1e5` or NaN. `x · 2/π` modulo 4 is computed in integers from bits of 2/π.
 #[cold]
 #[inline(never)]
 fn sin_cos_large(x: f64) -> (f64, f64) {
@@ -119,8 +114,7 @@ fn sin_cos_large(x: f64) -> (f64, f64) {
     let low = mantissa * bits(2);
     let middle = mantissa * bits(1) + (low >> 64);
     let high = mantissa.wrapping_mul(bits(0)).wrapping_add(middle >> 64);
-    // x · 2/π = (turns modulo 4) / 2^126. The first two bits are the quadrant. The other bits are a fraction,
-    // which is shifted to [−1/2, 1/2).
+    // x · 2/π = (turns modulo 4) / 2^126. Two bits are the quadrant. The others are a fraction in [−1/2, 1/2).
     let turns = high << 64 | middle & u128::from(u64::MAX);
     let quadrant = ((turns >> 126) + (turns >> 125 & 1)) as u64;
     let fraction = (turns << 2) as i128;

@@ -75,7 +75,7 @@ impl ForwardRoute {
     pub fn description(self) -> &'static str {
         match self {
             Self::Factorization => {
-                "The factorization M = Lᵀ D L along the tree (Featherstone 2005) needed fewer operations than articulated bodies."
+                "The factorization M = Lᵀ D L (Featherstone 2005) needed fewer operations than articulated bodies."
             }
             Self::ArticulatedBodies => {
                 "Articulated bodies (Featherstone 2008, section 7.3) needed fewer operations than M and its factors."

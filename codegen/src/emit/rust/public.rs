@@ -70,7 +70,7 @@ fn returning(
 fn storing(body: &Body<'_>, name: &Ident, signature: &Signature, statements: &TokenStream) -> TokenStream {
     let into = into_name(name);
     let documentation = format!(
-        "Computes `{name}` and writes the results in place. Previous values of the results are not read."
+        "Computes `{name}` in place. Previous values of the results are not read."
     );
     let arguments = &signature.arguments;
     let results = body.results.iter().zip(&signature.results);
