@@ -8,20 +8,20 @@ use super::trust::Trust;
 use gelenk_dynamics::dynamics::{Dynamics, load, under_load};
 use gelenk_kernels::hash::fnv1a;
 
-/// Measurements of a period.
+/// Measurements of one period, as input of [`Adaptation::step`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measured<const N: usize> {
-    /// Positions [rad or m]; `None` without a plausible measurement.
+    /// Measured positions [rad or m]; `None` without a plausible measurement.
     pub positions: Option<[f64; N]>,
     /// Torques of the drives at the joints during the previous period [N m or N].
     pub torques: [f64; N],
-    /// Whether the torque of each joint was at a limit; the drive's actual torque is then unknown.
+    /// Whether the torque of each joint was at a limit, so that the actual torque of the drive is unknown.
     pub saturated: [bool; N],
-    /// Periods since the last call.
+    /// Number of periods since the last call.
     pub periods: u32,
 }
 
-/// Torques of the described robot at a state.
+/// Torques of the described robot at positions, velocities and accelerations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DescribedForces<const N: usize> {
     /// Inverse dynamics including friction [N m or N].
@@ -33,12 +33,14 @@ pub struct DescribedForces<const N: usize> {
 }
 
 impl<const N: usize> DescribedForces<N> {
-    /// Forces of a robot at positions y, velocities v and accelerations a.
+    /// Torques of `robot` at positions y [rad or m], velocities v [rad/s or m/s] and accelerations a [rad/s² or m/s²].
     pub fn of<const M: usize>(robot: &impl Dynamics<N, M>, y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> Self {
         let (forces, friction) = (robot.inverse_dynamics(y, v, a), robot.friction_torques(y, v));
         Self::new(forces, friction, &robot.load_friction(y, v))
     }
 
+    /// Torques from the functions of a robot.
+    ///
     /// - `forces`: inverse dynamics including friction [N m or N]
     /// - `friction`: friction without its load-dependent part [N m or N]
     /// - `shares`: load-dependent friction per unit of load, s₁
@@ -52,26 +54,27 @@ impl<const N: usize> DescribedForces<N> {
 /// State of the learned law of a joint, for logs and figures.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointState {
-    /// δ of the learned law within its bounds, see [`terms`].
+    /// Terms δ of the learned law within their bounds, see [`terms`].
     pub learned: [f64; TERMS],
-    /// Half of the 90 % interval of each term.
+    /// Half of the 90 % confidence interval of each learned term.
     pub half_widths: [f64; TERMS],
-    /// Whether the variance of each term is below half of the prior's. The other terms are frozen.
+    /// Whether the motion excites each term. A term counts as excited if its variance is below half of the variance before the
+    /// first sample.
     pub is_excited: [bool; TERMS],
-    /// δ of the acting law.
+    /// Terms δ of the acting law.
     pub acting: [f64; TERMS],
-    /// Acting law and reason.
+    /// Whether the learned law acts, and the reason.
     pub trust: Trust,
     /// Time of the last change of `trust` (s).
     pub since: f64,
-    /// Root-mean-square one-step prediction errors, described and learned [N m or N]; NaN before the first
+    /// Root-mean-square one-step prediction errors of the described and of the learned law [N m or N]; NaN before the first
     /// sample.
     pub errors: [f64; 2],
     /// Standard deviation of the noise of a sample [N m or N].
     pub noise: f64,
-    /// Number of correlated samples that count as one.
+    /// Number of correlated samples that have the information of one independent sample.
     pub correlated: f64,
-    /// False at rest, after a reversal and in saturation, when nothing is learned.
+    /// Whether samples are used at present. False at rest, after a reversal and in saturation.
     pub is_learning: bool,
 }
 
@@ -104,12 +107,11 @@ impl JointState {
     }
 }
 
-/// Number of periods whose torques are stored: those before and after an instant, at the largest delay.
+/// Number of periods for which torques are stored. For the largest delay, the periods before and after an instant are needed.
 const HISTORY: usize = MOST_DELAY + 2;
 
-/// Recursive estimator of the friction of a robot with N joints; see the [module](super).
-///
-/// Only joints with their own input are learned; others keep the described law.
+/// Recursive estimator of the friction of a robot with N joints, see the [module](super). Friction is learned for joints that a
+/// drive loads. Other joints keep the described law.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Adaptation<const N: usize> {
     pub(super) settings: AdaptationSettings,
@@ -117,20 +119,22 @@ pub struct Adaptation<const N: usize> {
     pub(super) derived: [Option<Derived>; N],
     pub(super) joints: [Option<Joint>; N],
     window: Window<N>,
-    /// Torques of the last periods, the newest first.
+    /// Torques of the last periods, newest first.
     torques: [[f64; N]; HISTORY],
     saturated: [[bool; N]; HISTORY],
-    /// Periods in a row whose torques are known.
+    /// Number of consecutive periods with known torques.
     known: usize,
     pub(super) periods: f64,
     pub(super) fingerprint: u64,
 }
 
 impl<const N: usize> Adaptation<N> {
-    /// Estimator for a robot with described limits.
+    /// Constructs an estimator for a robot with the limits of its description.
     ///
     /// # Errors
-    /// [`AdaptationError::Scale`] for a joint without described magnitudes, [`AdaptationError::Setting`].
+    /// - [`AdaptationError::Scale`] if the description of a joint has no finite speed limit, or neither friction nor a finite
+    ///   effort limit.
+    /// - [`AdaptationError::Setting`] for a setting out of range.
     pub fn for_robot<const M: usize>(
         robot: &impl Dynamics<N, M>,
         settings: AdaptationSettings,
@@ -155,12 +159,14 @@ impl<const N: usize> Adaptation<N> {
         Self::new(scales, settings, |y, v, a| DescribedForces::of(robot, y, v, a))
     }
 
-    /// Estimator for joints with these magnitudes; `None` for joints that are not learned.
+    /// Constructs an estimator for joints with these scales.
     ///
-    /// - `described`: forces of the described robot; the saved state has a fingerprint of them and of the magnitudes
+    /// - `scales`: scale of each joint; `None` for joints whose friction is not learned
+    /// - `described`: function that returns the torques of the described robot. The saved state contains a fingerprint of the
+    ///   robot, which is computed from these torques and the scales.
     ///
     /// # Errors
-    /// [`AdaptationError::Setting`].
+    /// [`AdaptationError::Setting`] for a setting out of range.
     pub fn new(
         scales: [Option<JointScale>; N],
         settings: AdaptationSettings,
@@ -185,19 +191,19 @@ impl<const N: usize> Adaptation<N> {
         })
     }
 
-    /// Settings.
+    /// Settings of the estimator.
     #[must_use]
     pub fn settings(&self) -> &AdaptationSettings {
         &self.settings
     }
 
-    /// Magnitudes of the joints.
+    /// Scales of the joints; `None` for joints whose friction is not learned.
     #[must_use]
     pub fn scales(&self) -> &[Option<JointScale>; N] {
         &self.scales
     }
 
-    /// Resets motion and torques of the last periods, but keeps the learned laws.
+    /// Restarts at time 0: forgets motion and torques of the last periods, but keeps the learned laws.
     pub fn restart(&mut self) {
         self.window.clear();
         self.known = 0;
@@ -210,11 +216,12 @@ impl<const N: usize> Adaptation<N> {
         }
     }
 
-    /// Advances by a period. Does not allocate.
+    /// Processes the measurements of one period. Does not allocate.
     ///
-    /// The sample is from one period ago, because central differences need positions on both sides.
+    /// The sample belongs to the time one period ago, because central differences need earlier and later positions.
     ///
-    /// - `described`: forces of the described robot; called at most once
+    /// - `described`: function that returns the torques of the described robot for positions, velocities and accelerations. It is
+    ///   called at most once.
     pub fn step(
         &mut self,
         measured: &Measured<N>,
@@ -246,7 +253,7 @@ impl<const N: usize> Adaptation<N> {
         }
     }
 
-    /// Motion and unexplained torque of all joints one period ago, if they are finite and possible.
+    /// Motion and unexplained torque of all joints one period ago; `None` if a number is not finite or a speed is impossible.
     fn instants(
         &self,
         described: impl FnOnce(&[f64; N], &[f64; N], &[f64; N]) -> DescribedForces<N>,
@@ -278,7 +285,7 @@ impl<const N: usize> Adaptation<N> {
         instants.iter().all(finite).then_some(instants)
     }
 
-    /// State of each joint; `None` for joints that are not learned.
+    /// State of each joint; `None` for joints whose friction is not learned.
     #[must_use]
     pub fn states(&self) -> [Option<JointState>; N] {
         core::array::from_fn(|i| {
@@ -298,21 +305,20 @@ impl<const N: usize> Adaptation<N> {
         })
     }
 
-    /// Sample of each joint in the last period; `None` without one, because samples are several periods
-    /// apart.
+    /// Sample of each joint in the last period. Samples are several periods apart; `None` in the periods between them.
     #[must_use]
     pub fn predictions(&self) -> [Option<Prediction>; N] {
         core::array::from_fn(|i| self.joints[i].as_ref()?.prediction)
     }
 
-    /// δ of the acting law of each joint; zero for joints that are not learned.
+    /// Terms δ of the acting law of each joint; zero for joints whose friction is not learned.
     #[must_use]
     pub fn acting(&self) -> [[f64; TERMS]; N] {
         core::array::from_fn(|i| self.joints[i].as_ref().map_or([0.0; TERMS], |joint| joint.acting))
     }
 
-    /// Mean of the products of the errors of the acting law's δ of each joint: the learned law's covariance, and the products of the
-    /// difference of both laws. Zero for joints that are not learned.
+    /// Matrix of the mean squared errors of the acting terms δ, for each joint. It is the covariance of the learned law plus the
+    /// products of the differences between acting and learned terms. Zero for joints whose friction is not learned.
     #[must_use]
     pub fn acting_errors(&self) -> [[[f64; TERMS]; TERMS]; N] {
         let errors = |joint: &Joint| {
@@ -323,17 +329,17 @@ impl<const N: usize> Adaptation<N> {
         core::array::from_fn(|i| self.joints[i].as_ref().map_or([[0.0; TERMS]; TERMS], errors))
     }
 
-    /// Learned friction of a joint at velocity `v` including the offset, without load-dependent friction, and half of its 90 %
-    /// interval [N m or N]; `None` for joints that are not learned.
+    /// Friction of a joint by the learned law at velocity `v` [rad/s or m/s] including the offset, without load-dependent friction,
+    /// and half of its 90 % confidence interval [N m or N]; `None` for joints whose friction is not learned.
     ///
-    /// - `described`: described friction at this velocity
+    /// - `described`: described friction at this velocity [N m or N]
     #[must_use]
     pub fn friction(&self, joint: usize, described: f64, v: f64) -> Option<[f64; 2]> {
         let (state, phi) = (self.joints[joint].as_ref()?, self.terms(joint, described, v)?);
         Some([described + dot(&phi, &state.learned), state.half_width(&phi)])
     }
 
-    /// Like [`Self::friction`] for the acting law, without an interval.
+    /// Friction by the acting law at velocity `v`, see [`Self::friction`].
     #[must_use]
     pub fn acting_friction(&self, joint: usize, described: f64, v: f64) -> Option<f64> {
         let (state, phi) = (self.joints[joint].as_ref()?, self.terms(joint, described, v)?);
@@ -347,8 +353,8 @@ impl<const N: usize> Adaptation<N> {
     }
 
     /// Narrows the bounds of the terms of a joint, for example to half of the 95 % interval of an offline identification. The prior's
-    /// standard deviation is half of the bound. A term with the bound 0 is not learned. The joint starts anew. A saved state belongs to these
-    /// bounds.
+    /// standard deviation is half of the bound. A term with the bound 0 is not learned. The learned law
+    /// of the joint is reset. A state that was saved with other bounds cannot be restored.
     ///
     /// - `most`: largest magnitude of each δ; the bounds by [`AdaptationSettings::largest_change`] also apply
     ///
@@ -367,14 +373,14 @@ impl<const N: usize> Adaptation<N> {
         Ok(())
     }
 
-    /// Speed [rad/s or m/s] below which a joint counts as at rest; 0 for joints that are not learned.
+    /// Speed [rad/s or m/s] below which a joint counts as at rest; 0 for joints whose friction is not learned.
     #[must_use]
     pub fn rest(&self, joint: usize) -> f64 {
         self.derived[joint].map_or(0.0, |derived| derived.rest)
     }
 }
 
-/// Magnitudes of a joint from limits or data.
+/// Largest speed, effort and range of a joint, from limits or data.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Magnitudes {
     /// Largest speed [rad/s or m/s].
@@ -385,16 +391,18 @@ pub struct Magnitudes {
     pub range: f64,
 }
 
-/// Friction at the largest speed, as a share of the effort, of joints without described friction.
+/// Assumed friction at the largest speed for joints without described friction, relative to the largest effort.
 const USUAL: f64 = 0.1;
 
 impl Magnitudes {
-    /// Scale of a joint; `None` if speed or torque is unknown.
+    /// Scale of the friction of a joint; `None` if the speed is unknown, or if both friction and effort are unknown.
     ///
-    /// A drive cannot reach a speed at which friction exceeds its effort; the largest speed is then the one
-    /// below it.
+    /// If friction would exceed the effort at the largest speed, the drive cannot reach this speed. The scale then contains a
+    /// smaller largest speed.
     ///
-    /// - `friction`: described friction of the joint at velocities of all joints, and its load-dependent friction per unit of load
+    /// - `joint`: index of the joint
+    /// - `friction`: function that returns the described friction of this joint for the velocities of all joints, and its
+    ///   load-dependent friction per unit of load
     #[must_use]
     pub fn scale<const N: usize>(
         &self,
@@ -435,7 +443,7 @@ impl Magnitudes {
     }
 }
 
-/// Hash of the bits of forces and magnitudes.
+/// Hash of the bits of torques and scales.
 fn fingerprint<const N: usize>(forces: &DescribedForces<N>, scales: &[Option<JointScale>; N]) -> u64 {
     let magnitudes = scales.iter().flatten().flat_map(|s| [s.torque, s.speed, s.least_slope, s.range]);
     let numbers = forces.forces.iter().chain(&forces.friction).copied().chain(magnitudes);

@@ -14,14 +14,14 @@ pub const FAULTS: [&str; 6] = [
     "torque sensor that saturates",
 ];
 
-/// Root mean squares of the torque that a law gets wrong over a run, acting and described, noise included [N m].
+/// Root-mean-square torque errors of the acting and of the described law over a run, including noise [N m].
 #[derive(Debug, Clone, Copy)]
 pub struct Outcome {
     pub acting: f64,
     pub described: f64,
 }
 
-/// One run of two minutes of motion with fault number `seed % 6` from a random time on. Every other robot's friction drifts.
+/// Simulates two minutes of motion with fault number `seed % 6` from a random time on. The friction of every second robot drifts.
 pub fn run(seed: u64) -> Outcome {
     let mut joint = Simulated::new(5000 + seed);
     if seed % 12 < 6 {

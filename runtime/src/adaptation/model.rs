@@ -1,4 +1,4 @@
-//! The described robot with its learned friction, for controllers.
+//! Model of a robot with learned friction, for controllers.
 
 use crate::dynamics::{
     Differentiable, Discretizable, Dynamics, ForceDerivatives, ForceDerivativesAndMass, InputLimits,
@@ -8,21 +8,22 @@ use crate::dynamics::{load, under_load};
 use gelenk_adaptation::{Adaptation, AdaptationError, JointScale, TERMS, input_inverse, terms};
 use gelenk_kernels::math::sqrt;
 
-/// Steps of the numerical derivatives of friction, as shares of position or velocity, of at least 1.
+/// Step of the numerical derivatives of friction, relative to the position or velocity, or to 1 at smaller values.
 const STEP: f64 = 1e-6;
 
-/// A robot with a learned friction of its drives in addition to the described one.
+/// Model of a robot whose joints have a learned friction in addition to the described friction.
 ///
-/// The learned friction `τ_δ` of [`terms`] acts like an input,
+/// The equations of motion of the described robot are `M ÿ + k = q + B u` with inputs u and input matrix B.
+/// The learned friction torques τ_δ, see [`terms`], act like an input:
 ///
 /// ```text
 ///     M ÿ + k = q − τ_δ + B u = q + B (u − B⁺ τ_δ)
 /// ```
 ///
-/// so forward dynamics and linearization are those of the described robot at the input u − B⁺ τ_δ. Derivatives of τ_δ are
-/// differences. The offset is part of τ_δ. Load-dependent friction has the share `s₁ (1 + δ₅)` of the load, of at most
-/// (1 + |s₁|)/2, so that the load follows from the input. Inputs must load the learned joints separately, which [`Adaptation`]
-/// requires.
+/// Therefore forward dynamics and linearization are those of the described robot at the input `u − B⁺ τ_δ`.
+/// Derivatives of τ_δ are difference quotients. Load-dependent friction per unit of load is `s₁ (1 + δ₅)`, but at most
+/// `(1 + |s₁|)/2`, so that the load is unique for given inputs. The inputs must be able to load each learned joint without loading
+/// the others.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LearnedFriction<D, const N: usize, const M: usize> {
     robot: D,
@@ -30,7 +31,7 @@ pub struct LearnedFriction<D, const N: usize, const M: usize> {
     rests: [f64; N],
     /// δ of each joint.
     deltas: [[f64; TERMS]; N],
-    /// Mean of the products of their errors.
+    /// Covariance of the errors of `deltas` for each joint.
     errors: [[[f64; TERMS]; TERMS]; N],
     /// B of the drives, and B⁺.
     matrix: [[f64; M]; N],
@@ -84,13 +85,11 @@ struct Slopes<const N: usize> {
 }
 
 impl<D: Dynamics<N, M>, const N: usize, const M: usize> LearnedFriction<D, N, M> {
-    /// The robot with its described friction.
-    ///
-    /// - `adaptation`: estimator whose laws it will use
+    /// The model of `robot` with the laws that currently act in `adaptation`.
     ///
     /// # Errors
     /// [`AdaptationError::Inputs`] for robots with inputs at frames or driven joints, and if the inputs
-    /// cannot load a learned joint separately.
+    /// cannot load a learned joint without loading others.
     pub fn new(robot: D, adaptation: &Adaptation<N>) -> Result<Self, AdaptationError> {
         let matrix = robot.drive_matrix();
         let inverse = input_inverse(&matrix, |joint| adaptation.scales()[joint].is_some())?;
@@ -112,7 +111,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> LearnedFriction<D, N, M>
         self.robot = robot;
     }
 
-    /// The robot with the currently acting laws.
+    /// Returns the model with the laws that currently act in `adaptation`.
     #[must_use]
     pub fn with_laws(mut self, adaptation: &Adaptation<N>) -> Self {
         (self.deltas, self.errors) = (adaptation.acting(), adaptation.acting_errors());
@@ -165,7 +164,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> LearnedFriction<D, N, M>
         };
         for k in 0..if self.is_coupled { N } else { 1 } {
             let [low, high] = [-1.0, 1.0].map(|side| self.laws(&moved(y, k, side), v));
-            // Differences are taken on the side of the velocity, so a jump of the described friction at rest is not part of them.
+            // These quotients use only velocities of one sign, so they do not contain a jump of the described friction at rest.
             let away = |steps: f64| -> [f64; N] {
                 core::array::from_fn(|i| moved(v, k, if v[i] < 0.0 { -steps } else { steps })[i])
             };
@@ -180,7 +179,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> LearnedFriction<D, N, M>
         slopes
     }
 
-    /// B⁺ τ_δ, subtracted from u.
+    /// The input `u − B⁺ τ_δ`.
     fn relieved(&self, u: &[f64; M], learned: &[f64; N]) -> [f64; M] {
         core::array::from_fn(|j| {
             u[j] - self.inverse[j].iter().zip(learned).map(|(b, torque)| b * torque).sum::<f64>()
@@ -202,7 +201,7 @@ fn dot(a: &[f64; TERMS], b: &[f64; TERMS]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Methods that call those of the described robot.
+/// Implements methods by calls of the same methods of the described robot.
 macro_rules! of_the_robot {
     ($(fn $name:ident($($argument:ident: $type:ty),*) -> $result:ty;)*) => {
         $(
@@ -351,7 +350,7 @@ impl<D: Differentiable<N, M>, const N: usize, const M: usize> LearnedFriction<D,
     }
 }
 
-/// The methods of discrete time are those of the traits, on the functions above.
+/// The discrete-time methods are the default methods of the trait. They use the functions above.
 impl<D: Discretizable<N, M>, const N: usize, const M: usize> Discretizable<N, M>
     for LearnedFriction<D, N, M>
 {

@@ -1,4 +1,4 @@
-//! Unwrapped positions, one entry for each velocity, which guard, filter and limits can subtract.
+//! Unwrapped coordinates with one entry for each velocity. Guard, filter and limits can subtract them.
 
 use super::law::JointLaw;
 use crate::dynamics::plain_positions;
@@ -15,7 +15,7 @@ pub(super) struct Unwrapped<const N: usize, const NY: usize> {
 }
 
 impl<const N: usize, const NY: usize> Unwrapped<N, NY> {
-    /// Value at the start, at which the coordinates of joints with quaternions are 0.
+    /// Value at the start. The coordinates of joints with quaternions are 0.
     pub fn at<const M: usize>(positions: [f64; NY], law: &impl JointLaw<N, M, NY>) -> Self {
         Self { positions, coordinates: plain_positions(law.quaternion_joints(), &positions) }
     }

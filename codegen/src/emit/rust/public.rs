@@ -69,9 +69,7 @@ fn returning(
 /// results.
 fn storing(body: &Body<'_>, name: &Ident, signature: &Signature, statements: &TokenStream) -> TokenStream {
     let into = into_name(name);
-    let documentation = format!(
-        "Computes `{name}` in place. Previous values of the results are not read."
-    );
+    let documentation = format!("Computes `{name}` in place. Previous values of the results are not read.");
     let arguments = &signature.arguments;
     let results = body.results.iter().zip(&signature.results);
     let results = results.map(|(name, ty)| quote!(#name: &mut #ty));
