@@ -48,8 +48,9 @@ mod quadruped;
 #[path = "support/random.rs"]
 mod random;
 
-/// Number of base parameters, and number of rows of the base.
+/// Number of base parameters.
 const P: usize = robot::BASE_PARAMETER_NAMES.len();
+/// Number of rows of the base.
 const BASE: usize = N - M;
 const ROWS: [(&str, &str); BASE] = [
     ("force x", "N"),
@@ -59,8 +60,9 @@ const ROWS: [(&str, &str); BASE] = [
     ("moment y", "N m"),
     ("moment z", "N m"),
 ];
-/// Half-amplitude frequency of the filter (Hz), and number of rows per second of a prepared log.
+/// Half-amplitude frequency of the filter (Hz).
 const BANDWIDTH: f64 = 7.0;
+/// Number of rows per second of a prepared log.
 const RATE: f64 = 100.0;
 /// Number of fits. Each fit has weights from the residuals of the previous fit.
 const FITS: usize = 3;

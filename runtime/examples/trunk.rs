@@ -36,13 +36,15 @@ mod quadruped;
 const PERIOD: f64 = 0.001;
 /// Number of simulation steps in a period.
 const STEPS: u32 = 2;
+/// Duration of the motion [s].
 const DURATION: f64 = 6.0;
 /// Feedback gains of the trunk for position and velocity [1/s², 1/s].
 const GAINS: [f64; 2] = [100.0, 20.0];
 /// Feedback gains of the feet for position and velocity [1/s², 1/s]. They are larger because legs are light.
 const STIFF: [f64; 2] = [1e4, 200.0];
-/// Lateral force on the trunk [N], and the interval of the push [s]. The controller does not know the force.
+/// Lateral force that pushes the trunk [N]. The controller does not know the force.
 const PUSH: f64 = 15.0;
+/// Interval of the push [s].
 const PUSHED: std::ops::Range<f64> = 4.0..4.2;
 
 #[derive(Debug, Clone, Copy)]

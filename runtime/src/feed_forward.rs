@@ -68,7 +68,7 @@ pub enum FeedForwardError {
         /// Sampling period (s).
         period: f64,
     },
-    /// The tolerance is not a number.
+    /// The tolerance is NaN.
     #[error("the tolerance of the residual is {0}; it must be a number")]
     Tolerance(f64),
 }

@@ -11,8 +11,8 @@ use super::trust::{Comparison, Trust};
 pub(super) const GATE: f64 = 4.0;
 /// Standard deviation of the noise before the first sample, relative to the friction at the largest speed.
 const FIRST_NOISE: f64 = 0.1;
-/// Smallest variance of the noise, relative to the square of the friction at the largest speed. It is that of numbers with seven
-/// digits.
+/// Smallest variance of the noise, relative to the square of the friction at the largest speed. Numbers with seven digits have
+/// this variance.
 const LEAST_NOISE: f64 = 1e-14;
 /// Settling time of the filter, in time constants. After x time constants, the share 1 − (1 + x) e⁻ˣ of a step has passed (0.96).
 const SETTLED: f64 = 5.0;

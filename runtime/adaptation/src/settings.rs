@@ -125,7 +125,7 @@ pub enum AdaptationError {
          joints are not supported"
     )]
     Inputs,
-    /// The saved state has a different length.
+    /// The saved state does not have the length of the states of this robot.
     #[error("the saved state has {found} numbers, but the state of this robot has {needed}")]
     Length {
         /// Given number of values.
@@ -136,7 +136,7 @@ pub enum AdaptationError {
     /// The saved state was saved with another description, number of joints, period, time constant or delay. The value names the
     /// difference.
     #[error(
-        "the saved state was saved with another {0}: start without it, or use the same description, period, filter and delay"
+        "the saved state was saved with another {0}: start without this state, or use the same description, period, filter and delay"
     )]
     Origin(&'static str),
     /// A saved number of a joint is not valid. The value is the index of the first number of this joint in the saved state.

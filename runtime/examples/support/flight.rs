@@ -7,8 +7,9 @@ gelenk_runtime::dynamics!(pub struct Quadrotor = gelenk_generated::quadrotor);
 
 pub type Motion = GeodesicMotion<Quadrotor, 6, 4, 7>;
 
-/// Sample time (s), and number of stages of the horizon.
+/// Sample time (s).
 pub const PERIOD: f64 = 0.03;
+/// Number of periods in the horizon.
 pub const HORIZON: usize = 20;
 
 /// Pose with x, y, z in m, and the quaternion x, y, z, w for a roll angle and a heading (rad).

@@ -10,12 +10,14 @@ use std::f64::consts::TAU;
 
 /// Time between two rows of a log [s].
 pub const PERIOD: f64 = 0.0025;
-/// Duration of the turn of each leg, and of the return to rest [s].
+/// Duration of the turn of each leg [s].
 const TURN: f64 = 6.0;
+/// Duration of the return to rest [s].
 const REST: f64 = 1.0;
 const DURATION: f64 = 4.0 * TURN + REST;
-/// Intervals within the turn of a leg in which the leg is unloaded, swings, and is loaded again [s].
+/// Interval within the turn of a leg in which the leg is unloaded [s]. The leg then swings until it is loaded again.
 const UNLOADED: [f64; 2] = [1.0, 1.3];
+/// Interval within the turn of a leg in which the leg is loaded again [s].
 const LOADED: [f64; 2] = [5.4, 5.7];
 /// Order of the legs. Diagonal legs follow each other.
 const ORDER: [usize; 4] = [0, 3, 1, 2];

@@ -116,7 +116,7 @@ impl Axis {
         self
     }
 
-    /// Sets the shown range.
+    /// Sets the range that the axis shows.
     #[must_use]
     pub fn over(mut self, low: f64, high: f64) -> Self {
         self.range = Some([low, high]);

@@ -51,7 +51,7 @@ pub struct SceneRod {
     /// The two end points. Each has the index of the joint that carries the link of the point (`None` for the base), and the
     /// point in the frame of this link (m).
     pub ends: [(Option<usize>, [f64; 3]); 2],
-    /// Whether the force is an input, for example that of a cylinder.
+    /// Whether the force is an input, for example the force of a cylinder.
     pub is_input: bool,
 }
 

@@ -21,7 +21,7 @@ pub struct Table {
 pub struct Column {
     /// Heading on the page. It can contain equations.
     pub heading: Vec<Inline>,
-    /// Name in JSON and CSV.
+    /// Name of the column in JSON and CSV.
     pub name: String,
     /// Unit of the numbers; may be empty.
     pub unit: String,

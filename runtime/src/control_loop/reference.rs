@@ -14,7 +14,7 @@ use crate::trajectory::{Sample, Trajectory};
 /// trajectory time scaling*, IEEE Trans. Robotics and Automation 6 (1990)).
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Reference {
-    /// The trajectory is at this time (s).
+    /// The trajectory runs. `time` is the present time on the trajectory (s).
     Running { time: f64 },
     /// The trajectory stops from the time `since` (s) on. `elapsed` of `span` seconds have passed.
     Stopping { since: f64, elapsed: f64, span: f64 },
@@ -48,7 +48,7 @@ impl Reference {
         }
     }
 
-    /// Time since the trajectory has stopped (s); `None` before.
+    /// Time since the end of the stop (s); `None` before the end of a stop.
     pub fn standing(&self) -> Option<f64> {
         match *self {
             Self::Stopping { elapsed, span, .. } if elapsed >= span => Some(elapsed - span),

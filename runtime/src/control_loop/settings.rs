@@ -23,8 +23,8 @@ pub struct LoopSettings<const N: usize, const M: usize> {
     /// Rate of the loop, 50 to 1000 Hz.
     pub rate: f64,
     /// Largest number of consecutive periods without a plausible measurement, and of consecutive missed deadlines.
-    /// In these periods the robot holds its inputs or follows the controller's prediction. One more such period
-    /// makes the loop brake.
+    /// In these periods the robot holds its inputs or follows the controller's prediction. After one more period
+    /// without a plausible measurement, or one more missed deadline, the loop engages the brakes.
     pub hold_periods: u32,
     /// Number of consecutive periods in which the loop uses the plan of the last successful step if the controller
     /// fails.

@@ -10,7 +10,7 @@ const TOLERANCE: f64 = 1e-9;
 /// Rotation of one joint from which its axis is computed (rad).
 const PROBE: f64 = 1.0;
 
-/// Reason why a pose function is not that of a supported arm.
+/// Reason why a pose function does not belong to a supported arm.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum GeometryError {
     /// A joint does not rotate the frame about an axis by the angle of its coordinate.

@@ -144,7 +144,7 @@ pub struct SphericalWrist {
     center: Vector3<f64>,
 }
 
-/// Solutions for a pose; at least one.
+/// All solutions for a pose. There is at least one solution.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InverseKinematics {
     solutions: [Option<Solution>; 8],

@@ -23,7 +23,7 @@ pub enum QpStatus {
     /// no point keeps the bounds, it is the point with the smallest residuals. The inputs keep their bounds. The KKT
     /// residuals show the distance from the optimum.
     IterationLimit,
-    /// The data are not those of a convex QP (finite numbers, no lower bound above its upper bound), or the arithmetic
+    /// The data are not a convex QP with finite numbers and no lower bound above its upper bound, or the arithmetic
     /// failed. The returned inputs are the values nearest to zero within the bounds.
     Invalid,
 }

@@ -64,8 +64,10 @@ pub enum TransportError {
     /// The operating system failed to send or receive.
     #[error("sending or receiving failed: {0}")]
     Io(io::ErrorKind),
-    /// The simulated robot cannot continue.
-    #[error("the simulated robot cannot continue")]
+    /// The motion of the simulated robot over a period cannot be computed.
+    #[error(
+        "the motion of the simulated robot over a period cannot be computed: check its model and its options"
+    )]
     Simulation,
     /// An input is not finite, or too large for its encoding. Nothing was sent.
     #[error("input {} is not finite, or too large for its encoding; nothing was sent", .input + 1)]

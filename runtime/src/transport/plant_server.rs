@@ -1,4 +1,4 @@
-//! Robot's side of the UDP connection: a process with a simulated robot (plant process).
+//! The robot's side of the UDP connection: a process with a simulated robot (plant process).
 
 use super::Brakes;
 use super::datagram::{Datagram, MAX_DATAGRAM, Message, Push, TrueState};
@@ -70,8 +70,8 @@ pub enum ServerError {
     },
 }
 
-/// Function that returns the Jacobian of a frame for positions, in the axes of the world. The first three rows are those of
-/// the linear velocity of the origin, the last three rows those of the angular velocity.
+/// Function that returns the Jacobian of a frame for positions, in the axes of the world. The first three rows belong to
+/// the linear velocity of the origin, the last three rows to the angular velocity.
 type Frame<const N: usize, const NY: usize> = Arc<dyn Fn(&[f64; NY]) -> [[f64; N]; 6] + Send + Sync>;
 
 /// Connection to a controller, with the sequence number of the last accepted datagram.
@@ -138,7 +138,7 @@ pub struct PlantServer<D, const N: usize, const M: usize, const NY: usize = N> {
     periods: u64,
     /// Number of consecutive periods without inputs.
     silent_periods: u32,
-    /// In real time, the instant up to which the plant has moved.
+    /// Instant up to which the plant has moved. It is used only in real time.
     reached: Instant,
     observed: TrueState<N, NY>,
     breakdowns: u64,

@@ -111,8 +111,8 @@ where
     }
 }
 
-/// Ranges of the inputs of a module. The implementing types are that of the constant `INPUT_RANGES`, and [`Missing`] for a module
-/// whose input limits are symmetric.
+/// Ranges of the inputs of a module. The type of the constant `INPUT_RANGES` implements this trait. [`Missing`] implements it for
+/// modules whose input limits are symmetric.
 pub trait InputRanges<const M: usize> {
     /// Lowest and highest value of each input, limited to these magnitudes.
     fn within(&self, magnitudes: [f64; M]) -> [[f64; 2]; M];

@@ -13,12 +13,15 @@ use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::mpc::LtvMpc;
 use gelenk_runtime::trajectory::{Sample, Sampled, Trajectory};
 
-/// Time in which the gears warm up (s), and the factor of their viscous friction then.
+/// Time in which the gears warm up (s).
 pub const WARM: f64 = 300.0;
+/// Viscous friction of warm gears over that of cold gears.
 const WARM_FACTOR: f64 = 0.7;
-/// Time at which the arm picks up its load (s), mass of the load [kg], and largest mass that the estimator expects [kg].
+/// Time at which the arm picks up its load (s).
 const PICKED_UP: f64 = 30.0;
+/// Mass of the load [kg].
 const MASS: f64 = 1.0;
+/// Largest mass of a load that the estimator expects [kg].
 pub const HEAVIEST: f64 = 2.0;
 /// Time in which the estimate of the load must follow (s), as in claim 12.
 const SETTLED: f64 = 6.0;
@@ -28,6 +31,7 @@ const BOUND: f64 = 1.3;
 const REGIME: Regime = Regime { encoder_step: 1e-4, torque_noise: 2e-3, ..Regime::IDEAL };
 /// Speed at which friction is shown [rad/s].
 const SHOWN: f64 = 0.35;
+/// Friction laws of β and γ with cold gears.
 const COLD: [Friction; 2] = [Friction::B, Friction::C];
 
 /// The published motion, repeated forwards and backwards.

@@ -18,8 +18,9 @@ use rustix::time::{ClockId, clock_gettime};
 
 /// Largest allowed number of iterations in a period.
 const ITERATIONS: f64 = 15.0;
-/// Number of folds of the LASSO, and number of values of λ.
+/// Number of folds of the LASSO.
 const FOLDS: usize = 10;
+/// Number of values of λ that the LASSO tries.
 const LAMBDAS: usize = 100;
 
 /// CPU time of this thread (µs).

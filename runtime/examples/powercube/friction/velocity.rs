@@ -14,8 +14,9 @@ use std::f64::consts::TAU;
 const MARGIN: f64 = 0.05;
 /// Amplitude of the sine for the measurement of the gain [rad]. It is small compared with the motion.
 const PROBE: f64 = 1e-3;
-/// Highest frequency of the motion, and a frequency far above it (Hz).
+/// Highest frequency of the motion (Hz).
 const MOTION_TOP: f64 = 11.0 / 30.0;
+/// A frequency far above the motion (Hz).
 const BEYOND: f64 = 10.0;
 
 /// Derivatives by both methods, and the reference derivative.

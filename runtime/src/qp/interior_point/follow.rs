@@ -22,10 +22,10 @@ use super::super::ldl::{factor_ldl, solve_ldl};
 use super::super::problem::QpProblem;
 use super::super::status::{KktResiduals, QpReport, QpStatus};
 
-/// Largest number of factorizations, and of steps with the same factorization. With 2 instead of 4 factorizations, the
-/// number of iterations in the benchmark `control_step` changes by −4 % (UR5), −6 % (Panda), +18 % (PowerCube) and +40 %
-/// (quadrotor).
+/// Largest number of factorizations. With 2 instead of 4 factorizations, the number of iterations in the benchmark
+/// `control_step` changes by −4 % (UR5), −6 % (Panda), +18 % (PowerCube) and +40 % (quadrotor).
 const MOST: usize = 4;
+/// Largest number of steps with the same factorization.
 const REPEATED: usize = 3;
 /// Weight W of states and rows, relative to the largest weight of the cost. The weight of inputs is `RIGID`
 /// times as large, because the weight of the states acts on the inputs through the dynamics.

@@ -103,7 +103,7 @@ pub enum CanMessage {
         /// State of the brake of this joint.
         brake: Brakes,
     },
-    /// Quantities that a drive measures in addition to the position of its joint.
+    /// Velocity and force that a drive measures in addition to the position of its joint.
     Rates {
         /// Index of the coordinate.
         index: usize,
