@@ -180,7 +180,7 @@ library "$host" ""
 (cd "$folder" && cc $warnings -O2 -DHOST -I "$here" -o host "$here/online.c" "target/$host/release/libonline.a" && ./host >host.txt)
 
 echo
-echo "| online friction, two joints | instructions per period | of these the robot's forces | bytes of stack |"
+echo "| instructions per period | estimator | robot's forces | bytes of stack |"
 echo "|---|---|---|---|"
 for board in "mps2-an386 cortex-m4 fpv4-sp-d16" "mps2-an500 cortex-m7 fpv5-d16"; do
   # shellcheck disable=SC2086
@@ -200,5 +200,7 @@ for board in "mps2-an386 cortex-m4 fpv4-sp-d16" "mps2-an500 cortex-m7 fpv5-d16";
   )
   run "$folder" "$1" >"$folder/$1.txt"
   grep '^result' "$folder/$1.txt" | cmp - "$folder/host.txt"
-  echo "| powercube, $2 | $(value "$folder/$1.txt" instructions update) | $(value "$folder/$1.txt" instructions described) | $(value "$folder/$1.txt" stack update) |"
+  forces=$(value "$folder/$1.txt" instructions described)
+  estimator=$(($(value "$folder/$1.txt" instructions update) - forces))
+  echo "| powercube, $2 | $estimator | $forces | $(value "$folder/$1.txt" stack update) |"
 done

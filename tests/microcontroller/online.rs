@@ -2,6 +2,7 @@
 
 #![no_std]
 
+#[allow(dead_code)]
 mod robot;
 
 use core::cell::UnsafeCell;
