@@ -180,7 +180,7 @@ fn friction_figure(joint: &JointFriction, unit: &str) -> Figure {
     figure.plot(plot)
 }
 
-/// Error on left-out data over the number of terms.
+/// Error on held-out data over the number of terms.
 fn front(subsets: &SubsetValidation, force: &str) -> Plot {
     let point = |subset: &ValidatedSubset| [subset.active.len() as f64, subset.mean_error.sqrt()];
     Plot::new("Error by number of terms", Axis::new("terms", ""), Axis::new("rms error, left out", force))

@@ -14,16 +14,8 @@ fn copied(from: &Path, files: &[&str]) -> tempfile::TempDir {
     folder
 }
 
-/// Whether robots of six and seven axes are asked for, which take half a minute: `GELENK_FINDINGS=long`.
-fn is_long() -> bool {
-    std::env::var_os("GELENK_FINDINGS").is_some_and(|value| value == "long")
-}
-
 #[test]
 fn cases_are_named() {
-    if !is_long() {
-        return;
-    }
     let files = ["robot.toml", "arm7.urdf", "one_way.csv", "way_back.csv", "arm4.urdf", "dropouts.csv"];
     let folder = copied(&cases(), &[&files[..], &["joint.toml", "joint_log.csv"]].concat());
     let output = ["--output", "found.toml"];

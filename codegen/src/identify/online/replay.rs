@@ -140,7 +140,7 @@ pub fn replay(robot: &dyn Robot, forces: &Forces<'_>, runs: &[Run], delay: f64) 
 }
 
 fn fault(place: impl Into<String>, message: impl Into<String>) -> IdentificationError {
-    IdentificationError::File { place: place.into(), message: message.into() }
+    IdentificationError::unusable(place, message)
 }
 
 /// Periods per second: the inverse of the median time step of the log, rounded to few digits. An error if a

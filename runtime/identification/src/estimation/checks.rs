@@ -1,11 +1,13 @@
 //! Checks of the residual efforts against effects that the model lacks.
 
+use super::super::error::Result;
 use super::super::methods::offset::mean;
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
-use super::layout::Layout;
+use super::layout::{LOAD, Layout};
 use super::levels;
 use super::residuals::Forces;
+use super::trial::{Case, Change};
 use super::unit::{CommonRatio, Sizes, common_ratio, unit_doubt};
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
@@ -32,7 +34,7 @@ const ACCELERATION: Rule = Rule::warning("residual-follows-acceleration");
 /// Matters: a law of the velocity alone is wrong under other loads.
 /// Example: a worm gear.
 /// Fixture: `friction_under_load_is_identified_where_it_is_asked_for` in `codegen/tests/command_line/identify.rs`.
-const UNDER_LOAD: Rule = Rule::warning("friction-under-load");
+pub(super) const UNDER_LOAD: Rule = Rule::warning("friction-under-load");
 
 /// Inputs of the checks.
 pub(super) struct Checked<'a> {
@@ -69,8 +71,7 @@ impl Checked<'_> {
 
     /// Doubts about one joint.
     pub(super) fn joint(&self, joint: usize) -> Vec<Finding> {
-        let doubts =
-            [unit_doubt(self.sizes(joint)), self.acceleration(joint), self.load(joint)].into_iter().flatten();
+        let doubts = [unit_doubt(self.sizes(joint)), self.acceleration(joint)].into_iter().flatten();
         doubts.map(|doubt| doubt.of(self.robot.subject(joint))).collect()
     }
 
@@ -131,12 +132,12 @@ impl Checked<'_> {
         })
     }
 
-    /// Finding about friction that grows with the load. It leaves the residual `(|τ_l| − mean) sign(v)`, because the Coulomb
+    /// Whether the residual of a joint shows friction that grows with the load: `(|τ_l| − mean) sign(v)`, because the Coulomb
     /// term explains the mean of the load's magnitude |τ_l|.
-    fn load(&self, joint: usize) -> Option<Finding> {
+    fn rubs_under_load(&self, joint: usize) -> bool {
         // A joint with a quaternion has no gear.
         if self.loads_are_known || self.layout.exact[joint] || !self.robot.own_inputs()[joint] {
-            return None;
+            return false;
         }
         let rigid = |run: usize, i: usize| self.forces.rigid[run][joint][i].abs();
         let all = self.forces.moving(self.layout, self.runs, joint).map(|(run, i)| rigid(run, i));
@@ -144,14 +145,8 @@ impl Checked<'_> {
         let mean = sum / f64::from(count.max(1));
         let steepness = self.layout.steepness[joint][0];
         let direction = |run: usize, i: usize| (steepness * self.runs[run].velocities[joint][i]).tanh();
-        let (factor, share) = self.explained(joint, &|run, i| (rigid(run, i) - mean) * direction(run, i))?;
-        (factor > 0.0 && self.is_suspicious(share)).then(|| {
-            let message = format!(
-                "{:.0} % of the residual's variance is friction that grows with the load of the gear, by about {factor:.2} of it",
-                100.0 * share
-            );
-            UNDER_LOAD.found(message).with("share of the load", factor, "").help("say --load-friction")
-        })
+        self.explained(joint, &|run, i| (rigid(run, i) - mean) * direction(run, i))
+            .is_some_and(|(factor, share)| factor > 0.0 && self.is_suspicious(share))
     }
 
     fn is_suspicious(&self, share: f64) -> bool {
@@ -175,6 +170,28 @@ impl Checked<'_> {
         let usable = variance > 1e-12 * xx && energy > 0.0;
         usable.then(|| (covariance / variance, covariance * covariance / (variance * energy)))
     }
+}
+
+/// Friction under load of the joints whose residuals show it.
+pub(super) fn loads(case: &Case) -> Result<Vec<Change>> {
+    let Some((_, checked)) = case.samples else { return Ok(Vec::new()) };
+    let joints = case.layout().rubbing().filter(|joint| checked.rubs_under_load(*joint));
+    let joints: Vec<usize> = joints.collect();
+    Ok((!joints.is_empty()).then_some(Change::Load(joints)).into_iter().collect())
+}
+
+pub(super) fn under_load(case: &Case, change: &Change, rule: &Rule) -> Result<Option<Finding>> {
+    let (Change::Load(joints), Some(data)) = (change, case.data(change)?) else { return Ok(None) };
+    let solved = case.changed(change, Some(&data)).solved(&data.prior)?;
+    let share = |joint: &usize| solved.values.unknowns[data.layout.term(*joint, LOAD)];
+    let names = case.robot.joint_names();
+    let said: Vec<String> =
+        joints.iter().map(|j| format!("{:.2} of it at {}", share(j), names[*j])).collect();
+    let message = format!("friction grows with the load of the gear, by about {}", said.join(", "));
+    // Other shares cannot exist.
+    let can_exist = joints.iter().map(share).all(|share| share > 0.0 && share < 1.0);
+    let finding = rule.found(message).with("share of the load", share(&joints[0]), "");
+    Ok(can_exist.then(|| finding.help("use --load-friction")))
 }
 
 /// The finding about a joint without a usable effort in the logs.

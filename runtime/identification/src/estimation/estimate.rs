@@ -7,17 +7,14 @@ use super::checks::Checked;
 use super::choice::{Chosen, Freedom, choose};
 use super::delays::FirstFit;
 use super::estimated::{Estimated, is_doubted, is_unexplained, require_explained, unexplained};
-use super::fit::{HeldOut, fit};
-use super::hypotheses::{
-    Doubts, is_driving, other_delays, other_explanations, other_factors, other_order, other_spring,
-};
+use super::fit::HeldOut;
+use super::hypotheses::{Doubts, is_driving};
 use super::intervals::{Fitted, correlation_time, covariance, offset_errors, scores};
 use super::joint_prior::JointPrior;
 use super::layout::Layout;
 use super::loads::{Loads, PASSES, settled};
 use super::margin::{change_at_margin, runs_away_from_stops};
 use super::normal::{Centred, Values, residual_vector};
-use super::offer::gain_of_unit;
 use super::prior::Prior;
 use super::report::Report;
 use super::residuals::{Forces, RunOffsets, huber, residual, robust_deviations};
@@ -25,8 +22,7 @@ use super::result::{Estimate, Gravity, Offsets};
 use super::settings::EstimationSettings;
 use super::sums::{Sums, Weights, cut, moving, resting, sum};
 use super::task::Task;
-use super::tilt::tilt;
-use super::unit::CommonRatio;
+use super::trial::Case;
 use gelenk_findings::{Finding, Rule};
 use nalgebra::DVector;
 
@@ -148,7 +144,7 @@ fn estimate_of(
 
 /// - `steepness`: factors k of the Coulomb terms tanh(k v) of each joint
 /// - `loads`: whether there is a term of friction under load
-fn layout_of(
+pub(super) fn layout_of(
     robot: &dyn Robot,
     runs: &[PreparedRun],
     settings: &EstimationSettings,
@@ -359,8 +355,8 @@ impl Task<'_> {
         outlier: &[f64],
         progress: &mut dyn FnMut(&str),
     ) -> Result<Estimate> {
-        let Chosen { centred, model, weighting, values, .. } = last;
-        let solved = fit(centred, &centred.all, model, self.prior, weighting, values)?;
+        let Chosen { centred, weighting, .. } = last;
+        let solved = last.solved(self.prior)?;
         let offsets = offsets_of(centred, &solved.values);
         progress("Intervals are computed under correlated residuals.");
         let forces = self.forces(&solved.values, &offsets);
@@ -433,27 +429,20 @@ impl Task<'_> {
             forces,
             correlation_time,
             left_out: &self.settings.without,
-            loads_are_known: self.loads.is_some() || self.settings.gravity_compensated,
+            loads_are_known: self.settings.load_friction || self.settings.gravity_compensated,
         };
         let accept_poor = self.settings.accept_poor;
         let ratio = checked.common_ratio();
-        let mut doubts = other_explanations(self, judged, ratio.as_ref().map(CommonRatio::factor))?;
-        doubts.of_all.extend(tilt(self, judged, correlation_time).ok().flatten());
-        other_factors(self, judged.0, &mut doubts)?;
-        let has_other_unit = ratio.as_ref().is_some_and(CommonRatio::is_other) || checked.has_other_unit();
-        other_order(self, judged.0, judged.1, &mut doubts, has_other_unit)?;
-        other_spring(self, judged.0, &mut doubts)?;
+        let case = Case::new((self.robot, self.prior), judged, ratio.as_ref(), Some((self, &checked)))?;
+        let mut doubts = case.doubts()?;
         let refusals = doubts.refusals();
         if !refusals.is_empty() && !accept_poor {
             return Err(IdentificationError::Found { findings: refusals });
         }
         self.require_explained(held_out, &doubts, &checked)?;
-        if let Some(ratio) = ratio {
-            doubts
-                .of_all
-                .extend(ratio.judged(accept_poor, |factor| gain_of_unit(judged.0, factor, self.prior))?);
+        if let Some(ratio) = &ratio {
+            doubts.of_all.extend(ratio.judged(accept_poor, || case.unit())?);
         }
-        doubts.of_all.extend(other_delays(self, judged, &checked)?);
         // A residual that a remedy removes has no second cause.
         let is_explained = |of: &Finding| doubts.of_all.iter().any(|offered| offered.about == of.about);
         let found: Vec<Finding> = checked.findings().into_iter().filter(|of| !is_explained(of)).collect();

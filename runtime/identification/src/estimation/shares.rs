@@ -14,18 +14,17 @@ use super::super::run::{Effort, PreparedRun};
 use super::checks::no_effort;
 use super::choice::{Chosen, Freedom, choose};
 use super::estimated::{Estimated, JointFit, require_explained, unexplained};
-use super::fit::{HeldOut, fit};
-use super::hypotheses::signs;
+use super::fit::HeldOut;
 use super::intervals::{Fitted, Scores, covariance};
 use super::layout::{ASYMMETRY, COULOMB, Layout, TERMS, VISCOUS};
 use super::levels;
 use super::normal::{force_vector, residual_vector};
-use super::offer::gain_of_unit;
 use super::prior::Prior;
 use super::result::{Estimate, Gravity, Offsets};
 use super::rows::Rows;
 use super::settings::EstimationSettings;
 use super::sums::{PieceSums, Sums};
+use super::trial::Case;
 use super::unit::{CommonRatio, Sizes, common_ratio, unit_doubt};
 use gelenk_findings::Finding;
 use nalgebra::{DMatrix, DVector};
@@ -268,8 +267,8 @@ pub(crate) fn estimate_shares(data: &SharedData) -> Result<SharedEstimate> {
         consistent: settings.consistent,
     };
     let chosen = choose(layout, &sums, &prior, freedom)?;
-    let Chosen { centred, model, weighting, values, .. } = &chosen;
-    let solved = fit(centred, &centred.all, model, &prior, weighting, values)?;
+    let Chosen { centred, weighting, .. } = &chosen;
+    let solved = chosen.solved(&prior)?;
     let fitted = Fitted {
         centred,
         solved: &solved,
@@ -282,9 +281,9 @@ pub(crate) fn estimate_shares(data: &SharedData) -> Result<SharedEstimate> {
     let scores = Scores::of_folds(&fitted, data.correlation_time);
     let held_out = chosen.held_out(&prior)?;
     let covariance = covariance(&fitted, &prior, &scores)?;
-    let found = Found {
+    let mut found = Found {
         data,
-        doubts: signs(robot, &chosen, &held_out, &prior)?,
+        doubts: Vec::new(),
         fitted: Estimated {
             robot,
             settings,
@@ -299,10 +298,12 @@ pub(crate) fn estimate_shares(data: &SharedData) -> Result<SharedEstimate> {
         },
         held_out,
     };
+    let ratio = found.common_ratio();
+    let case = Case::new((robot, &prior), (&chosen, &found.held_out), ratio.as_ref(), None)?;
+    found.doubts = case.signs()?;
     found.require_explained()?;
     let accept_poor = found.fitted.settings.accept_poor;
-    let gain = |factor: f64| gain_of_unit(&chosen, factor, &prior);
-    let unit = found.common_ratio().map(|ratio| ratio.judged(accept_poor, gain)).transpose()?.flatten();
+    let unit = ratio.as_ref().map(|ratio| ratio.judged(accept_poor, || case.unit())).transpose()?.flatten();
     let mut estimate = found.estimate();
     estimate.findings.splice(0..0, unit);
     Ok(SharedEstimate { estimate, friction: (0..layout.joints).map(|j| found.friction(j)).collect() })

@@ -11,13 +11,13 @@ use super::super::numeric::spectrum::symmetric_eigen;
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
 use super::choice::Chosen;
-use super::fit::{HeldOut, fit};
 use super::intervals::{Fitted, covariance, scores};
 use super::levels;
 use super::normal::Factor;
-use super::offer::{HELD, as_described, offered};
 use super::result::Gravity;
+use super::sums::moving;
 use super::task::Task;
+use super::trial::{Case, Change};
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -26,12 +26,25 @@ use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 /// Change of the direction below which the passes end [rad].
 const STAYS: f64 = 1e-3;
 const PASSES: usize = 10;
-/// The finding about the direction of gravity; `None` if the described direction is not doubted or if the data do not
-/// determine it.
-///
-/// - `last`, `own`: fit with the described gravity, and its held-out errors
+
+/// Sees: weights that another direction of gravity explains.
+/// Matters: the tilt causes errors of the bodies.
+/// Example: a robot on a wedge of 5°.
+/// Fixture: `tilted` in `codegen/tests/findings/arm.rs`.
+pub(super) const TILT: Rule = Rule::warning("tilted-gravity");
+
+/// The direction of gravity that the data determine; empty if the described direction is not doubted, or if the equations
+/// have no solution.
+pub(super) fn tilts(case: &Case) -> Vec<Change> {
+    let found = case
+        .samples
+        .and_then(|(task, checked)| tilt(task, case.chosen, checked.correlation_time).ok().flatten());
+    found.into_iter().collect()
+}
+
+/// - `last`: fit with the described gravity
 /// - `time`: correlation time of the residuals [samples]
-pub(super) fn tilt(task: &Task, (last, own): (&Chosen, &HeldOut), time: f64) -> Result<Option<Finding>> {
+fn tilt(task: &Task, last: &Chosen, time: f64) -> Result<Option<Change>> {
     let is_usual = task.gravity == Gravity::Recorded && !task.layout.known_gains.contains(&false);
     let described = task.robot.gravity().filter(|_| is_usual && !task.layout.exact.contains(&true));
     let Some(described) = described.map(Vector3::from).filter(|g| g.norm() > 0.0) else { return Ok(None) };
@@ -49,12 +62,7 @@ pub(super) fn tilt(task: &Task, (last, own): (&Chosen, &HeldOut), time: f64) -> 
         } else if pass == 0 && angles.norm() < 0.5 * levels::LEAST_TILT.get() {
             break;
         } else if pass > 0 && angles.norm() < STAYS {
-            let Some(finding) = found.judged(&turning, gravity) else { return Ok(None) };
-            // Free bodies may explain effects that the described bodies exclude.
-            let of_described = as_described(last.over(last.centred.sums), task.prior)?;
-            let [turned, turned_described] = Turning { gravity, ..turning }.errors(task, last)?;
-            let share = own.gain(&turned).filter(|_| !of_described.is_harmed_by(&turned_described));
-            return Ok(share.map(|share| offered(finding, share)));
+            return Ok(found.judged(&turning, gravity));
         }
     }
     Ok(None)
@@ -84,8 +92,8 @@ impl Turning<'_> {
     /// angles.
     fn add(&self, y: &[f64], joints: usize, regressor: &mut [f64]) {
         let count = self.pi.len();
-        let turned = self.at_rest(y, joints, self.gravity - self.described);
-        let across = self.across.map(|axis| self.at_rest(y, joints, axis * self.gravity.norm()));
+        let turned = at_rest(self.robot, y, joints, self.gravity - self.described);
+        let across = self.across.map(|axis| at_rest(self.robot, y, joints, axis * self.gravity.norm()));
         for (joint, row) in regressor.chunks_exact_mut(count + 2).enumerate() {
             let columns = joint * count..(joint + 1) * count;
             row[..count].copy_from_slice(&turned[columns.clone()]);
@@ -95,21 +103,13 @@ impl Turning<'_> {
         }
     }
 
-    fn at_rest(&self, y: &[f64], joints: usize, gravity: Vector3<f64>) -> Vec<f64> {
-        let mut regressor = vec![0.0; joints * self.pi.len()];
-        if gravity != Vector3::zeros() {
-            self.robot.regressor_at_rest(y, gravity.into(), &mut regressor);
-        }
-        regressor
-    }
-
     /// Whether bodies that differ by these changes have weights opposite to those of the described bodies. The assumed
     /// gravity is then upside down.
     fn weighs_less_than_nothing(&self, runs: &[PreparedRun], changes: &DVector<f64>) -> bool {
         let described = self.robot.parameters();
         let of_sample = |run: &PreparedRun, i: usize| -> f64 {
             let y: Vec<f64> = run.coordinates().iter().map(|column| column[i]).collect();
-            let weights = self.at_rest(&y, run.velocities.len(), self.gravity);
+            let weights = at_rest(self.robot, &y, run.velocities.len(), self.gravity);
             let rows = weights.chunks_exact(described.len().max(1)).map(|row| {
                 let dot = |pi: &[f64]| row.iter().zip(pi).map(|(w, pi)| w * pi).sum::<f64>();
                 let own = dot(&described);
@@ -134,28 +134,36 @@ impl Turning<'_> {
         turned * (size / turned.norm())
     }
 
-    /// Held-out errors under this gravity without further turning, of the same choice and of the described bodies.
-    fn errors(&self, task: &Task, last: &Chosen) -> Result<[HeldOut; 2]> {
-        let more = |y: &[f64], regressor: &mut [f64]| self.add(y, task.layout.joints, regressor);
-        task.with_more((2, &more), |task, sums| {
-            let chosen = last.with_more(task.layout, sums, HELD);
-            Ok([chosen.held_out(task.prior)?, as_described(chosen, task.prior)?])
-        })
-    }
-
     /// The angles, fitted together with all other unknowns.
     ///
     /// - `time`: correlation time of the residuals, if a covariance is needed
     fn angles(&self, (task, last): (&Task, &Chosen), time: Option<f64>) -> Result<Angles> {
         let more = |y: &[f64], regressor: &mut [f64]| self.add(y, task.layout.joints, regressor);
-        task.with_more((2, &more), |task, sums| {
-            let mut chosen = last.with_more(task.layout, sums, 1.0 / levels::FREE_BODIES.get());
+        task.with_more((2, &more), |task| {
+            let sums = task.sums_of(&moving);
+            let mut chosen = last.with_more(task.layout, &sums, 1.0 / levels::FREE_BODIES.get());
             chosen.weighting.description = levels::FREE_BODIES.get();
             chosen.model.consistent = false;
             chosen.reweight(task.prior)?;
             Angles::new(task, &chosen, time)
         })
     }
+}
+
+/// Regressor at rest under a gravity; zero without gravity.
+fn at_rest(robot: &dyn Robot, y: &[f64], joints: usize, gravity: Vector3<f64>) -> Vec<f64> {
+    let mut regressor = vec![0.0; joints * robot.parameters().len()];
+    if gravity != Vector3::zeros() {
+        robot.regressor_at_rest(y, gravity.into(), &mut regressor);
+    }
+    regressor
+}
+
+/// Adds to the regressor the weights under another gravity minus those under the described one.
+pub(super) fn turned_weights(robot: &dyn Robot, gravity: Vector3<f64>, y: &[f64], regressor: &mut [f64]) {
+    let (joints, described) = (robot.joint_names().len(), robot.gravity().map_or(gravity, Vector3::from));
+    let turned = at_rest(robot, y, joints, gravity - described);
+    regressor.iter_mut().zip(turned).for_each(|(entry, turned)| *entry += turned);
 }
 
 /// Fitted angles by which gravity turns further.
@@ -171,8 +179,8 @@ struct Angles {
 
 impl Angles {
     fn new(task: &Task, chosen: &Chosen, time: Option<f64>) -> Result<Self> {
-        let Chosen { centred, weighting, values, model, .. } = chosen;
-        let solved = fit(centred, &centred.all, model, task.prior, weighting, values)?;
+        let Chosen { centred, weighting, .. } = chosen;
+        let solved = chosen.solved(task.prior)?;
         let first = task.layout.parameters - 2;
         let place = |k: usize| solved.active.iter().position(|global| *global == first + k);
         let places: Vec<usize> = (0..2).filter_map(place).collect();
@@ -204,9 +212,8 @@ impl Angles {
         &self.seen * self.seen.tr_mul(&self.values)
     }
 
-    /// The finding about the direction of gravity, if it differs significantly from the described one and by an angle that
-    /// matters.
-    fn judged(&self, turning: &Turning, found: Vector3<f64>) -> Option<Finding> {
+    /// The direction of gravity, if it differs significantly from the described one and by an angle that matters.
+    fn judged(&self, turning: &Turning, found: Vector3<f64>) -> Option<Change> {
         let (described, angle) = (turning.described, found.angle(&turning.described));
         let [first, second] = turning.across;
         let across = [first.dot(&described), second.dot(&described)];
@@ -224,7 +231,7 @@ impl Angles {
         let half = quantile(levels::TILT_CONFIDENCE.get(), self.freedom).ok()? * error;
         let is_tilted =
             by_chance < levels::TILT_LEVEL.get() && angle > levels::LEAST_TILT.get() && angle > half;
-        is_tilted.then(|| finding([described, found], [angle, half]))
+        is_tilted.then_some(Change::Tilt { gravity: found, half })
     }
 }
 
@@ -238,17 +245,15 @@ fn seen(variance: DMatrix<f64>) -> DMatrix<f64> {
     eigen.eigenvectors.select_columns(&observable)
 }
 
-/// Sees: weights that another direction of gravity explains.
-/// Matters: the tilt causes errors of the bodies.
-/// Example: a robot on a wedge of 5°.
-/// Fixture: `tilted` in `codegen/tests/findings/arm.rs`.
-const TILT: Rule = Rule::warning("tilted-gravity");
-
-fn finding([described, found]: [Vector3<f64>; 2], angles: [f64; 2]) -> Finding {
-    let [angle, half] = angles.map(f64::to_degrees);
-    let axis = described.cross(&found).try_normalize(1e-9 * found.norm_squared());
+pub(super) fn finding(case: &Case, change: &Change, rule: &Rule) -> Result<Option<Finding>> {
+    let (Change::Tilt { gravity: found, half }, Some(described)) = (change, case.robot.gravity()) else {
+        return Ok(None);
+    };
+    let described = Vector3::from(described);
+    let [angle, half] = [found.angle(&described), *half].map(f64::to_degrees);
+    let axis = described.cross(found).try_normalize(1e-9 * found.norm_squared());
     let axis = axis.unwrap_or(across(described)[0]);
-    let [axis, found] = [(axis, 2), (found, 3)].map(|(vector, digits)| {
+    let [axis, found] = [(axis, 2), (*found, 3)].map(|(vector, digits)| {
         let unit = 10_f64.powi(digits);
         let entry = |x: &f64| plain((x * unit).round() / unit, 6);
         vector.iter().map(entry).collect::<Vec<_>>().join(", ")
@@ -258,5 +263,5 @@ fn finding([described, found]: [Vector3<f64>; 2], angles: [f64; 2]) -> Finding {
          mounted at an angle, or `gravity` is wrong. Bodies and friction were fitted with the described one"
     );
     let remedy = format!("set gravity = [{found}], and identify again");
-    TILT.found(message).with("angle", angle, "°").help(remedy)
+    Ok(Some(rule.found(message).with("angle", angle, "°").help(remedy)))
 }

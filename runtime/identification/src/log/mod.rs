@@ -8,7 +8,6 @@
 
 mod levels;
 
-mod finding;
 mod number;
 mod packed;
 mod units;

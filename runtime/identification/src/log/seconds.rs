@@ -1,8 +1,13 @@
 //! Conversion of counted times to seconds: the unit if none is named, and the counts.
 
-use super::finding::UNIT_ASSUMED;
 use super::levels;
-use gelenk_findings::Finding;
+use gelenk_findings::{Finding, Rule};
+
+/// Sees: times without a unit, or times that step by exactly one second.
+/// Matters: a wrong unit of the time makes every rate wrong.
+/// Example: times that step by 4, taken as ms.
+/// Fixture: `epoch_times_keep_their_digits` in `log/tests/styles.rs`.
+pub(super) const UNIT_ASSUMED: Rule = Rule::note("unit-assumed");
 
 /// Seconds of a unit that is not named, by the median step. It is assumed that robots are sampled with 5 Hz to 20 kHz.
 /// Returns the factor, and a message if the factor is not 1.

@@ -1,10 +1,15 @@
 //! Single efforts far beyond all others: values that a driver writes if it has no value, and bit errors.
 
 use super::super::numeric::statistics::quantile;
-use super::finding::OUTLIER;
 use super::levels;
-use gelenk_findings::Finding;
 use gelenk_findings::digits::plain;
+use gelenk_findings::{Finding, Rule};
+
+/// Sees: single efforts far beyond all others.
+/// Matters: they are left out.
+/// Example: 999999 where a driver has no value.
+/// Fixture: `spikes` in `codegen/tests/findings/arm.rs`.
+const OUTLIER: Rule = Rule::note("outliers");
 
 /// Replaces the spikes of a column by NaN, with a finding; `None` if there are none.
 ///

@@ -89,7 +89,8 @@ fn require_unit(q: &[f64; 4], length: f64, joint: &QuaternionJoint, row: usize, 
              'xyzw=…' or 'wxyz=…' names the right ones"
         )
     };
-    Err(at(format!("{source}, row {row}"))
+    Err(at(source)
+        .row(row)
         .fault(format!("the quaternion of `{}`, x {x} y {y} z {z} w {w}, {why}", joint.name)))
 }
 

@@ -209,7 +209,7 @@ fn comments(result: &FrictionResult, text: &mut String) {
     ));
     result.coefficient_lines().into_iter().for_each(&mut line);
     result.summary_lines().into_iter().for_each(&mut line);
-    result.settings.iter().for_each(|s| line(s.clone()));
+    result.settings.iter().for_each(|note| line(note.sentence()));
     result.findings.iter().for_each(|finding| line(finding.to_string()));
 }
 

@@ -1,6 +1,7 @@
 //! The Stribeck law, the settings of its regression, and its result.
 
 use crate::numeric::kernel::BLOCK;
+use gelenk_findings::Finding;
 use gelenk_formula::FrictionPart;
 use gelenk_kernels::math::exp;
 use multiversion::multiversion;
@@ -93,7 +94,7 @@ pub struct StribeckFit {
     /// Whether the iteration reached its tolerance. If it did not, there is a warning.
     pub converged: bool,
     /// Doubts about the parameters, with numbers.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Finding>,
     /// JᵀWJ at the result, with offsets eliminated.
     pub(super) information: SMatrix<f64, 5, 5>,
 }
