@@ -56,7 +56,7 @@ fn a_shaft_named_like_a_joint_is_told_from_it() {
 /// The first halves of the measured runs, with the model of the repository.
 #[test]
 fn the_runs_of_a_schunk_are_named() {
-    let Some(data) = shared("data/schunk_lwa4p").filter(|_| is_long()) else { return };
+    let Some(data) = shared("data/schunk_lwa4p") else { return };
     let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
     let folder = copied(&models, &["schunk_lwa4p.toml"]);
     let runs = fs::read_to_string(data.join("runs.csv")).unwrap();

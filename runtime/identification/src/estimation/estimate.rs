@@ -8,7 +8,7 @@ use super::choice::{Chosen, Freedom, choose};
 use super::delays::FirstFit;
 use super::estimated::{Estimated, is_doubted, is_unexplained, require_explained, unexplained};
 use super::fit::HeldOut;
-use super::hypotheses::{Doubts, is_driving};
+use super::hypotheses::{is_driving, is_refusal};
 use super::intervals::{Fitted, correlation_time, covariance, offset_errors, scores};
 use super::joint_prior::JointPrior;
 use super::layout::Layout;
@@ -23,7 +23,7 @@ use super::settings::EstimationSettings;
 use super::sums::{Sums, Weights, cut, moving, resting, sum};
 use super::task::Task;
 use super::trial::Case;
-use gelenk_findings::{Finding, Rule};
+use gelenk_findings::{Finding, Rule, Subject};
 use nalgebra::DVector;
 
 /// Sees: shares of the load that change from pass to pass.
@@ -404,7 +404,7 @@ impl Task<'_> {
             with_rest: with_rest.as_deref().unwrap_or(&held_out),
             has_loads: self.loads.is_some(),
         };
-        Ok(report.estimate(doubts.findings()))
+        Ok(report.estimate(doubts.into_iter().map(Finding::accepted).collect()))
     }
 
     /// Doubts about the fit.
@@ -421,7 +421,7 @@ impl Task<'_> {
         judged: (&Chosen, &HeldOut),
         held_out: &[f64],
         (forces, correlation_time): (&Forces, f64),
-    ) -> Result<Doubts> {
+    ) -> Result<Vec<Finding>> {
         let checked = Checked {
             robot: self.robot,
             layout: self.layout,
@@ -435,28 +435,30 @@ impl Task<'_> {
         let ratio = checked.common_ratio();
         let case = Case::new((self.robot, self.prior), judged, ratio.as_ref(), Some((self, &checked)))?;
         let mut doubts = case.doubts()?;
-        let refusals = doubts.refusals();
+        let of_all = |doubt: &&Finding| doubt.about.subject == Subject::Whole && is_refusal(doubt);
+        let refusals: Vec<Finding> = doubts.iter().filter(of_all).cloned().collect();
         if !refusals.is_empty() && !accept_poor {
             return Err(IdentificationError::Found { findings: refusals });
         }
         self.require_explained(held_out, &doubts, &checked)?;
         if let Some(ratio) = &ratio {
-            doubts.of_all.extend(ratio.judged(accept_poor, || case.unit())?);
+            doubts.extend(ratio.judged(accept_poor, || case.unit())?);
         }
         // A residual that a remedy removes has no second cause.
-        let is_explained = |of: &Finding| doubts.of_all.iter().any(|offered| offered.about == of.about);
+        let is_explained = |of: &Finding| doubts.iter().any(|offered| offered.about == of.about);
         let found: Vec<Finding> = checked.findings().into_iter().filter(|of| !is_explained(of)).collect();
-        doubts.of_all.extend(found);
+        doubts.extend(found);
         Ok(doubts)
     }
 
     /// Refuses a fit that explains too little, with the likely reason.
-    fn require_explained(&self, held_out: &[f64], doubts: &Doubts, checked: &Checked) -> Result<()> {
+    fn require_explained(&self, held_out: &[f64], doubts: &[Finding], checked: &Checked) -> Result<()> {
         let reasons = |joint: usize| {
-            let reasons = doubts.of_all.iter().cloned().chain(checked.joint(joint));
+            let of_all = doubts.iter().filter(|doubt| !is_refusal(doubt)).cloned();
+            let reasons = of_all.chain(checked.joint(joint));
             reasons.chain([unexplained(self.robot, joint)]).collect()
         };
-        require_explained(self.robot, self.layout, self.settings, (held_out, &doubts.of_joints), reasons)
+        require_explained(self.robot, self.layout, self.settings, (held_out, doubts), reasons)
     }
 
     /// Correlation time of the residual of each joint [samples].

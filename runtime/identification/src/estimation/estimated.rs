@@ -8,6 +8,7 @@ use super::super::methods::library::smooth_sign;
 use super::super::robot::Robot;
 use super::choice::Chosen;
 use super::fit::Solved;
+use super::hypotheses::is_refusal;
 use super::intervals::Covariance;
 use super::layout::{ARMATURE, ASYMMETRY, COULOMB, LOAD, Layout, VISCOUS};
 use super::normal::residual_vector;
@@ -379,7 +380,7 @@ pub(super) fn is_doubted(finding: &Finding) -> bool {
 /// Refuses a fit that explains too little of a moving joint, or that is better with the other sign of an effort.
 ///
 /// - `held_out`: R² of each joint on held-out data
-/// - `doubts`: doubt about the sign of each joint's effort
+/// - `doubts`: findings, of which errors about a joint refuse its fit
 /// - `reasons`: gives the likely reasons for a joint
 ///
 /// # Errors
@@ -388,18 +389,21 @@ pub(super) fn require_explained(
     robot: &dyn Robot,
     layout: &Layout,
     settings: &EstimationSettings,
-    (held_out, doubts): (&[f64], &[Option<Finding>]),
+    (held_out, doubts): (&[f64], &[Finding]),
     reasons: impl Fn(usize) -> Vec<Finding>,
 ) -> Result<()> {
     let least = settings.least_r_squared;
+    let doubt = |joint: usize| {
+        doubts.iter().find(|doubt| is_refusal(doubt) && doubt.about.subject == robot.subject(joint))
+    };
     let poor = |joint: &usize| {
         let r_squared = held_out[*joint];
         // A joint with a quaternion on which no input acts has nothing to explain.
         let explains_nothing = r_squared.is_nan() && !layout.exact[*joint];
-        layout.moves[*joint] && (r_squared < least || explains_nothing || doubts[*joint].is_some())
+        layout.moves[*joint] && (r_squared < least || explains_nothing || doubt(*joint).is_some())
     };
     // A fault of another joint makes a joint poor, too. So a joint with a doubt of its own goes first.
-    let doubted = (0..layout.joints).filter(&poor).find(|joint| doubts[*joint].is_some());
+    let doubted = (0..layout.joints).filter(&poor).find(|joint| doubt(*joint).is_some());
     let Some(joint) = doubted.or_else(|| (0..layout.joints).find(&poor)).filter(|_| !settings.accept_poor)
     else {
         return Ok(());
@@ -412,6 +416,6 @@ pub(super) fn require_explained(
         ),
     };
     let refusal = DOUBTED.found(message).with("R²", r_squared, "").of(robot.subject(joint));
-    let reasons = doubts[joint].clone().map_or_else(|| reasons(joint), |doubt| vec![doubt]);
+    let reasons = doubt(joint).map_or_else(|| reasons(joint), |doubt| vec![doubt.clone()]);
     Err(IdentificationError::Found { findings: [vec![refusal], reasons].concat() })
 }

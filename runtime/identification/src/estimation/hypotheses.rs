@@ -50,7 +50,7 @@ pub(super) struct Hypothesis {
     /// Rule of the finding.
     pub(super) rule: Rule,
     /// Whether the hypothesis is tried, next to the doubts of the rows above.
-    when: fn(&Case, &Doubts) -> bool,
+    when: fn(&Case, &[Finding]) -> bool,
     /// Changes that are tried.
     pub(super) changes: fn(&Case) -> Result<Vec<Change>>,
     /// Bodies with which the held-out error must fall.
@@ -97,7 +97,7 @@ const TABLE: [Hypothesis; 7] = [
     Hypothesis { rule: tilt::TILT, changes: |case| Ok(tilt::tilts(case)), finding: tilt::finding, ..USUAL },
     Hypothesis {
         rule: factors::OTHER_FACTOR,
-        when: |case, doubts| doubts.all().next().is_none() && !case.is_short(),
+        when: |case, doubts| doubts.is_empty() && !case.is_short(),
         changes: factors::factors,
         bodies: Bodies::Unbounded,
         accepts: factors::explains,
@@ -106,7 +106,7 @@ const TABLE: [Hypothesis; 7] = [
     },
     Hypothesis {
         rule: orders::ORDER,
-        when: |case, doubts| (doubts.all().next().is_some() || case.has_other_unit()) && !case.is_short(),
+        when: |case, doubts| (!doubts.is_empty() || case.has_other_unit()) && !case.is_short(),
         changes: orders::orders,
         bodies: Bodies::Described,
         is_alone: true,
@@ -115,7 +115,7 @@ const TABLE: [Hypothesis; 7] = [
     },
     Hypothesis {
         rule: springs::SPRING,
-        when: |case, doubts| doubts.all().all(|doubt| doubt.severity != Severity::Error) && !case.is_short(),
+        when: |case, doubts| !doubts.iter().any(is_refusal) && !case.is_short(),
         changes: springs::springs,
         bodies: Bodies::Unbounded,
         is_alone: true,
@@ -135,82 +135,55 @@ const UNITS: Hypothesis = Hypothesis {
     ..USUAL
 };
 
-/// Doubts about the robot as a whole, and a doubt about each joint that refuses the result.
-pub(super) struct Doubts {
-    pub(super) of_all: Vec<Finding>,
-    pub(super) of_joints: Vec<Option<Finding>>,
+/// Whether a finding refuses a result: the fit of its joint, or of the whole robot.
+pub(super) fn is_refusal(doubt: &Finding) -> bool {
+    doubt.severity == Severity::Error
 }
 
-impl Doubts {
-    fn all(&self) -> impl Iterator<Item = &Finding> {
-        self.of_all.iter().chain(self.of_joints.iter().flatten())
-    }
-
-    /// All doubts. A refusal that was accepted is a warning.
-    pub(super) fn findings(&self) -> Vec<Finding> {
-        self.all().cloned().map(Finding::accepted).collect()
-    }
-
-    /// Largest decrease of the held-out error by one of the hypotheses [%].
-    fn most(&self) -> f64 {
-        self.all().filter_map(|finding| finding.value(FALL)).fold(0.0, f64::max)
-    }
-
-    /// Findings about the whole robot that refuse a result.
-    pub(super) fn refusals(&self) -> Vec<Finding> {
-        self.of_all.iter().filter(|finding| finding.severity == Severity::Error).cloned().collect()
-    }
-
-    /// Adds a finding. An error about one joint refuses the fit of this joint.
-    fn add(&mut self, change: &Change, finding: Finding) {
-        match change.joint().filter(|_| finding.severity == Severity::Error) {
-            Some(joint) => self.of_joints[joint] = Some(finding),
-            None => self.of_all.push(finding),
-        }
-    }
+/// How much a finding lowers the held-out error [%].
+fn fall(doubt: &Finding) -> f64 {
+    doubt.value(FALL).unwrap_or(0.0)
 }
 
 impl Case<'_> {
     /// Tries the hypotheses of all rows.
-    pub(super) fn doubts(&self) -> Result<Doubts> {
-        let mut doubts = Doubts { of_all: Vec::new(), of_joints: self.signs()? };
+    pub(super) fn doubts(&self) -> Result<Vec<Finding>> {
+        let mut doubts = self.signs()?;
         for row in &TABLE {
             if !(row.when)(self, &doubts) {
                 continue;
             }
-            let most = doubts.most();
-            let found = self.offered(row)?;
-            let is_best =
-                |(_, finding): &(Change, Finding)| finding.value(FALL).is_some_and(|fall| fall > most);
-            for (change, finding) in found.into_iter().filter(|found| !row.is_alone || is_best(found)) {
-                if row.is_alone {
-                    doubts = Doubts { of_all: Vec::new(), of_joints: vec![None; doubts.of_joints.len()] };
-                }
-                doubts.add(&change, finding);
+            let most = doubts.iter().map(fall).fold(0.0, f64::max);
+            let mut found = self.offered(row)?;
+            found.retain(|doubt| !row.is_alone || fall(doubt) > most);
+            if row.is_alone && !found.is_empty() {
+                doubts.clear();
             }
+            doubts.extend(found);
         }
         Ok(doubts)
     }
 
     /// Doubts about the sign of each joint's effort.
-    pub(super) fn signs(&self) -> Result<Vec<Option<Finding>>> {
-        let mut doubts = vec![None; self.layout().joints];
+    pub(super) fn signs(&self) -> Result<Vec<Finding>> {
+        let mut doubts = self.offered(&SIGNS)?;
         for joint in self.layout().rubbing().filter(|joint| self.drives(*joint)) {
-            doubts[joint] = Some(driving().of(self.robot.subject(joint)));
+            let driving = driving().of(self.robot.subject(joint));
+            if doubts.iter().all(|doubt| doubt.about != driving.about) {
+                doubts.push(driving);
+            }
         }
-        for (change, finding) in self.offered(&SIGNS)? {
-            change.joint().into_iter().for_each(|joint| doubts[joint] = Some(finding.clone()));
-        }
-        if let Some(short) = self.too_short() {
-            let shortened = |doubt: &mut Finding| *doubt = short.clone().of(doubt.about.subject.clone());
-            doubts.iter_mut().flatten().for_each(shortened);
-        }
-        Ok(doubts)
+        let short = self.too_short();
+        let said = |doubt: Finding| match &short {
+            Some(short) => short.clone().of(doubt.about.subject),
+            None => doubt,
+        };
+        Ok(doubts.into_iter().map(said).collect())
     }
 
     /// The finding about the unit of all efforts; `None` if the described bodies explain the efforts better in no unit.
     pub(super) fn unit(&self) -> Result<Option<Finding>> {
-        Ok(self.offered(&UNITS)?.pop().map(|(_, finding)| finding))
+        Ok(self.offered(&UNITS)?.pop())
     }
 
     /// Finding that replaces a doubt about a sign if friction cannot be separated from chance; `None` if there are enough

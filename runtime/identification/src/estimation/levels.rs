@@ -119,12 +119,6 @@ levels! {
     /// Number of samples by which weights are compared.
     COMPARED_WEIGHTS: usize = 50;
 
-    /// Significance level of the test of a tilt.
-    TILT_LEVEL: f64 = 0.01;
-
-    /// Confidence level of the interval of a tilt.
-    TILT_CONFIDENCE: f64 = 0.95;
-
     /// Weight of the description at which bodies are practically free and all equations are regular.
     FREE_BODIES: f64 = 1e-3;
 

@@ -341,7 +341,7 @@ struct Found<'a> {
     data: &'a SharedData<'a>,
     fitted: Estimated<'a>,
     held_out: HeldOut,
-    doubts: Vec<Option<Finding>>,
+    doubts: Vec<Finding>,
 }
 
 impl Found<'_> {
@@ -424,8 +424,9 @@ impl Found<'_> {
         if !layout.moves[joint] && !layout.exact[joint] {
             return Vec::new();
         }
-        let sign = self.doubts[joint].clone().filter(|_| !layout.exact[joint]).map(Finding::accepted);
-        let found = sign.into_iter().chain(unit_doubt(self.sizes(joint)));
+        let is_own = |doubt: &&Finding| doubt.about.subject == robot.subject(joint);
+        let sign = self.doubts.iter().filter(is_own).cloned().map(Finding::accepted);
+        let found = sign.chain(unit_doubt(self.sizes(joint)));
         found.map(|finding| finding.of(robot.subject(joint))).collect()
     }
 

@@ -6,12 +6,10 @@
 //! Each pass starts from the gravity of the pass before until the direction converges (Gauss–Newton).
 
 use super::super::error::Result;
-use super::super::methods::confidence::quantile;
 use super::super::numeric::spectrum::symmetric_eigen;
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
 use super::choice::Chosen;
-use super::intervals::{Fitted, covariance, scores};
 use super::levels;
 use super::normal::Factor;
 use super::result::Gravity;
@@ -21,7 +19,6 @@ use super::trial::{Case, Change};
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
 use nalgebra::{DMatrix, DVector, Vector3};
-use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 /// Change of the direction below which the passes end [rad].
 const STAYS: f64 = 1e-3;
@@ -36,15 +33,12 @@ pub(super) const TILT: Rule = Rule::warning("tilted-gravity");
 /// The direction of gravity that the data determine; empty if the described direction is not doubted, or if the equations
 /// have no solution.
 pub(super) fn tilts(case: &Case) -> Vec<Change> {
-    let found = case
-        .samples
-        .and_then(|(task, checked)| tilt(task, case.chosen, checked.correlation_time).ok().flatten());
+    let found = case.samples.and_then(|(task, _)| tilt(task, case.chosen).ok().flatten());
     found.into_iter().collect()
 }
 
 /// - `last`: fit with the described gravity
-/// - `time`: correlation time of the residuals [samples]
-fn tilt(task: &Task, last: &Chosen, time: f64) -> Result<Option<Change>> {
+fn tilt(task: &Task, last: &Chosen) -> Result<Option<Change>> {
     let is_usual = task.gravity == Gravity::Recorded && !task.layout.known_gains.contains(&false);
     let described = task.robot.gravity().filter(|_| is_usual && !task.layout.exact.contains(&true));
     let Some(described) = described.map(Vector3::from).filter(|g| g.norm() > 0.0) else { return Ok(None) };
@@ -52,17 +46,16 @@ fn tilt(task: &Task, last: &Chosen, time: f64) -> Result<Option<Change>> {
     for pass in 0..PASSES {
         let pi = task.prior.described.iter().zip(&changes).map(|(pi, change)| pi + change).collect();
         let turning = Turning { robot: task.robot, described, gravity, across: across(gravity), pi };
-        // Small angles need no interval.
-        let found = turning.angles((task, last), (pass > 0).then_some(time))?;
-        let angles = found.observable();
+        let angles;
+        [angles, changes] = turning.angles(task, last)?;
         gravity = turning.turned(&angles);
-        changes.clone_from(&found.changes);
         if turning.weighs_less_than_nothing(task.runs, &changes) {
             (gravity, changes) = (-gravity, changes * 0.0);
         } else if pass == 0 && angles.norm() < 0.5 * levels::LEAST_TILT.get() {
             break;
         } else if pass > 0 && angles.norm() < STAYS {
-            return Ok(found.judged(&turning, gravity));
+            let is_noticeable = gravity.angle(&described) > levels::LEAST_TILT.get();
+            return Ok(is_noticeable.then_some(Change::Tilt(gravity)));
         }
     }
     Ok(None)
@@ -134,10 +127,8 @@ impl Turning<'_> {
         turned * (size / turned.norm())
     }
 
-    /// The angles, fitted together with all other unknowns.
-    ///
-    /// - `time`: correlation time of the residuals, if a covariance is needed
-    fn angles(&self, (task, last): (&Task, &Chosen), time: Option<f64>) -> Result<Angles> {
+    /// The angles in the directions that the data determine, and the changes of all unknowns that are fitted with them.
+    fn angles(&self, task: &Task, last: &Chosen) -> Result<[DVector<f64>; 2]> {
         let more = |y: &[f64], regressor: &mut [f64]| self.add(y, task.layout.joints, regressor);
         task.with_more((2, &more), |task| {
             let sums = task.sums_of(&moving);
@@ -145,7 +136,15 @@ impl Turning<'_> {
             chosen.weighting.description = levels::FREE_BODIES.get();
             chosen.model.consistent = false;
             chosen.reweight(task.prior)?;
-            Angles::new(task, &chosen, time)
+            let solved = chosen.solved(task.prior)?;
+            let first = task.layout.parameters - 2;
+            let place = |k: usize| solved.active.iter().position(|global| *global == first + k);
+            let places: Vec<usize> = (0..2).filter_map(place).collect();
+            let count = solved.active.len();
+            let inverse = Factor::new(&solved.regularized)?.solve(&DMatrix::identity(count, count));
+            let seen = seen(inverse.select_rows(&places).select_columns(&places));
+            let changes = solved.values.unknowns;
+            Ok([&seen * seen.tr_mul(&changes.rows(first, 2)), changes])
         })
     }
 }
@@ -166,75 +165,6 @@ pub(super) fn turned_weights(robot: &dyn Robot, gravity: Vector3<f64>, y: &[f64]
     regressor.iter_mut().zip(turned).for_each(|(entry, turned)| *entry += turned);
 }
 
-/// Fitted angles by which gravity turns further.
-struct Angles {
-    values: DVector<f64>,
-    /// Changes of all unknowns.
-    changes: DVector<f64>,
-    /// Directions that the data determine, by the covariance under independent residuals.
-    seen: DMatrix<f64>,
-    covariance: DMatrix<f64>,
-    freedom: f64,
-}
-
-impl Angles {
-    fn new(task: &Task, chosen: &Chosen, time: Option<f64>) -> Result<Self> {
-        let Chosen { centred, weighting, .. } = chosen;
-        let solved = chosen.solved(task.prior)?;
-        let first = task.layout.parameters - 2;
-        let place = |k: usize| solved.active.iter().position(|global| *global == first + k);
-        let places: Vec<usize> = (0..2).filter_map(place).collect();
-        let block = |of: &DMatrix<f64>| of.select_rows(&places).select_columns(&places);
-        let count = solved.active.len();
-        let inverse = Factor::new(&solved.regularized)?.solve(&DMatrix::identity(count, count));
-        let mut found = Self {
-            values: solved.values.unknowns.rows(first, 2).into_owned(),
-            changes: solved.values.unknowns.clone(),
-            seen: seen(block(&inverse)),
-            covariance: DMatrix::zeros(2, 2),
-            freedom: 1.0,
-        };
-        if let Some(time) = time {
-            let (offsets, outlier) = (chosen.offsets(), vec![f64::INFINITY; task.layout.joints]);
-            let values = &solved.values;
-            let log_gains = &chosen.log_gains;
-            let (offsets, outlier) = (&offsets, &outlier);
-            let fitted = Fitted { centred, solved: &solved, weighting, values, offsets, outlier, log_gains };
-            let scores = scores(&mut task.rows(), task.layout, task.runs, &fitted, time);
-            let all = covariance(&fitted, task.prior, &scores)?;
-            (found.covariance, found.freedom) = (block(&all.matrix), all.freedom as f64);
-        }
-        Ok(found)
-    }
-
-    /// The angles in the directions that the data determine.
-    fn observable(&self) -> DVector<f64> {
-        &self.seen * self.seen.tr_mul(&self.values)
-    }
-
-    /// The direction of gravity, if it differs significantly from the described one and by an angle that matters.
-    fn judged(&self, turning: &Turning, found: Vector3<f64>) -> Option<Change> {
-        let (described, angle) = (turning.described, found.angle(&turning.described));
-        let [first, second] = turning.across;
-        let across = [first.dot(&described), second.dot(&described)];
-        // If gravity is upside down, every direction leads to the described one.
-        let way = DVector::from_column_slice(&across).try_normalize(1e-9 * described.norm());
-        let beside = way.unwrap_or(DVector::from_column_slice(&[1.0, 0.0])) * angle;
-        let (beside, covariance) =
-            (self.seen.tr_mul(&beside), self.seen.tr_mul(&self.covariance) * &self.seen);
-        let wald = beside.dot(&covariance.clone().cholesky()?.solve(&beside));
-        let (q, rest) = (beside.len() as f64, self.freedom + 1.0 - beside.len() as f64);
-        let fisher = FisherSnedecor::new(q, rest).ok()?;
-        let by_chance = 1.0 - fisher.cdf(wald * rest / (q * self.freedom));
-        let direction = beside.normalize();
-        let error = direction.dot(&(&covariance * &direction)).sqrt();
-        let half = quantile(levels::TILT_CONFIDENCE.get(), self.freedom).ok()? * error;
-        let is_tilted =
-            by_chance < levels::TILT_LEVEL.get() && angle > levels::LEAST_TILT.get() && angle > half;
-        is_tilted.then_some(Change::Tilt { gravity: found, half })
-    }
-}
-
 /// Columns of the directions whose variance is below [`levels::UNTOLD`].
 fn seen(variance: DMatrix<f64>) -> DMatrix<f64> {
     if variance.nrows() != 2 {
@@ -246,11 +176,11 @@ fn seen(variance: DMatrix<f64>) -> DMatrix<f64> {
 }
 
 pub(super) fn finding(case: &Case, change: &Change, rule: &Rule) -> Result<Option<Finding>> {
-    let (Change::Tilt { gravity: found, half }, Some(described)) = (change, case.robot.gravity()) else {
+    let (Change::Tilt(found), Some(described)) = (change, case.robot.gravity()) else {
         return Ok(None);
     };
     let described = Vector3::from(described);
-    let [angle, half] = [found.angle(&described), *half].map(f64::to_degrees);
+    let angle = found.angle(&described).to_degrees();
     let axis = described.cross(found).try_normalize(1e-9 * found.norm_squared());
     let axis = axis.unwrap_or(across(described)[0]);
     let [axis, found] = [(axis, 2), (*found, 3)].map(|(vector, digits)| {
@@ -259,7 +189,7 @@ pub(super) fn finding(case: &Case, change: &Change, rule: &Rule) -> Result<Optio
         vector.iter().map(entry).collect::<Vec<_>>().join(", ")
     });
     let message = format!(
-        "the efforts show a gravity {angle:.1}° ± {half:.1}° off the described one, turned about [{axis}] of the base: the base is \
+        "the efforts show a gravity {angle:.1}° off the described one, turned about [{axis}] of the base: the base is \
          mounted at an angle, or `gravity` is wrong. Bodies and friction were fitted with the described one"
     );
     let remedy = format!("set gravity = [{found}], and identify again");

@@ -47,8 +47,8 @@ pub(super) enum Change {
     Unit(&'static str),
     /// The efforts contain this gravity.
     Gravity(Gravity),
-    /// The vector of gravity is `gravity`, turned by an angle with an interval of ± `half` \[rad\].
-    Tilt { gravity: Vector3<f64>, half: f64 },
+    /// The vector of gravity.
+    Tilt(Vector3<f64>),
     /// Joint j has the columns of joint `order[j]`.
     Order(Vec<usize>),
     /// The efforts of a joint come later by a time \[s\] than stated.
@@ -164,7 +164,7 @@ impl<'a> Case<'a> {
 
     /// The findings about the changes of a hypothesis that explain the data clearly better, with the share by which the
     /// held-out error falls. Unless each change has a remedy of its own, only the change with the largest fall is offered.
-    pub(super) fn offered(&self, row: &Hypothesis) -> Result<Vec<(Change, Finding)>> {
+    pub(super) fn offered(&self, row: &Hypothesis) -> Result<Vec<Finding>> {
         let rival = (row.rival)(self).map(|rival| self.errors(&rival, None, row.bodies)).transpose()?;
         let mut better: Vec<(Change, f64)> = Vec::new();
         for change in (row.changes)(self)? {
@@ -188,7 +188,7 @@ impl<'a> Case<'a> {
             let percent = 100.0 * share;
             let message = format!("{}; the error on held-out data falls by {percent:.0} %", finding.message);
             let subject = change.joint().map_or(Subject::Whole, |joint| self.robot.subject(joint));
-            found.push((change, Finding { message, ..finding }.with(FALL, percent, "%").of(subject)));
+            found.push(Finding { message, ..finding }.with(FALL, percent, "%").of(subject));
         }
         Ok(found)
     }
@@ -231,7 +231,7 @@ impl<'a> Case<'a> {
         Ok(match change {
             Change::Factor(..) | Change::Unit(_) => None,
             Change::Gravity(gravity) => of(Task { gravity: *gravity, ..task.clone() }),
-            Change::Tilt { gravity, .. } => {
+            Change::Tilt(gravity) => {
                 let more =
                     |y: &[f64], regressor: &mut [f64]| turned_weights(task.robot, *gravity, y, regressor);
                 Some(Rc::new(task.with_more((0, &more), Data::of)))
