@@ -148,6 +148,12 @@ fn diagnostic(entry: &Diagnostic) -> Value {
     shown
 }
 
+/// A table with these headings.
+pub(super) fn headed(head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
+    let head = head.iter().map(|heading| (*heading).to_owned()).collect();
+    table(&std::iter::once(head).chain(rows).collect::<Vec<_>>())
+}
+
 /// Text of a table whose first row is the head. Columns of numbers are right-aligned.
 pub(super) fn table(rows: &[Vec<String>]) -> String {
     let column = |column: usize| rows.iter().filter_map(move |row| row.get(column));

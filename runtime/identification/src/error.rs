@@ -165,7 +165,7 @@ pub enum IdentificationError {
     },
 }
 
-/// A file, a part of it, an option, or a part of the robot, at which data have a fault.
+/// A file, a part of it, an option, or a part of the robot, at which data have a fault; the whole robot by default.
 #[derive(Default)]
 pub(crate) struct Place(About);
 
@@ -177,11 +177,6 @@ pub(crate) fn at(file: impl Into<String>) -> Place {
 /// The joint with this name.
 pub(crate) fn at_joint(name: impl Into<String>) -> Place {
     Place(About { subject: Subject::Joint(name.into()), ..About::default() })
-}
-
-/// The robot as a whole.
-pub(crate) fn at_robot() -> Place {
-    Place::default()
 }
 
 impl Place {

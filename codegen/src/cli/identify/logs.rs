@@ -399,11 +399,9 @@ fn as_text(
     let mut text = print::lines(findings);
     text.push('\n');
     let rest = page::has_rest(found);
-    let with_rest = |words: &'static str| rest.then(|| words.to_owned());
-    let head = [page::rows_are(found), "R² held-out"].map(str::to_owned).into_iter();
-    let head = head
-        .chain(with_rest("with rest"))
-        .chain(["R² fit", "residual", "offset", "friction"].map(str::to_owned));
+    let with_rest: &[&str] = if rest { &["with rest"] } else { &[] };
+    let last = ["R² fit", "residual", "offset", "friction"];
+    let head = [&[page::rows_are(found), "R² held-out"], with_rest, &last].concat();
     let rows = found.estimate.joints.iter().enumerate().map(|(index, joint)| {
         let number =
             |value: f64| if page::is_judged(joint) { format!("{value:.4}") } else { "–".to_owned() };
@@ -416,7 +414,7 @@ fn as_text(
         ];
         first.chain(rest.then(|| number(joint.held_out_with_rest))).chain(last).collect()
     });
-    text.push_str(&print::table(&std::iter::once(head.collect()).chain(rows).collect::<Vec<_>>()));
+    text.push_str(&print::headed(&head, rows));
     if let Some(front) = front {
         text.push_str(&format!("\n{}", print::table(&front)));
     }
@@ -433,9 +431,7 @@ fn validated(validation: &[JointValidation]) -> String {
     if validation.is_empty() {
         return String::new();
     }
-    let head = ["joint", "R² in validation logs", "with rest", "residual", "offset", "R² with it"]
-        .map(str::to_owned)
-        .to_vec();
+    let head = ["joint", "R² in validation logs", "with rest", "residual", "offset", "R² with it"];
     let rows = validation.iter().map(|joint| {
         let share = |r: f64| if r.is_nan() { "–".to_owned() } else { format!("{r:.4}") };
         vec![
@@ -447,5 +443,5 @@ fn validated(validation: &[JointValidation]) -> String {
             share(joint.r_squared_with_offset),
         ]
     });
-    format!("\n{}", print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>()))
+    format!("\n{}", print::headed(&head, rows))
 }

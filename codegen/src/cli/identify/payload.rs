@@ -125,7 +125,7 @@ fn as_text(found: &CarriedLoad, link: &str, robot: &InterpretedRobot, output: &P
     let mut text = print::lines(&found.findings);
     let payload = &found.payload;
     text.push_str(&format!("\nload on {link}, moments about its centre of mass:\n"));
-    let head = ["", "value", "95 % interval", "excited by the motion"].map(str::to_owned).to_vec();
+    let head = ["", "value", "95 % interval", "excited by the motion"];
     let rows = values(payload).into_iter().enumerate().map(|(place, (name, unit, value))| {
         let [low, high] = value.interval;
         let shown = if payload.shown[place] { "yes" } else { "no" };
@@ -134,15 +134,15 @@ fn as_text(found: &CarriedLoad, link: &str, robot: &InterpretedRobot, output: &P
         let interval = format!("{} … {}", number(low), number(high));
         vec![name.to_owned(), format!("{} {unit}", number(value.value)), interval, shown.to_owned()]
     });
-    text.push_str(&print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>()));
-    let head = ["joint", "explained change", "residual"].map(str::to_owned).to_vec();
+    text.push_str(&print::headed(&head, rows));
+    let head = ["joint", "explained change", "residual"];
     let joints = robot.joint_names().into_iter().zip(&payload.explained).zip(&payload.residuals);
     let rows = joints.map(|((name, explained), residual)| {
         let known = |x: Option<String>| x.unwrap_or_else(|| "–".to_owned());
         let explained = explained.map(|share| format!("{share:.3}"));
         vec![name, known(explained), known(residual.map(|size| plain(size, 3)))]
     });
-    text.push_str(&format!("\n{}", print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>())));
+    text.push_str(&format!("\n{}", print::headed(&head, rows)));
     text.push_str(&format!("\nwrote {}\n", output.display()));
     text
 }

@@ -355,24 +355,15 @@ impl Task<'_> {
         outlier: &[f64],
         progress: &mut dyn FnMut(&str),
     ) -> Result<Estimate> {
-        let Chosen { centred, weighting, .. } = last;
         let solved = last.solved(self.prior)?;
-        let offsets = offsets_of(centred, &solved.values);
+        let offsets = offsets_of(&last.centred, &solved.values);
         progress("Intervals are computed under correlated residuals.");
         let forces = self.forces(&solved.values, &offsets);
         let times = self.correlation_times(&forces);
         let measured = times.iter().zip(&self.layout.measured).filter(|(_, measured)| **measured);
         let time = measured.map(|(time, _)| *time).fold(1.0, f64::max);
-        let fitted = Fitted {
-            centred,
-            solved: &solved,
-            weighting,
-            values: &solved.values,
-            offsets: &offsets,
-            outlier,
-            log_gains: &last.log_gains,
-        };
-        let margin = change_at_margin(self, last, &fitted);
+        let fitted = Fitted { chosen: last, solved: &solved, offsets: &offsets, outlier };
+        let margin = change_at_margin(self, &fitted);
         let scores = scores(&mut self.rows(), self.layout, self.runs, &fitted, time);
         let covariance = covariance(&fitted, self.prior, &scores)?;
         let errors = |joint: usize| offset_errors(&fitted, self.prior, &covariance, joint);

@@ -97,7 +97,7 @@ const TABLE: [Hypothesis; 7] = [
     Hypothesis { rule: tilt::TILT, changes: |case| Ok(tilt::tilts(case)), finding: tilt::finding, ..USUAL },
     Hypothesis {
         rule: factors::OTHER_FACTOR,
-        when: |case, doubts| doubts.is_empty() && !case.is_short(),
+        when: |case, doubts| doubts.is_empty() && case.too_short().is_none(),
         changes: factors::factors,
         bodies: Bodies::Unbounded,
         accepts: factors::explains,
@@ -106,7 +106,7 @@ const TABLE: [Hypothesis; 7] = [
     },
     Hypothesis {
         rule: orders::ORDER,
-        when: |case, doubts| (!doubts.is_empty() || case.has_other_unit()) && !case.is_short(),
+        when: |case, doubts| (!doubts.is_empty() || case.has_other_unit()) && case.too_short().is_none(),
         changes: orders::orders,
         bodies: Bodies::Described,
         is_alone: true,
@@ -115,7 +115,7 @@ const TABLE: [Hypothesis; 7] = [
     },
     Hypothesis {
         rule: springs::SPRING,
-        when: |case, doubts| !doubts.iter().any(is_refusal) && !case.is_short(),
+        when: |case, doubts| !doubts.iter().any(is_refusal) && case.too_short().is_none(),
         changes: springs::springs,
         bodies: Bodies::Unbounded,
         is_alone: true,
@@ -197,10 +197,6 @@ impl Case<'_> {
             );
             TOO_SHORT.found(message).help("record a motion of 10 s or more")
         })
-    }
-
-    fn is_short(&self) -> bool {
-        self.too_short().is_some()
     }
 
     /// Whether the rigid forces of a joint or of the robot are several times the described ones or a fraction of them.

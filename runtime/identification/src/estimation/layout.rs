@@ -1,6 +1,6 @@
 //! Order of the unknowns, and columns of the equation of each joint.
 
-use super::super::error::{IdentificationError, Result, at_robot, require_length, require_samples};
+use super::super::error::{IdentificationError, Place, Result, require_length, require_samples};
 use super::super::numeric::random::SplitMix64;
 use super::super::pose::rows_of;
 use super::super::robot::Robot;
@@ -274,7 +274,7 @@ fn measured(robot: &dyn Robot, runs: &[PreparedRun]) -> Vec<bool> {
 /// have no inputs of their own.
 fn require_known_inputs(robot: &dyn Robot, effort: Effort) -> Result<()> {
     if effort != Effort::Joint && robot.has_inputs_at_frames() {
-        return Err(at_robot().fault(
+        return Err(Place::default().fault(
             "inputs act at frames, so that their forces at the joints depend on the positions; convert currents to forces of the \
              inputs first, and say so (`--effort input`)",
         ));
@@ -303,7 +303,7 @@ fn require_own_inputs(robot: &dyn Robot) -> Result<()> {
     if rows && columns {
         return Ok(());
     }
-    Err(at_robot().fault(
+    Err(Place::default().fault(
         "currents give gains only if each joint has one input of its own; convert the currents to \
          forces of the inputs first",
     ))

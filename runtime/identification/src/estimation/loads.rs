@@ -4,7 +4,7 @@
 //! repeated in passes. Each pass takes the load by the values of the pass before, so that the term is a column like the
 //! other friction terms.
 
-use super::super::error::{Result, at_robot};
+use super::super::error::{Place, Result};
 use super::super::robot::Robot;
 use super::layout::{ARMATURE, Layout};
 use super::levels;
@@ -36,7 +36,7 @@ impl Loads {
         let own = robot.own_inputs();
         let joints: Vec<bool> = (0..layout.joints).map(|joint| layout.moves[joint] && own[joint]).collect();
         if !joints.contains(&true) {
-            return Err(at_robot().fault(
+            return Err(Place::default().fault(
                 "no joint that moves has an input of its own, and the load of a gear is known only there; \
                  leave friction under load out",
             ));

@@ -2,6 +2,8 @@
 
 use super::super::error::Result;
 use super::super::run::{Effort, PreparedRun};
+use super::choice::Chosen;
+use super::normal::Centred;
 use super::trial::{Case, Change};
 use gelenk_findings::{Finding, Rule, Subject};
 
@@ -22,11 +24,9 @@ pub(super) fn orders(case: &Case) -> Result<Vec<Change>> {
     if !has_own_columns || task.loads.is_some() || layout.measured.contains(&false) {
         return Ok(Vec::new());
     }
-    let mut sorted: Vec<usize> = (0..count).collect();
-    sorted.sort_by(|a, b| names[*a].cmp(&names[*b]));
     // The k-th column belongs to the k-th name.
-    let mut by_name = vec![0; count];
-    sorted.iter().enumerate().for_each(|(k, joint)| by_name[*joint] = k);
+    let place = |name: &String| names.iter().filter(|other| *other < name).count();
+    let by_name = names.iter().map(place).collect();
     let exchanged = |a: usize, b: usize| {
         let mut order: Vec<usize> = (0..count).collect();
         order.swap(a, b);
@@ -49,12 +49,14 @@ pub(super) fn finding(case: &Case, change: &Change, rule: &Rule) -> Result<Optio
     Ok(Some(finding.help("name the columns in the order of the joints, as in --columns 'position=q3|q2|q1'")))
 }
 
+/// Values of joint j are those of joint `order[j]`; empty if there are none.
+fn moved<T: Clone>(order: &[usize], values: &[T]) -> Vec<T> {
+    order.iter().filter_map(|column| values.get(*column).cloned()).collect()
+}
+
 impl PreparedRun {
     /// The run in which joint j has the columns of joint `order[j]`.
     pub(super) fn in_order(&self, order: &[usize]) -> Self {
-        fn moved<T: Clone>(order: &[usize], columns: &[Vec<T>]) -> Vec<Vec<T>> {
-            order.iter().filter_map(|column| columns.get(*column).cloned()).collect()
-        }
         Self {
             positions: moved(order, &self.positions),
             velocities: moved(order, &self.velocities),
@@ -63,5 +65,19 @@ impl PreparedRun {
             resting: moved(order, &self.resting),
             ..self.clone()
         }
+    }
+}
+
+impl Chosen<'_> {
+    /// Moves friction, offsets and weights with the columns of the joints: joint j has the columns of joint `order[j]`.
+    pub(super) fn reorder(&mut self, order: &[usize]) {
+        let model = &mut self.model;
+        model.coulomb = moved(order, &model.coulomb);
+        for of_joints in [&mut model.asymmetry, &mut model.armature, &mut model.load] {
+            *of_joints = moved(order, of_joints);
+        }
+        self.weighting.sigma = moved(order, &self.weighting.sigma);
+        let zeros = moved(order, &self.centred.zeros);
+        self.centred = Centred::new(self.centred.layout, self.centred.sums, self.model.offsets, zeros);
     }
 }

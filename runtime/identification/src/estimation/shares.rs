@@ -12,7 +12,7 @@ use super::super::preparation::Filter;
 use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun};
 use super::checks::no_effort;
-use super::choice::{Chosen, Freedom, choose};
+use super::choice::{Freedom, choose};
 use super::estimated::{Estimated, JointFit, require_explained, unexplained};
 use super::fit::HeldOut;
 use super::intervals::{Fitted, Scores, covariance};
@@ -267,17 +267,8 @@ pub(crate) fn estimate_shares(data: &SharedData) -> Result<SharedEstimate> {
         consistent: settings.consistent,
     };
     let chosen = choose(layout, &sums, &prior, freedom)?;
-    let Chosen { centred, weighting, .. } = &chosen;
     let solved = chosen.solved(&prior)?;
-    let fitted = Fitted {
-        centred,
-        solved: &solved,
-        weighting,
-        values: &solved.values,
-        offsets: &Vec::new(),
-        outlier: &[],
-        log_gains: &chosen.log_gains,
-    };
+    let fitted = Fitted { chosen: &chosen, solved: &solved, offsets: &Vec::new(), outlier: &[] };
     let scores = Scores::of_folds(&fitted, data.correlation_time);
     let held_out = chosen.held_out(&prior)?;
     let covariance = covariance(&fitted, &prior, &scores)?;

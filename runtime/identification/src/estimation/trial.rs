@@ -14,7 +14,6 @@ use super::fit::HeldOut;
 use super::hypotheses::Hypothesis;
 use super::layout::Layout;
 use super::loads::Loads;
-use super::normal::Centred;
 use super::prior::Prior;
 use super::result::Gravity;
 use super::springs;
@@ -264,22 +263,5 @@ impl<'a> Case<'a> {
 impl Data {
     pub(super) fn of(task: &Task) -> Self {
         Self { layout: task.layout.clone(), prior: task.prior.clone(), sums: task.sums_of(&moving) }
-    }
-}
-
-impl Chosen<'_> {
-    /// Moves friction, offsets and weights with the columns of the joints: joint j has the columns of joint `order[j]`.
-    fn reorder(&mut self, order: &[usize]) {
-        fn moved<T: Clone>(order: &[usize], values: &[T]) -> Vec<T> {
-            order.iter().map(|column| values[*column].clone()).collect()
-        }
-        let model = &mut self.model;
-        model.coulomb = moved(order, &model.coulomb);
-        for of_joints in [&mut model.asymmetry, &mut model.armature, &mut model.load] {
-            *of_joints = moved(order, of_joints);
-        }
-        self.weighting.sigma = moved(order, &self.weighting.sigma);
-        let zeros = moved(order, &self.centred.zeros);
-        self.centred = Centred::new(self.centred.layout, self.centred.sums, self.model.offsets, zeros);
     }
 }

@@ -71,9 +71,6 @@ pub(crate) fn runs_noting(
     columns: &ColumnOptions,
     findings: &mut Vec<Finding>,
 ) -> Result<Recording> {
-    if paths.is_empty() {
-        return Err(IdentificationError::Empty { what: "the list of logs".into() });
-    }
     let mut recording: Option<Recording> = None;
     for path in paths {
         let place = path.display().to_string();

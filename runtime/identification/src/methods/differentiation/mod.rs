@@ -8,9 +8,7 @@ mod total_variation;
 
 pub use total_variation::{Regularization, TotalVariation};
 
-use super::super::error::{
-    Result, at_robot, require_finite, require_length, require_samples, require_setting,
-};
+use super::super::error::{Place, Result, require_finite, require_length, require_samples, require_setting};
 
 /// A smoothed signal and its derivatives at the sampling times.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,7 +43,7 @@ fn require_signal(times: &[f64], signal: &[f64], needed: usize) -> Result<()> {
     require_finite("the signal", signal)?;
     match times.windows(2).position(|w| w[1] <= w[0]) {
         None => Ok(()),
-        Some(i) => Err(at_robot().fault(format!(
+        Some(i) => Err(Place::default().fault(format!(
             "time does not increase at sample {} (counted from 0): {} s is followed by {} s: sort the rows or split the log into segments",
             i + 1,
             times[i],
