@@ -348,7 +348,9 @@ fn what_does_not_belong_together_is_refused_with_what_to_do() {
     ];
     for (message, what, remedy) in cases {
         assert!(
-            message.starts_with("1.moments: ") && message.contains(what) && message.contains(remedy),
+            message.starts_with("error[unusable-input]: 1.moments: ")
+                && message.contains(what)
+                && message.contains(remedy),
             "{message}"
         );
     }

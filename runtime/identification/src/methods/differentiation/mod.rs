@@ -150,7 +150,7 @@ mod tests {
         assert!(message(&[0.0], &[1.0]).contains("needs at least 4 samples, there are 1"));
         assert!(
             message(&[0.0, 1.0, 1.0, 2.0], &ok[..4])
-                .contains("row 2 (counted from 0): 1 s is followed by 1 s")
+                .contains("at sample 2 (counted from 0): 1 s is followed by 1 s")
         );
         assert!(message(&ok, &[0.0, 1.0, f64::NAN, 1.0, 1.0, 1.0]).contains("not finite (NaN) at row 2"));
         assert!(message(&ok, &ok[..5]).contains("5 expected, 6 given"));
