@@ -116,10 +116,7 @@ pub(super) fn after<T, E: Into<Failure>>(
 pub(super) fn identified<T>(result: Result<T, IdentificationError>) -> Result<T, Failure> {
     result.map_err(|error| {
         err(&lines(error.noted()));
-        match error.refusals() {
-            [] => error.into(),
-            found => Failure::Descriptions(found.iter().cloned().map(Diagnostics::from).collect()),
-        }
+        error.into()
     })
 }
 

@@ -16,12 +16,7 @@ pub(super) fn table(found: &Identification) -> Table {
         "friction_terms",
         "Candidate terms of the laws; terms that were not chosen have no coefficient. Probability: the weight of all subsets that contain the term, by the Bayesian information criterion.",
     )
-    .column("joint", "joint", "")
-    .column("term", "term", "")
-    .column("coefficient", "coefficient", "")
-    .column("lowest", "lowest", "")
-    .column("highest", "highest", "")
-    .column("probability", "probability", "");
+    .columns(&["joint", "term", "coefficient", "lowest", "highest", "probability"]);
     for joint in &found.friction {
         let Ok(report) = &joint.report else { continue };
         table = table.rows(report.candidates().iter().map(|candidate| row(&joint.name, candidate)));

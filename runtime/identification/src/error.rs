@@ -285,3 +285,21 @@ pub(crate) fn require_samples(what: &str, needed: usize, got: usize) -> Result<(
     }
     Ok(())
 }
+
+/// Fails if all values are equal.
+///
+/// # Errors
+/// [`IdentificationError::Constant`]
+pub(crate) fn require_changing(what: &str, values: &[f64]) -> Result<()> {
+    match values.first() {
+        Some(&value) if values.iter().all(|x| *x == value) => {
+            Err(IdentificationError::Constant { what: what.into(), value, samples: values.len() })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The error that a setting removes every term.
+pub(crate) fn everything_removed(what: &str, value: f64, largest: f64) -> IdentificationError {
+    IdentificationError::EverythingRemoved { what: what.into(), value, largest }
+}

@@ -58,7 +58,7 @@ const LOAD_LOST: Rule = Rule::note("load-friction-replaced");
 /// Identifies the robot from logs, and writes the description and the page.
 pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
     let (loaded, robot) = read(arguments)?;
-    let output = output(arguments, &loaded)?;
+    let output = output(arguments, &loaded, "identified")?;
     let settings = settings(arguments)?;
     let mut found = print::identified(identify(&robot, &arguments.logs, &settings, &mut say))?;
     motor_constants::add_doubts(&mut found);
@@ -203,10 +203,13 @@ fn replaced_load(model: &Model, found: &Identification) -> Option<Finding> {
 }
 
 /// Path of the written description. Returns an error if it is an input of the command.
-pub(super) fn output(arguments: &Identify, loaded: &Loaded) -> Result<PathBuf, Failure> {
-    let default = || PathBuf::from(format!("{}_identified.toml", loaded.model.name));
+///
+/// - `kind`: end of the name without `--output`
+pub(super) fn output(arguments: &Identify, loaded: &Loaded, kind: &str) -> Result<PathBuf, Failure> {
+    let default = || PathBuf::from(format!("{}_{kind}.toml", loaded.model.name));
     let output = arguments.output.clone().unwrap_or_else(default);
-    place::require_writable(&output, loaded.files.iter().chain(&arguments.logs).chain(&arguments.validate))?;
+    let logs = arguments.logs.iter().chain(&arguments.validate).chain(&arguments.payload);
+    place::require_writable(&output, loaded.files.iter().chain(logs))?;
     Ok(output)
 }
 

@@ -25,7 +25,7 @@ const MOMENTS: &str = "moments";
 /// Reduces logs to one file of moments.
 pub(super) fn write_reduced(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
     let (loaded, robot) = read(arguments)?;
-    let path = output(arguments, &loaded)?;
+    let path = output(arguments, &loaded, "identified")?;
     if !is_moments(&path) {
         return Err(Failure::Usage(format!(
             "--reduce writes moments: name a file *.{MOMENTS} with --output"
@@ -43,7 +43,7 @@ pub(super) fn write_reduced(arguments: &Identify, format: Format) -> Result<Exit
 /// Identifies the robot from files of moments, or adds the moments and writes them to one file.
 pub(super) fn write_merged(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
     let (loaded, robot) = read(arguments)?;
-    let path = output(arguments, &loaded)?;
+    let path = output(arguments, &loaded, "identified")?;
     let of_results = [("--report", arguments.report.is_some()), ("--method", arguments.method.is_some())];
     if let Some((option, _)) = of_results.iter().find(|(_, is_given)| is_moments(&path) && *is_given) {
         return Err(Failure::Usage(format!("{option} needs a result: name a description with --output")));

@@ -1,6 +1,6 @@
 //! The command `gelenk identify --payload`.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 
 use gelenk_findings::digits::{plain, rounded};
@@ -13,8 +13,8 @@ use serde_json::{Value, json};
 
 use super::super::arguments::{Format, Identify};
 use super::super::failure::Failure;
-use super::super::{place, print};
-use super::logs::{command, relative, settings};
+use super::super::print;
+use super::logs::{command, output, relative, settings};
 use super::read::{read, say};
 use crate::identify::{BodyValues, InterpretedRobot, rounded_load};
 use crate::model::Model;
@@ -26,10 +26,7 @@ const NAME: &str = "payload";
 /// Identifies the load, and writes a description in which the load is a body.
 pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
     let (loaded, robot) = read(arguments)?;
-    let default = || PathBuf::from(format!("{}_payload.toml", loaded.model.name));
-    let output = arguments.output.clone().unwrap_or_else(default);
-    let logs = arguments.logs.iter().chain(&arguments.payload);
-    place::require_writable(&output, loaded.files.iter().chain(logs))?;
+    let output = output(arguments, &loaded, "payload")?;
     let carrier = carrier(arguments, &robot)?;
     let load = PayloadSettings { body: Some(carrier.body), ..PayloadSettings::default() };
     let both = (&settings(arguments)?, &load);

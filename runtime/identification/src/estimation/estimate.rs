@@ -413,18 +413,10 @@ impl Task<'_> {
         held_out: &[f64],
         (forces, correlation_time): (&Forces, f64),
     ) -> Result<Vec<Finding>> {
-        let checked = Checked {
-            robot: self.robot,
-            layout: self.layout,
-            runs: self.runs,
-            forces,
-            correlation_time,
-            left_out: &self.settings.without,
-            loads_are_known: self.settings.load_friction || self.settings.gravity_compensated,
-        };
+        let checked = Checked { task: self, forces, correlation_time };
         let accept_poor = self.settings.accept_poor;
         let ratio = checked.common_ratio();
-        let case = Case::new((self.robot, self.prior), judged, ratio.as_ref(), Some((self, &checked)))?;
+        let case = Case::new((self.robot, self.prior), judged, ratio.as_ref(), Some(&checked))?;
         let mut doubts = case.doubts()?;
         let of_all = |doubt: &&Finding| doubt.about.subject == Subject::Whole && is_refusal(doubt);
         let refusals: Vec<Finding> = doubts.iter().filter(of_all).cloned().collect();

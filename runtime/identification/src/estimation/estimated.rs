@@ -66,23 +66,11 @@ pub(super) struct Estimated<'a> {
     pub(super) delays: &'a [f64],
 }
 
-/// Quality of the fit of a joint's force.
-pub(super) struct JointFit {
-    pub(super) offsets: Vec<f64>,
-    pub(super) offset_errors: Vec<f64>,
-    /// Residual sum of squares, over `samples` samples.
-    pub(super) squares: f64,
-    pub(super) samples: usize,
-    pub(super) r_squared: f64,
-    pub(super) held_out_r_squared: f64,
-    pub(super) held_out_with_rest: f64,
-    /// Share of the samples in which the joint rests.
-    pub(super) rest: f64,
-}
-
 impl Estimated<'_> {
     /// The estimate without the forces along the runs.
-    pub(super) fn estimate(&self, fits: Vec<JointFit>, mut findings: Vec<Finding>) -> Estimate {
+    ///
+    /// - `fits`: offsets of each joint, and quality of the fit of its force
+    pub(super) fn estimate(&self, fits: Vec<JointEstimate>, mut findings: Vec<Finding>) -> Estimate {
         findings.extend(self.untold_gains());
         let joints = self.robot.joint_names().into_iter().zip(fits).enumerate();
         Estimate {
@@ -321,7 +309,7 @@ impl Estimated<'_> {
         self.layout.unknown_gains().filter(untold).map(finding).collect()
     }
 
-    fn joint(&self, joint: usize, name: String, fit: JointFit) -> JointEstimate {
+    fn joint(&self, joint: usize, name: String, fit: JointEstimate) -> JointEstimate {
         let (layout, model) = (self.layout, &self.chosen.model);
         let measured = layout.measured[joint];
         let of_term = |term: usize| self.uncertain(layout.term(joint, term), 0.0);
@@ -334,16 +322,11 @@ impl Estimated<'_> {
                 .then(|| EstimatedTerm { basis: self.coulomb(joint), coefficient: of_term(LOAD) }),
             armature: has(&model.armature).then(|| of_term(ARMATURE)),
             gain: (!layout.known_gains[joint] && measured).then(|| self.gain(joint)),
-            offsets: fit.offsets,
-            offset_errors: fit.offset_errors,
-            sigma: if measured { (fit.squares / fit.samples.max(1) as f64).sqrt() } else { f64::NAN },
-            r_squared: fit.r_squared,
-            held_out_r_squared: fit.held_out_r_squared,
-            held_out_with_rest: fit.held_out_with_rest,
-            rest: fit.rest,
+            sigma: if measured { fit.sigma } else { f64::NAN },
             moves: layout.moves[joint],
             measured,
             exact: layout.exact[joint],
+            ..fit
         }
     }
 }

@@ -2,7 +2,7 @@
 //! fit tests it, and it is offered as a remedy only if the error on held-out data falls clearly ([`Case::better`]).
 
 use super::super::error::Result;
-use super::checks;
+use super::checks::{self, Checked};
 use super::factors;
 use super::fit::HeldOut;
 use super::layout::{ARMATURE, LOAD};
@@ -189,7 +189,7 @@ impl Case<'_> {
     /// Finding that replaces a doubt about a sign if friction cannot be separated from chance; `None` if there are enough
     /// samples. The number of samples decides, because a wrong sign makes the correlation time of the residuals long.
     fn too_short(&self) -> Option<Finding> {
-        let (task, _) = self.samples?;
+        let task = self.checked?.task;
         let samples: usize = task.runs.iter().map(|run| run.times.len()).sum();
         (samples < levels::FEWEST_SAMPLES.get()).then(|| {
             let message = format!(
@@ -202,7 +202,7 @@ impl Case<'_> {
     /// Whether the rigid forces of a joint or of the robot are several times the described ones or a fraction of them.
     fn has_other_unit(&self) -> bool {
         self.ratio.is_some_and(unit::CommonRatio::is_other)
-            || self.samples.is_some_and(|(_, checked)| checked.has_other_unit())
+            || self.checked.is_some_and(Checked::has_other_unit)
     }
 
     /// Whether the estimated friction τ(v) drives the joint noticeably: `Σ v τ(v)` is clearly negative.
@@ -248,7 +248,7 @@ fn other_sign(_: &Case, _: &Change, rule: &Rule) -> Result<Option<Finding>> {
 
 /// Whether the robot compensates gravity outside the efforts, as the settings say.
 fn is_compensated(case: &Case) -> bool {
-    case.samples.is_some_and(|(task, _)| task.settings.gravity_compensated)
+    case.checked.is_some_and(|checked| checked.task.settings.gravity_compensated)
 }
 
 fn other_gravity(case: &Case, _: &Change, rule: &Rule) -> Result<Option<Finding>> {
@@ -271,11 +271,11 @@ fn other_gravity(case: &Case, _: &Change, rule: &Rule) -> Result<Option<Finding>
 
 /// Delays that the residuals show if the delays are stated. Delays that are not stated are unknowns of the fit.
 fn delays(case: &Case) -> Result<Vec<Change>> {
-    let Some((task, checked)) = case.samples.filter(|(task, _)| task.layout.delays.is_empty()) else {
+    let Some(checked) = case.checked.filter(|checked| checked.task.layout.delays.is_empty()) else {
         return Ok(Vec::new());
     };
     let delay = |joint: usize| checked.delay(joint).map(|seconds| Change::Delay(joint, seconds));
-    Ok(task.layout.rubbing().filter_map(delay).collect())
+    Ok(case.layout().rubbing().filter_map(delay).collect())
 }
 
 fn other_delay(_: &Case, change: &Change, rule: &Rule) -> Result<Option<Finding>> {

@@ -2,6 +2,7 @@
 
 use super::super::error::Result;
 use super::super::run::{Effort, PreparedRun};
+use super::checks::Checked;
 use super::choice::Chosen;
 use super::normal::Centred;
 use super::trial::{Case, Change};
@@ -15,7 +16,7 @@ pub(super) const ORDER: Rule = Rule::error("other-order");
 
 /// Orders that are tried. Joint j has the columns of joint `order[j]`.
 pub(super) fn orders(case: &Case) -> Result<Vec<Change>> {
-    let Some((task, _)) = case.samples else { return Ok(Vec::new()) };
+    let Some(Checked { task, .. }) = case.checked else { return Ok(Vec::new()) };
     let (names, units, layout) = (task.robot.joint_names(), task.robot.position_units(), task.layout);
     let count = names.len();
     let is_joint = |row: usize| matches!(task.robot.subject(row), Subject::Joint(_));

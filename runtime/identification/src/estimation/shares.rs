@@ -13,14 +13,14 @@ use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun};
 use super::checks::no_effort;
 use super::choice::{Freedom, choose};
-use super::estimated::{Estimated, JointFit, require_explained, unexplained};
+use super::estimated::{Estimated, require_explained, unexplained};
 use super::fit::HeldOut;
 use super::intervals::{Fitted, Scores, covariance};
 use super::layout::{ASYMMETRY, COULOMB, Layout, TERMS, VISCOUS};
 use super::levels;
 use super::normal::{force_vector, residual_vector};
 use super::prior::Prior;
-use super::result::{Estimate, Gravity, Offsets};
+use super::result::{Estimate, Gravity, JointEstimate, Offsets};
 use super::rows::Rows;
 use super::settings::EstimationSettings;
 use super::sums::{PieceSums, Sums};
@@ -394,15 +394,13 @@ impl Found<'_> {
         });
         let findings = self.fitted.offsets_found(Offsets::ByRun).chain(self.fitted.choices()).chain(doubts);
         let rss = chosen.centred.residuals(&chosen.centred.all, &solved.values);
-        let fit = |joint: usize| JointFit {
-            offsets: Vec::new(),
-            offset_errors: Vec::new(),
-            squares: rss[joint] + self.lost(joint)[0],
-            samples: chosen.centred.sums.samples,
+        let samples = chosen.centred.sums.samples.max(1) as f64;
+        let fit = |joint: usize| JointEstimate {
+            sigma: ((rss[joint] + self.lost(joint)[0]) / samples).sqrt(),
             r_squared: self.r_squared(joint, rss[joint]),
             held_out_r_squared: self.r_squared(joint, self.held_out.rss[joint]),
             held_out_with_rest: f64::NAN,
-            rest: 0.0,
+            ..JointEstimate::default()
         };
         let fits = (0..rss.len()).map(fit).collect();
         Estimate { offsets: Offsets::ByRun, ..self.fitted.estimate(fits, findings.collect()) }

@@ -2,6 +2,7 @@
 //! balances an arm.
 
 use super::super::error::Result;
+use super::checks::Checked;
 use super::task::Task;
 use super::trial::{Case, Change, Data};
 use gelenk_findings::digits::plain;
@@ -50,7 +51,8 @@ fn described_stiffness(task: &Task, joint: usize) -> f64 {
 }
 
 pub(super) fn finding(case: &Case, change: &Change, rule: &Rule) -> Result<Option<Finding>> {
-    let (Change::Spring(joint), Some((task, _)), Some(data)) = (change, case.samples, case.data(change)?)
+    let (Change::Spring(joint), Some(Checked { task, .. }), Some(data)) =
+        (change, case.checked, case.data(change)?)
     else {
         return Ok(None);
     };

@@ -33,7 +33,7 @@ pub(super) const TILT: Rule = Rule::warning("tilted-gravity");
 /// The direction of gravity that the data determine; empty if the described direction is not doubted, or if the equations
 /// have no solution.
 pub(super) fn tilts(case: &Case) -> Vec<Change> {
-    let found = case.samples.and_then(|(task, _)| tilt(task, case.chosen).ok().flatten());
+    let found = case.checked.and_then(|checked| tilt(checked.task, case.chosen).ok().flatten());
     found.into_iter().collect()
 }
 

@@ -132,8 +132,8 @@ pub(super) struct Case<'a> {
     pub(super) chosen: &'a Chosen<'a>,
     /// Factor between estimated and described forces; `None` if no joint gives one.
     pub(super) ratio: Option<&'a CommonRatio>,
-    /// Samples with their checks; `None` for an estimate from moments.
-    pub(super) samples: Option<(&'a Task<'a>, &'a Checked<'a>)>,
+    /// Checks of the residuals; `None` for an estimate from moments, which has no samples.
+    pub(super) checked: Option<&'a Checked<'a>>,
     /// Held-out errors of the fit with each kind of bodies.
     own: [HeldOut; 3],
     springs: OnceCell<Rc<Data>>,
@@ -145,11 +145,11 @@ impl<'a> Case<'a> {
         (robot, prior): (&'a dyn Robot, &'a Prior),
         (chosen, own): (&'a Chosen<'a>, &HeldOut),
         ratio: Option<&'a CommonRatio>,
-        samples: Option<(&'a Task<'a>, &'a Checked<'a>)>,
+        checked: Option<&'a Checked<'a>>,
     ) -> Result<Self> {
         let of = |bodies: Bodies| bodies.errors(chosen.over(chosen.centred.sums), prior.held.len(), prior);
         let own = [own.clone(), of(Bodies::Unbounded)?, of(Bodies::Described)?];
-        Ok(Self { robot, prior, chosen, ratio, samples, own, springs: OnceCell::new() })
+        Ok(Self { robot, prior, chosen, ratio, checked, own, springs: OnceCell::new() })
     }
 
     pub(super) fn layout(&self) -> &Layout {
@@ -225,7 +225,7 @@ impl<'a> Case<'a> {
 
     /// Data with a change; `None` if the change needs no other sums.
     pub(super) fn data(&self, change: &Change) -> Result<Option<Rc<Data>>> {
-        let Some((task, _)) = self.samples else { return Ok(None) };
+        let Some(&Checked { task, .. }) = self.checked else { return Ok(None) };
         let of = |task: Task| Some(Rc::new(Data::of(&task)));
         Ok(match change {
             Change::Factor(..) | Change::Unit(_) => None,

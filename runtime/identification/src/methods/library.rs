@@ -1,7 +1,7 @@
 //! The library Θ: candidate terms as in a description, evaluated on channels.
 
 use super::super::error::{IdentificationError, Result, require_length};
-use super::expression::{Kind, Program, Workspace};
+use super::expression::{Kind, Program, Workspace, fault};
 use gelenk_findings::digits::two_digits;
 use nalgebra::DMatrix;
 
@@ -28,15 +28,11 @@ impl Library {
         }
         let program = Program::new(&terms, &channels)?;
         for (i, term) in terms.iter().enumerate() {
-            let fault = |message: &str| IdentificationError::Expression {
-                text: term.clone(),
-                message: message.into(),
-            };
             if program.kind(i) != Some(Kind::Number) {
-                return Err(fault("a library term must be a number, not a truth value"));
+                return Err(fault(term, "a library term must be a number, not a truth value"));
             }
             if terms[..i].contains(term) {
-                return Err(fault("this term is twice in the library"));
+                return Err(fault(term, "this term is twice in the library"));
             }
         }
         Ok(Self { terms, channels, program })

@@ -103,10 +103,7 @@ pub fn identified_toml(identified: &Identified<'_>) -> Result<String> {
     });
     for (i, result) in friction.iter().enumerate() {
         if friction[..i].iter().any(|r| r.joint == result.joint) {
-            return Err(IdentificationError::Expression {
-                text: result.joint.clone(),
-                message: "this joint is twice among the results".into(),
-            });
+            return Err(fault(&result.joint, "this joint is twice among the results"));
         }
         let value = friction_value(result)?;
         text.push_str("\n[[joints]]\n");
