@@ -1,8 +1,11 @@
 //! Reasons why a command ends without success, and the exit codes.
 
+use std::any::Any;
 use std::panic::{self, AssertUnwindSafe, PanicHookInfo};
 use std::process::ExitCode;
 use std::sync::Mutex;
+
+use gelenk_identification::IdentificationError;
 
 use super::arguments::Format;
 use super::print;
@@ -29,9 +32,13 @@ pub(super) enum Failure {
     Problem(String),
 }
 
-impl<E: std::error::Error> From<E> for Failure {
+impl<E: std::error::Error + 'static> From<E> for Failure {
     fn from(error: E) -> Self {
-        Self::Problem(error.to_string())
+        let any: &dyn Any = &error;
+        match any.downcast_ref::<IdentificationError>().map_or(&[][..], IdentificationError::refusals) {
+            [] => Self::Problem(error.to_string()),
+            found => Self::Descriptions(found.iter().cloned().map(Diagnostics::from).collect()),
+        }
     }
 }
 

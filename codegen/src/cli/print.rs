@@ -117,10 +117,7 @@ pub(super) fn after<T, E: Into<Failure>>(
 pub(super) fn identified<T>(result: Result<T, IdentificationError>) -> Result<T, Failure> {
     result.map_err(|error| {
         err(&lines(error.noted()));
-        match error.refusals() {
-            [] => error.into(),
-            found => Failure::Descriptions(found.iter().cloned().map(Diagnostics::from).collect()),
-        }
+        error.into()
     })
 }
 
@@ -147,6 +144,12 @@ fn diagnostic(entry: &Diagnostic) -> Value {
         shown["values"] = values.collect();
     }
     shown
+}
+
+/// A table with these headings.
+pub(super) fn headed(head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
+    let head = head.iter().map(|heading| (*heading).to_owned()).collect();
+    table(&std::iter::once(head).chain(rows).collect::<Vec<_>>())
 }
 
 /// Text of a table whose first row is the head. Columns of numbers are right-aligned.

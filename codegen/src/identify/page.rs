@@ -91,9 +91,7 @@ fn summary(found: &Identification) -> Section {
     .column("with rest", "r_squared_with_rest", "")
     .column("$R^2$ in the fit", "r_squared", "")
     .column("residual $\\sigma$", "sigma", "")
-    .column("offset", "offset", "")
-    .column("unit", "unit", "")
-    .column("friction", "friction", "");
+    .columns(&["offset", "unit", "friction"]);
     for (index, joint) in found.estimate.joints.iter().enumerate() {
         table = table.row([
             Cell::text(joint.name.clone()),
@@ -181,7 +179,7 @@ fn friction_figure(joint: &JointFriction, unit: &str) -> Figure {
     figure.plot(plot)
 }
 
-/// Returns a plot of the error on left-out data over the number of terms.
+/// Error on held-out data over the number of terms.
 fn front(subsets: &SubsetValidation, force: &str) -> Plot {
     let point = |subset: &ValidatedSubset| [subset.active.len() as f64, subset.mean_error.sqrt()];
     Plot::new("Error by number of terms", Axis::new("terms", ""), Axis::new("rms error, left out", force))
@@ -269,11 +267,7 @@ fn parameters(robot: &dyn Robot, found: &Identification) -> Section {
             100.0 * found.estimate.confidence
         ),
     )
-    .column("parameter", "parameter", "")
-    .column("described", "described", "")
-    .column("estimated", "estimated", "")
-    .column("lowest", "lowest", "")
-    .column("highest", "highest", "");
+    .columns(&["parameter", "described", "estimated", "lowest", "highest"]);
     let described = robot.parameter_names().into_iter().zip(robot.parameters());
     for ((name, described), Uncertain { value, standard_error, interval: [low, high] }) in
         described.zip(&found.estimate.parameters)

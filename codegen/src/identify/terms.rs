@@ -18,12 +18,7 @@ pub(super) fn table(found: &Identification) -> Table {
         "Candidate terms of the friction laws. Terms that were not chosen have no coefficient. The probability of a term is \
          the total weight of the subsets that contain the term, by the Bayesian information criterion.",
     )
-    .column("joint", "joint", "")
-    .column("term", "term", "")
-    .column("coefficient", "coefficient", "")
-    .column("lowest", "lowest", "")
-    .column("highest", "highest", "")
-    .column("probability", "probability", "");
+    .columns(&["joint", "term", "coefficient", "lowest", "highest", "probability"]);
     for joint in &found.friction {
         let Ok(report) = &joint.report else { continue };
         table = table.rows(report.candidates().iter().map(|candidate| row(&joint.name, candidate)));

@@ -14,16 +14,8 @@ fn copied(from: &Path, files: &[&str]) -> tempfile::TempDir {
     folder
 }
 
-/// Whether robots of six and seven axes are asked for, which take half a minute: `GELENK_FINDINGS=long`.
-fn is_long() -> bool {
-    std::env::var_os("GELENK_FINDINGS").is_some_and(|value| value == "long")
-}
-
 #[test]
 fn cases_are_named() {
-    if !is_long() {
-        return;
-    }
     let files = ["robot.toml", "arm7.urdf", "one_way.csv", "way_back.csv", "arm4.urdf", "dropouts.csv"];
     let folder = copied(&cases(), &[&files[..], &["joint.toml", "joint_log.csv"]].concat());
     let output = ["--output", "found.toml"];
@@ -64,7 +56,7 @@ fn a_shaft_named_like_a_joint_is_told_from_it() {
 /// The first halves of the measured runs, with the model of the repository.
 #[test]
 fn the_runs_of_a_schunk_are_named() {
-    let Some(data) = shared("data/schunk_lwa4p").filter(|_| is_long()) else { return };
+    let Some(data) = shared("data/schunk_lwa4p") else { return };
     let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
     let folder = copied(&models, &["schunk_lwa4p.toml"]);
     let runs = fs::read_to_string(data.join("runs.csv")).unwrap();

@@ -1,10 +1,17 @@
 //! Errors of data and settings. Their messages contain the values that are wrong.
 
-use gelenk_findings::Finding;
 use gelenk_findings::digits::plain;
+use gelenk_findings::{About, Finding, Rule, Subject};
+use std::slice;
 use thiserror::Error;
 
-/// Error of an identification step. The message names the quantity, its value and, if known, a remedy.
+/// Sees: a file, an option, a log or a robot that cannot be used.
+/// Matters: nothing is identified.
+/// Example: a log without a column of times.
+/// Fixture: `what_cannot_be_read_is_explained` in `log/tests/refusals.rs`.
+const UNUSABLE: Rule = Rule::error("unusable-input");
+
+/// Error of an identification step. Every message names the quantity, its value and a remedy.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum IdentificationError {
     /// There are no samples.
@@ -136,14 +143,9 @@ pub enum IdentificationError {
         /// Names of the channels of the log.
         known: Vec<String>,
     },
-    /// A file cannot be read, understood or written.
-    #[error("{place}: {message}")]
-    File {
-        /// Path of the file, and the position in it.
-        place: String,
-        /// Description of the fault.
-        message: String,
-    },
+    /// A file, an option or a robot cannot be used.
+    #[error("{0}")]
+    File(Box<Finding>),
     /// An iteration did not reach its tolerance.
     #[error("{what} did not converge in {iterations} iterations: {detail}")]
     NotConverged {
@@ -170,22 +172,45 @@ pub enum IdentificationError {
     },
 }
 
-/// Place of a fault in the data: a file, a part of a file, or a part of the robot.
-pub(crate) struct Place(String);
+/// A file, a part of it, an option, or a part of the robot, at which data have a fault; the whole robot by default.
+#[derive(Default)]
+pub(crate) struct Place(About);
 
-/// Returns the place with this name.
-pub(crate) fn at(place: impl Into<String>) -> Place {
-    Place(place.into())
+/// The log or the file with this name.
+pub(crate) fn at(file: impl Into<String>) -> Place {
+    Place(About { log: Some(file.into()), ..About::default() })
+}
+
+/// The joint with this name.
+pub(crate) fn at_joint(name: impl Into<String>) -> Place {
+    Place(About { subject: Subject::Joint(name.into()), ..About::default() })
 }
 
 impl Place {
-    /// Returns the error with this message at this place.
+    /// The row of this log.
+    pub(crate) fn row(mut self, row: usize) -> Self {
+        self.0.rows = Some((row, row));
+        self
+    }
+
+    /// The option that names columns of this log.
+    pub(crate) fn option(mut self, option: String) -> Self {
+        self.0.column = Some(option);
+        self
+    }
+
+    /// The error that there is a fault at this place.
     pub(crate) fn fault(self, message: impl Into<String>) -> IdentificationError {
-        IdentificationError::File { place: self.0, message: message.into() }
+        IdentificationError::File(Box::new(Finding { about: self.0, ..UNUSABLE.found(message) }))
     }
 }
 
 impl IdentificationError {
+    /// The error that a file, or another input with this name, cannot be used.
+    pub fn unusable(place: impl Into<String>, message: impl Into<String>) -> Self {
+        at(place).fault(message)
+    }
+
     /// Adds the earlier findings to the error.
     pub(crate) fn after(self, noted: Vec<Finding>) -> Self {
         if noted.is_empty() { self } else { Self::After { noted, error: Box::new(self) } }
@@ -195,6 +220,7 @@ impl IdentificationError {
     pub fn refusals(&self) -> &[Finding] {
         match self {
             Self::Found { findings } => findings,
+            Self::File(finding) => slice::from_ref(finding),
             Self::After { error, .. } => error.refusals(),
             _ => &[],
         }
@@ -265,4 +291,22 @@ pub(crate) fn require_samples(what: &str, needed: usize, got: usize) -> Result<(
         return Err(IdentificationError::TooFewSamples { what: what.into(), needed, got });
     }
     Ok(())
+}
+
+/// Fails if all values are equal.
+///
+/// # Errors
+/// [`IdentificationError::Constant`]
+pub(crate) fn require_changing(what: &str, values: &[f64]) -> Result<()> {
+    match values.first() {
+        Some(&value) if values.iter().all(|x| *x == value) => {
+            Err(IdentificationError::Constant { what: what.into(), value, samples: values.len() })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The error that a setting removes every term.
+pub(crate) fn everything_removed(what: &str, value: f64, largest: f64) -> IdentificationError {
+    IdentificationError::EverythingRemoved { what: what.into(), value, largest }
 }

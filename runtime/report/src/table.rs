@@ -67,6 +67,12 @@ impl Table {
         self
     }
 
+    /// Adds columns without units. Their headings are also their names in JSON and CSV.
+    #[must_use]
+    pub fn columns(self, headings: &[&str]) -> Self {
+        headings.iter().fold(self, |table, heading| table.column(heading, *heading, ""))
+    }
+
     /// Adds a row.
     #[must_use]
     pub fn row(mut self, cells: impl IntoIterator<Item = Cell>) -> Self {

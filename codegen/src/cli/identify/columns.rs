@@ -2,6 +2,7 @@
 
 use std::process::ExitCode;
 
+use gelenk_findings::Finding;
 use gelenk_identification::log::guess_columns;
 use serde_json::json;
 
@@ -26,10 +27,11 @@ pub(super) fn print(arguments: &Identify, format: Format) -> Result<ExitCode, Fa
     let guess = guess_columns(log, &robot, &settings.columns)?;
     let code = if guess.faults.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(FAULT) };
     if format == Format::Json {
-        print::json(&json!({ "columns": guess.line, "missing": guess.faults, "headers": guess.columns }))?;
+        let missing: Vec<String> = guess.faults.iter().map(Finding::sentence).collect();
+        print::json(&json!({ "columns": guess.line, "missing": missing, "headers": guess.columns }))?;
         return Ok(code);
     }
-    guess.faults.iter().for_each(|fault| print::err(&format!("error: {fault}\n")));
+    print::err(&print::lines(&guess.faults));
     let mut text = format!("--columns '{}'\n", guess.line);
     if !guess.faults.is_empty() {
         let headers = guess.columns.iter().zip(1..);

@@ -58,7 +58,7 @@ const LOAD_LOST: Rule = Rule::note("load-friction-replaced");
 /// Identifies the robot from logs, and writes the description and the page.
 pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
     let (loaded, robot) = read(arguments)?;
-    let output = output(arguments, &loaded)?;
+    let output = output(arguments, &loaded, "identified")?;
     let settings = settings(arguments)?;
     let mut found = print::identified(identify(&robot, &arguments.logs, &settings, &mut say))?;
     motor_constants::add_doubts(&mut found);
@@ -207,11 +207,14 @@ fn replaced_load(model: &Model, found: &Identification) -> Option<Finding> {
     })
 }
 
-/// Returns the path of the written description. Fails if this file is an input of the command.
-pub(super) fn output(arguments: &Identify, loaded: &Loaded) -> Result<PathBuf, Failure> {
-    let default = || PathBuf::from(format!("{}_identified.toml", loaded.model.name));
+/// Path of the written description. Returns an error if it is an input of the command.
+///
+/// - `kind`: end of the name without `--output`
+pub(super) fn output(arguments: &Identify, loaded: &Loaded, kind: &str) -> Result<PathBuf, Failure> {
+    let default = || PathBuf::from(format!("{}_{kind}.toml", loaded.model.name));
     let output = arguments.output.clone().unwrap_or_else(default);
-    place::require_writable(&output, loaded.files.iter().chain(&arguments.logs).chain(&arguments.validate))?;
+    let logs = arguments.logs.iter().chain(&arguments.validate).chain(&arguments.payload);
+    place::require_writable(&output, loaded.files.iter().chain(logs))?;
     Ok(output)
 }
 
@@ -405,11 +408,9 @@ fn as_text(
     let mut text = print::lines(findings);
     text.push('\n');
     let rest = page::has_rest(found);
-    let with_rest = |words: &'static str| rest.then(|| words.to_owned());
-    let head = [page::rows_are(found), "R² held-out"].map(str::to_owned).into_iter();
-    let head = head
-        .chain(with_rest("with rest"))
-        .chain(["R² fit", "residual", "offset", "friction"].map(str::to_owned));
+    let with_rest: &[&str] = if rest { &["with rest"] } else { &[] };
+    let last = ["R² fit", "residual", "offset", "friction"];
+    let head = [&[page::rows_are(found), "R² held-out"], with_rest, &last].concat();
     let rows = found.estimate.joints.iter().enumerate().map(|(index, joint)| {
         let number =
             |value: f64| if page::is_judged(joint) { format!("{value:.4}") } else { "–".to_owned() };
@@ -422,7 +423,7 @@ fn as_text(
         ];
         first.chain(rest.then(|| number(joint.held_out_with_rest))).chain(last).collect()
     });
-    text.push_str(&print::table(&std::iter::once(head.collect()).chain(rows).collect::<Vec<_>>()));
+    text.push_str(&print::headed(&head, rows));
     if let Some(front) = front {
         text.push_str(&format!("\n{}", print::table(&front)));
     }
@@ -439,9 +440,7 @@ fn validated(validation: &[JointValidation]) -> String {
     if validation.is_empty() {
         return String::new();
     }
-    let head = ["joint", "R² in validation logs", "with rest", "residual", "offset", "R² with it"]
-        .map(str::to_owned)
-        .to_vec();
+    let head = ["joint", "R² in validation logs", "with rest", "residual", "offset", "R² with it"];
     let rows = validation.iter().map(|joint| {
         let share = |r: f64| if r.is_nan() { "–".to_owned() } else { format!("{r:.4}") };
         vec![
@@ -453,5 +452,5 @@ fn validated(validation: &[JointValidation]) -> String {
             share(joint.r_squared_with_offset),
         ]
     });
-    format!("\n{}", print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>()))
+    format!("\n{}", print::headed(&head, rows))
 }

@@ -26,7 +26,7 @@ const MOMENTS: &str = "moments";
 /// Reduces logs to one file of moments.
 pub(super) fn write_reduced(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
     let (loaded, robot) = read(arguments)?;
-    let path = output(arguments, &loaded)?;
+    let path = output(arguments, &loaded, "identified")?;
     if !is_moments(&path) {
         return Err(Failure::Usage(format!(
             "`--reduce` writes a file of moments: name a file *.{MOMENTS} with --output"
@@ -45,7 +45,7 @@ pub(super) fn write_reduced(arguments: &Identify, format: Format) -> Result<Exit
 /// only added.
 pub(super) fn write_merged(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
     let (loaded, robot) = read(arguments)?;
-    let path = output(arguments, &loaded)?;
+    let path = output(arguments, &loaded, "identified")?;
     let of_results = [("--report", arguments.report.is_some()), ("--method", arguments.method.is_some())];
     if let Some((option, _)) = of_results.iter().find(|(_, is_given)| is_moments(&path) && *is_given) {
         return Err(Failure::Usage(format!(

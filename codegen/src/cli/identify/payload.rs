@@ -1,6 +1,6 @@
 //! The command `gelenk identify --payload`.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 
 use gelenk_findings::digits::{plain, rounded};
@@ -13,8 +13,8 @@ use serde_json::{Value, json};
 
 use super::super::arguments::{Format, Identify};
 use super::super::failure::Failure;
-use super::super::{place, print};
-use super::logs::{command, relative, settings};
+use super::super::print;
+use super::logs::{command, output, relative, settings};
 use super::read::{read, say};
 use crate::identify::{BodyValues, InterpretedRobot, rounded_load};
 use crate::model::Model;
@@ -26,10 +26,7 @@ const NAME: &str = "payload";
 /// Identifies a load in the hand, and writes a description in which the load is a body.
 pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
     let (loaded, robot) = read(arguments)?;
-    let default = || PathBuf::from(format!("{}_payload.toml", loaded.model.name));
-    let output = arguments.output.clone().unwrap_or_else(default);
-    let logs = arguments.logs.iter().chain(&arguments.payload);
-    place::require_writable(&output, loaded.files.iter().chain(logs))?;
+    let output = output(arguments, &loaded, "payload")?;
     let carrier = carrier(arguments, &robot)?;
     let load = PayloadSettings { body: Some(carrier.body), ..PayloadSettings::default() };
     let both = (&settings(arguments)?, &load);
@@ -126,8 +123,8 @@ fn values(payload: &Payload) -> Vec<(&'static str, &'static str, Uncertain)> {
 fn as_text(found: &CarriedLoad, link: &str, robot: &InterpretedRobot, output: &Path) -> String {
     let mut text = print::lines(&found.findings);
     let payload = &found.payload;
-    text.push_str(&format!("\nload on {link} (moments of inertia about its centre of mass):\n"));
-    let head = ["", "value", "95 % interval", "excited by the motion"].map(str::to_owned).to_vec();
+    text.push_str(&format!("\nload on {link}, moments about its centre of mass:\n"));
+    let head = ["", "value", "95 % interval", "excited by the motion"];
     let rows = values(payload).into_iter().enumerate().map(|(place, (name, unit, value))| {
         let [low, high] = value.interval;
         let shown = if payload.shown[place] { "yes" } else { "no" };
@@ -136,15 +133,15 @@ fn as_text(found: &CarriedLoad, link: &str, robot: &InterpretedRobot, output: &P
         let interval = format!("{} … {}", number(low), number(high));
         vec![name.to_owned(), format!("{} {unit}", number(value.value)), interval, shown.to_owned()]
     });
-    text.push_str(&print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>()));
-    let head = ["joint", "explained change", "residual"].map(str::to_owned).to_vec();
+    text.push_str(&print::headed(&head, rows));
+    let head = ["joint", "explained change", "residual"];
     let joints = robot.joint_names().into_iter().zip(&payload.explained).zip(&payload.residuals);
     let rows = joints.map(|((name, explained), residual)| {
         let known = |x: Option<String>| x.unwrap_or_else(|| "–".to_owned());
         let explained = explained.map(|share| format!("{share:.3}"));
         vec![name, known(explained), known(residual.map(|size| plain(size, 3)))]
     });
-    text.push_str(&format!("\n{}", print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>())));
+    text.push_str(&format!("\n{}", print::headed(&head, rows)));
     text.push_str(&format!("\nwrote {}\n", output.display()));
     text
 }

@@ -132,7 +132,7 @@ fn as_text(plan: &Plan, robot: &InterpretedRobot, path: &Path) -> String {
     text.push_str(&beginning(plan, robot));
     let [speeds, efforts] = &plan.largest;
     let what = if plan.shafts.is_empty() { "joint" } else { "joint or shaft" };
-    let head = [what, "largest speed", "largest effort", "described limit"].map(str::to_owned).to_vec();
+    let head = [what, "largest speed", "largest effort", "described limit"];
     let limit_of = |limit: f64, unit: &str| {
         if limit.is_finite() { format!("{limit} {unit}") } else { "none".to_owned() }
     };
@@ -159,7 +159,7 @@ fn as_text(plan: &Plan, robot: &InterpretedRobot, path: &Path) -> String {
             },
         );
     text.push('\n');
-    text.push_str(&print::table(&std::iter::once(head).chain(rows).chain(shafts).collect::<Vec<_>>()));
+    text.push_str(&print::headed(&head, rows.chain(shafts)));
     text.push('\n');
     text.push_str(&inputs_text(plan, robot));
     text.push_str(&print::lines(&plan.findings));
@@ -175,7 +175,7 @@ fn inputs_text(plan: &Plan, robot: &InterpretedRobot) -> String {
     if plan.inputs.is_empty() {
         return String::new();
     }
-    let head = ["input", "lowest", "highest", "described limits"].map(str::to_owned).to_vec();
+    let head = ["input", "lowest", "highest", "described limits"];
     let model = robot.model();
     let rows = plan.inputs.iter().zip(model.inputs()).map(|(input, described)| {
         let (unit, [low, high]) = (model.input_unit(described), input.range);
@@ -188,7 +188,7 @@ fn inputs_text(plan: &Plan, robot: &InterpretedRobot) -> String {
         let [low, high] = [low, high].map(|end| format!("{} {unit}", three_digits(end)));
         vec![input.name.clone(), low, high, limits]
     });
-    format!("{}\n", print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>()))
+    format!("{}\n", print::headed(&head, rows))
 }
 
 fn as_json(plan: &Plan, robot: &InterpretedRobot, path: &Path) -> Value {

@@ -153,7 +153,7 @@ pub fn replay(robot: &dyn Robot, forces: &Forces<'_>, runs: &[Run], delay: f64) 
 }
 
 fn fault(place: impl Into<String>, message: impl Into<String>) -> IdentificationError {
-    IdentificationError::File { place: place.into(), message: message.into() }
+    IdentificationError::unusable(place, message)
 }
 
 /// Returns the number of periods per second: the inverse of the median time step of the log, rounded to few

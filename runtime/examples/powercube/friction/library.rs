@@ -131,7 +131,7 @@ pub fn fineness_claim(paper: &Fineness, finer: &Fineness) -> Claim {
         "",
     ))
     .criterion(Criterion::at_most(
-        "what the finer one gains on left-out data",
+        "what the finer one gains on held-out data",
         1.0 - finer.unseen / paper.unseen,
         0.01,
         "",
@@ -293,7 +293,7 @@ fn validation_figure(chosen: &[(FrictionReport, f64); 3]) -> Figure {
             Plot::new(
                 *name,
                 Axis::new("λ", "N m").logarithmic(),
-                Axis::new("error on left-out data, rms", "N m").logarithmic(),
+                Axis::new("error on held-out data, rms", "N m").logarithmic(),
             )
             .series("left-out folds", Marks::Line, all)
             .series("least error", Marks::Points, vec![point(validation.minimum)])

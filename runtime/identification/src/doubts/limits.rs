@@ -120,14 +120,10 @@ impl Log<'_> {
                 format!("{}{}", labels.pattern, bracket(first))
             }
             _ => {
-                let column = |joint: &usize| {
-                    labels
-                        .columns
-                        .get(*joint)
-                        .map_or("?", |label| label.trim_start_matches("number ").trim_matches('`'))
+                let column = |(joint, unit): (&usize, &Option<&str>)| {
+                    Some(format!("{}{}", labels.written.get(*joint)?.as_ref()?, bracket(unit)))
                 };
-                let all = self.joints.iter().map(column).zip(units);
-                all.map(|(column, unit)| format!("{column}{}", bracket(unit))).collect::<Vec<_>>().join("|")
+                self.joints.iter().zip(units).filter_map(column).collect::<Vec<_>>().join("|")
             }
         }
     }

@@ -1,11 +1,13 @@
 //! Checks of the residual efforts against effects that the model lacks.
 
+use super::super::error::Result;
 use super::super::methods::offset::mean;
 use super::super::robot::Robot;
-use super::super::run::PreparedRun;
-use super::layout::Layout;
+use super::layout::LOAD;
 use super::levels;
 use super::residuals::Forces;
+use super::task::Task;
+use super::trial::{Case, Change};
 use super::unit::{CommonRatio, Sizes, common_ratio, unit_doubt};
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
@@ -32,46 +34,38 @@ const ACCELERATION: Rule = Rule::warning("residual-follows-acceleration");
 /// Matters: a law of the velocity alone is wrong under other loads.
 /// Example: a worm gear.
 /// Fixture: `friction_under_load_is_identified_where_it_is_asked_for` in `codegen/tests/command_line/identify.rs`.
-const UNDER_LOAD: Rule = Rule::warning("friction-under-load");
+pub(super) const UNDER_LOAD: Rule = Rule::warning("friction-under-load");
 
 /// Inputs of the checks.
 pub(super) struct Checked<'a> {
-    pub(super) robot: &'a dyn Robot,
-    pub(super) layout: &'a Layout,
-    pub(super) runs: &'a [PreparedRun],
+    pub(super) task: &'a Task<'a>,
     pub(super) forces: &'a Forces,
     pub(super) correlation_time: f64,
-    /// Joints whose efforts are not used.
-    pub(super) left_out: &'a [usize],
-    /// Whether the check for load-dependent friction is left out. This is so if the friction is part of the fit, or if the
-    /// rigid forces do not contain gravity and therefore are not the loads of the gears.
-    pub(super) loads_are_known: bool,
 }
 
 impl Checked<'_> {
     /// Doubts about each moving joint, and findings about joints without a measured effort or without motion.
     pub(super) fn findings(&self) -> Vec<Finding> {
         let of = |joint: usize| {
-            if self.robot.unmeasured()[joint] || self.left_out.contains(&joint) {
+            if self.task.robot.unmeasured()[joint] || self.task.settings.without.contains(&joint) {
                 Vec::new()
-            } else if !self.layout.measured[joint] {
-                vec![no_effort(self.robot, joint)]
-            } else if !self.layout.moves[joint] && !self.layout.exact[joint] {
+            } else if !self.task.layout.measured[joint] {
+                vec![no_effort(self.task.robot, joint)]
+            } else if !self.task.layout.moves[joint] && !self.task.layout.exact[joint] {
                 let still =
-                    DOES_NOT_MOVE.found("it does not move in these data, so its friction is not estimated");
-                vec![still.of(self.robot.subject(joint)).help("record a log in which it moves")]
+                    DOES_NOT_MOVE.found("it does not move in these data: its friction is not estimated");
+                vec![still.of(self.task.robot.subject(joint)).help("move it")]
             } else {
                 self.joint(joint)
             }
         };
-        (0..self.layout.joints).flat_map(of).collect()
+        (0..self.task.layout.joints).flat_map(of).collect()
     }
 
     /// Doubts about one joint.
     pub(super) fn joint(&self, joint: usize) -> Vec<Finding> {
-        let doubts =
-            [unit_doubt(self.sizes(joint)), self.acceleration(joint), self.load(joint)].into_iter().flatten();
-        doubts.map(|doubt| doubt.of(self.robot.subject(joint))).collect()
+        let doubts = [unit_doubt(self.sizes(joint)), self.acceleration(joint)].into_iter().flatten();
+        doubts.map(|doubt| doubt.of(self.task.robot.subject(joint))).collect()
     }
 
     /// Root sums of squares of the estimated rigid force, the described rigid force and the measured force of a joint. The
@@ -88,21 +82,21 @@ impl Checked<'_> {
     /// Whether the estimated rigid-body force of a joint differs so much from the described force that the unit of its effort
     /// may be wrong.
     pub(super) fn has_other_unit(&self) -> bool {
-        let known = self.layout.known_efforts();
-        (0..self.layout.joints).any(|joint| known[joint] && unit_doubt(self.sizes(joint)).is_some())
+        let known = self.task.layout.known_efforts();
+        (0..self.task.layout.joints).any(|joint| known[joint] && unit_doubt(self.sizes(joint)).is_some())
     }
 
     /// Ratio of estimated to described forces of the robot as a whole; `None` if no joint determines the ratio.
     pub(super) fn common_ratio(&self) -> Option<CommonRatio> {
-        let sizes: Vec<Sizes> = (0..self.layout.joints).map(|joint| self.sizes(joint)).collect();
-        common_ratio(self.robot, self.layout.effort, &self.layout.known_efforts(), &sizes)
+        let sizes: Vec<Sizes> = (0..self.task.layout.joints).map(|joint| self.sizes(joint)).collect();
+        common_ratio(self.task.robot, self.task.layout.effort, &self.task.layout.known_efforts(), &sizes)
     }
 
     /// The delay of a joint's effort \[s\] that its residual shows; `None` if the residual is not proportional to the rate of
     /// the force. A torque τ that is late by d is `τ(t − d) ≈ τ − d τ̇`.
     pub(super) fn delay(&self, joint: usize) -> Option<f64> {
         let slope = |run: usize, i: usize| {
-            let (p, t) = (self.predicted(run, joint), &self.runs[run].times);
+            let (p, t) = (self.predicted(run, joint), &self.task.runs[run].times);
             let (before, after) = (i.saturating_sub(1), (i + 1).min(t.len() - 1));
             (p(after) - p(before)) / (t[after] - t[before])
         };
@@ -117,10 +111,10 @@ impl Checked<'_> {
 
     fn acceleration(&self, joint: usize) -> Option<Finding> {
         // A joint with a quaternion has no rotor.
-        if self.layout.exact[joint] {
+        if self.task.layout.exact[joint] {
             return None;
         }
-        let (factor, share) = self.explained(joint, &|run, i| self.runs[run].accelerations[joint][i])?;
+        let (factor, share) = self.explained(joint, &|run, i| self.task.runs[run].accelerations[joint][i])?;
         self.is_suspicious(share).then(|| {
             let message = format!(
                 "{:.0} % of the residual's variance is proportional to the acceleration (factor {}): the rigid body is wrong",
@@ -132,31 +126,27 @@ impl Checked<'_> {
         })
     }
 
-    /// Finding about load-dependent friction. Such friction leaves the residual `(|τ_l| − mean) sign(v)`, because the Coulomb
+    /// Whether the residual of a joint shows friction that grows with the load: `(|τ_l| − mean) sign(v)`, because the Coulomb
     /// term explains the mean of the load's magnitude |τ_l|.
-    fn load(&self, joint: usize) -> Option<Finding> {
-        // A joint with a quaternion has no gear.
-        if self.loads_are_known || self.layout.exact[joint] || !self.robot.own_inputs()[joint] {
-            return None;
+    fn rubs_under_load(&self, joint: usize) -> bool {
+        let Task { robot, layout, settings, .. } = self.task;
+        // Without gravity, rigid forces are not the loads of the gears. A joint with a quaternion has no gear.
+        let is_known = settings.load_friction || settings.gravity_compensated;
+        if is_known || layout.exact[joint] || !robot.own_inputs()[joint] {
+            return false;
         }
         let rigid = |run: usize, i: usize| self.forces.rigid[run][joint][i].abs();
-        let all = self.forces.moving(self.layout, self.runs, joint).map(|(run, i)| rigid(run, i));
+        let all = self.forces.moving(self.task.layout, self.task.runs, joint).map(|(run, i)| rigid(run, i));
         let (sum, count) = all.fold((0.0, 0), |(sum, count), force| (sum + force, count + 1));
         let mean = sum / f64::from(count.max(1));
-        let steepness = self.layout.steepness[joint][0];
-        let direction = |run: usize, i: usize| (steepness * self.runs[run].velocities[joint][i]).tanh();
-        let (factor, share) = self.explained(joint, &|run, i| (rigid(run, i) - mean) * direction(run, i))?;
-        (factor > 0.0 && self.is_suspicious(share)).then(|| {
-            let message = format!(
-                "{:.0} % of the residual's variance is load-dependent friction, which is about {factor:.2} of the gear's load",
-                100.0 * share
-            );
-            UNDER_LOAD.found(message).with("share of the load", factor, "").help("use --load-friction")
-        })
+        let steepness = self.task.layout.steepness[joint][0];
+        let direction = |run: usize, i: usize| (steepness * self.task.runs[run].velocities[joint][i]).tanh();
+        self.explained(joint, &|run, i| (rigid(run, i) - mean) * direction(run, i))
+            .is_some_and(|(factor, share)| factor > 0.0 && self.is_suspicious(share))
     }
 
     fn is_suspicious(&self, share: f64) -> bool {
-        let total: usize = self.runs.iter().map(|r| r.times.len()).sum();
+        let total: usize = self.task.runs.iter().map(|r| r.times.len()).sum();
         share > levels::SUSPICIOUS.get()
             && share > levels::BY_CHANCE.get() * self.correlation_time / total as f64
     }
@@ -165,7 +155,7 @@ impl Checked<'_> {
     /// explains. `None` if the quantity is constant or the residual is zero.
     fn explained(&self, joint: usize, quantity: &dyn Fn(usize, usize) -> f64) -> Option<(f64, f64)> {
         let mut sums = [0.0; 6];
-        for (run, i) in self.forces.moving(self.layout, self.runs, joint) {
+        for (run, i) in self.forces.moving(self.task.layout, self.task.runs, joint) {
             let (x, r) = (quantity(run, i), self.forces.residual[run][joint][i]);
             for (sum, term) in sums.iter_mut().zip([1.0, x, r, x * x, x * r, r * r]) {
                 *sum += term;
@@ -176,6 +166,28 @@ impl Checked<'_> {
         let usable = variance > 1e-12 * xx && energy > 0.0;
         usable.then(|| (covariance / variance, covariance * covariance / (variance * energy)))
     }
+}
+
+/// Friction under load of the joints whose residuals show it.
+pub(super) fn loads(case: &Case) -> Result<Vec<Change>> {
+    let Some(checked) = case.checked else { return Ok(Vec::new()) };
+    let joints = case.layout().rubbing().filter(|joint| checked.rubs_under_load(*joint));
+    let joints: Vec<usize> = joints.collect();
+    Ok((!joints.is_empty()).then_some(Change::Load(joints)).into_iter().collect())
+}
+
+pub(super) fn under_load(case: &Case, change: &Change, rule: &Rule) -> Result<Option<Finding>> {
+    let (Change::Load(joints), Some(data)) = (change, case.data(change)?) else { return Ok(None) };
+    let solved = case.changed(change, Some(&data)).solved(&data.prior)?;
+    let share = |joint: &usize| solved.values.unknowns[data.layout.term(*joint, LOAD)];
+    let names = case.robot.joint_names();
+    let said: Vec<String> =
+        joints.iter().map(|j| format!("{:.2} of it at {}", share(j), names[*j])).collect();
+    let message = format!("friction grows with the load of the gear, by about {}", said.join(", "));
+    // Other shares cannot exist.
+    let can_exist = joints.iter().map(share).all(|share| share > 0.0 && share < 1.0);
+    let finding = rule.found(message).with("share of the load", share(&joints[0]), "");
+    Ok(can_exist.then(|| finding.help("use --load-friction")))
 }
 
 /// The finding about a joint without a usable effort in the logs.

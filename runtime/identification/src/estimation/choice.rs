@@ -4,7 +4,7 @@
 use super::super::error::Result;
 use super::super::inertial::PER_BODY;
 use super::super::methods::subset::MOST_ALIKE;
-use super::fit::{HeldOut, Weighting, held_out, reweighted};
+use super::fit::{HeldOut, Solved, Weighting, fit, held_out, reweighted};
 use super::gains::{Gains, gains};
 use super::joint_prior::JointPrior;
 use super::layout::{ARMATURE, ASYMMETRY, COULOMB, LOAD, Layout, VISCOUS};
@@ -102,6 +102,11 @@ impl Chosen<'_> {
 
     pub(super) fn held_out(&self, prior: &Prior) -> Result<HeldOut> {
         self.error(&self.model, prior)
+    }
+
+    /// The fit of the choice to all data.
+    pub(super) fn solved(&self, prior: &Prior) -> Result<Solved> {
+        fit(&self.centred, &self.centred.all, &self.model, prior, &self.weighting, &self.values)
     }
 
     pub(super) fn reweight(&mut self, prior: &Prior) -> Result<()> {
@@ -207,7 +212,7 @@ impl Chosen<'_> {
     /// between 0 and 1. Friction that lags behind the speed would make the estimated inertia negative, which is impossible.
     fn can_exist(&self, model: &Model, joint: usize, prior: &Prior) -> Result<bool> {
         let all = &self.centred.all;
-        let solved = super::fit::fit(&self.centred, all, model, prior, &self.weighting, &self.values)?;
+        let solved = fit(&self.centred, all, model, prior, &self.weighting, &self.values)?;
         let value = |term: usize| solved.values.unknowns[self.centred.layout.term(joint, term)];
         let has_inertia = !model.armature[joint] || value(ARMATURE) > 0.0;
         let has_share = !model.load[joint] || (value(LOAD) > 0.0 && value(LOAD) < 1.0);

@@ -7,17 +7,14 @@ use super::checks::Checked;
 use super::choice::{Chosen, Freedom, choose};
 use super::delays::FirstFit;
 use super::estimated::{Estimated, is_doubted, is_unexplained, require_explained, unexplained};
-use super::fit::{HeldOut, fit};
-use super::hypotheses::{
-    Doubts, is_driving, other_delays, other_explanations, other_factors, other_order, other_spring,
-};
+use super::fit::HeldOut;
+use super::hypotheses::{is_driving, is_refusal};
 use super::intervals::{Fitted, correlation_time, covariance, offset_errors, scores};
 use super::joint_prior::JointPrior;
 use super::layout::Layout;
 use super::loads::{Loads, PASSES, settled};
 use super::margin::{change_at_margin, runs_away_from_stops};
 use super::normal::{Centred, Values, residual_vector};
-use super::offer::gain_of_unit;
 use super::prior::Prior;
 use super::report::Report;
 use super::residuals::{Forces, RunOffsets, huber, residual, robust_deviations};
@@ -25,9 +22,8 @@ use super::result::{Estimate, Gravity, Offsets};
 use super::settings::EstimationSettings;
 use super::sums::{Sums, Weights, cut, moving, resting, sum};
 use super::task::Task;
-use super::tilt::tilt;
-use super::unit::CommonRatio;
-use gelenk_findings::{Finding, Rule};
+use super::trial::Case;
+use gelenk_findings::{Finding, Rule, Subject};
 use nalgebra::DVector;
 
 /// Sees: coefficients of load-dependent friction that change from pass to pass.
@@ -149,8 +145,8 @@ fn estimate_of(
 }
 
 /// - `steepness`: factors k of the Coulomb terms tanh(k v) of each joint
-/// - `loads`: whether there is a term of load-dependent friction
-fn layout_of(
+/// - `loads`: whether there is a term of friction under load
+pub(super) fn layout_of(
     robot: &dyn Robot,
     runs: &[PreparedRun],
     settings: &EstimationSettings,
@@ -361,24 +357,15 @@ impl Task<'_> {
         outlier: &[f64],
         progress: &mut dyn FnMut(&str),
     ) -> Result<Estimate> {
-        let Chosen { centred, model, weighting, values, .. } = last;
-        let solved = fit(centred, &centred.all, model, self.prior, weighting, values)?;
-        let offsets = offsets_of(centred, &solved.values);
-        progress("Intervals are computed for correlated residuals.");
+        let solved = last.solved(self.prior)?;
+        let offsets = offsets_of(&last.centred, &solved.values);
+        progress("Intervals are computed under correlated residuals.");
         let forces = self.forces(&solved.values, &offsets);
         let times = self.correlation_times(&forces);
         let measured = times.iter().zip(&self.layout.measured).filter(|(_, measured)| **measured);
         let time = measured.map(|(time, _)| *time).fold(1.0, f64::max);
-        let fitted = Fitted {
-            centred,
-            solved: &solved,
-            weighting,
-            values: &solved.values,
-            offsets: &offsets,
-            outlier,
-            log_gains: &last.log_gains,
-        };
-        let margin = change_at_margin(self, last, &fitted);
+        let fitted = Fitted { chosen: last, solved: &solved, offsets: &offsets, outlier };
+        let margin = change_at_margin(self, &fitted);
         let scores = scores(&mut self.rows(), self.layout, self.runs, &fitted, time);
         let covariance = covariance(&fitted, self.prior, &scores)?;
         let errors = |joint: usize| offset_errors(&fitted, self.prior, &covariance, joint);
@@ -410,7 +397,7 @@ impl Task<'_> {
             with_rest: with_rest.as_deref().unwrap_or(&held_out),
             has_loads: self.loads.is_some(),
         };
-        Ok(report.estimate(doubts.findings()))
+        Ok(report.estimate(doubts.into_iter().map(Finding::accepted).collect()))
     }
 
     /// Doubts about the fit.
@@ -427,49 +414,36 @@ impl Task<'_> {
         judged: (&Chosen, &HeldOut),
         held_out: &[f64],
         (forces, correlation_time): (&Forces, f64),
-    ) -> Result<Doubts> {
-        let checked = Checked {
-            robot: self.robot,
-            layout: self.layout,
-            runs: self.runs,
-            forces,
-            correlation_time,
-            left_out: &self.settings.without,
-            loads_are_known: self.loads.is_some() || self.settings.gravity_compensated,
-        };
+    ) -> Result<Vec<Finding>> {
+        let checked = Checked { task: self, forces, correlation_time };
         let accept_poor = self.settings.accept_poor;
         let ratio = checked.common_ratio();
-        let mut doubts = other_explanations(self, judged, ratio.as_ref().map(CommonRatio::factor))?;
-        doubts.of_all.extend(tilt(self, judged, correlation_time).ok().flatten());
-        other_factors(self, judged.0, &mut doubts)?;
-        let has_other_unit = ratio.as_ref().is_some_and(CommonRatio::is_other) || checked.has_other_unit();
-        other_order(self, judged.0, judged.1, &mut doubts, has_other_unit)?;
-        other_spring(self, judged.0, &mut doubts)?;
-        let refusals = doubts.refusals();
+        let case = Case::new((self.robot, self.prior), judged, ratio.as_ref(), Some(&checked))?;
+        let mut doubts = case.doubts()?;
+        let of_all = |doubt: &&Finding| doubt.about.subject == Subject::Whole && is_refusal(doubt);
+        let refusals: Vec<Finding> = doubts.iter().filter(of_all).cloned().collect();
         if !refusals.is_empty() && !accept_poor {
             return Err(IdentificationError::Found { findings: refusals });
         }
         self.require_explained(held_out, &doubts, &checked)?;
-        if let Some(ratio) = ratio {
-            doubts
-                .of_all
-                .extend(ratio.judged(accept_poor, |factor| gain_of_unit(judged.0, factor, self.prior))?);
+        if let Some(ratio) = &ratio {
+            doubts.extend(ratio.judged(accept_poor, || case.unit())?);
         }
-        doubts.of_all.extend(other_delays(self, judged, &checked)?);
         // A residual that a remedy removes has no second cause.
-        let is_explained = |of: &Finding| doubts.of_all.iter().any(|offered| offered.about == of.about);
+        let is_explained = |of: &Finding| doubts.iter().any(|offered| offered.about == of.about);
         let found: Vec<Finding> = checked.findings().into_iter().filter(|of| !is_explained(of)).collect();
-        doubts.of_all.extend(found);
+        doubts.extend(found);
         Ok(doubts)
     }
 
     /// Refuses a fit that explains too little, with the likely reason.
-    fn require_explained(&self, held_out: &[f64], doubts: &Doubts, checked: &Checked) -> Result<()> {
+    fn require_explained(&self, held_out: &[f64], doubts: &[Finding], checked: &Checked) -> Result<()> {
         let reasons = |joint: usize| {
-            let reasons = doubts.of_all.iter().cloned().chain(checked.joint(joint));
+            let of_all = doubts.iter().filter(|doubt| !is_refusal(doubt)).cloned();
+            let reasons = of_all.chain(checked.joint(joint));
             reasons.chain([unexplained(self.robot, joint)]).collect()
         };
-        require_explained(self.robot, self.layout, self.settings, (held_out, &doubts.of_joints), reasons)
+        require_explained(self.robot, self.layout, self.settings, (held_out, doubts), reasons)
     }
 
     /// Correlation time of the residual of each joint [samples].

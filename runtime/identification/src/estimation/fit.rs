@@ -1,6 +1,7 @@
 //! The weighted fit for a given choice of terms, and its error on held-out data.
 
 use super::super::error::Result;
+use super::super::methods::offset::mean;
 use super::consistent::bounded;
 use super::layout::Layout;
 use super::levels;
@@ -65,10 +66,15 @@ impl HeldOut {
 
     /// Relative decrease of the error from `self` to `other`; `None` if `other` is not clearly smaller.
     ///
-    /// The residual sums of squares of each joint must have the same units in `self` and `other`.
-    pub(super) fn gain(&self, other: &Self) -> Option<f64> {
+    /// The residual sums of squares of each joint must be in the units of the same columns.
+    ///
+    /// - `joints`: joints of which the mean share is returned; empty for the share of the whole error
+    pub(super) fn gain(&self, other: &Self, joints: &[usize]) -> Option<f64> {
         let (excess, deviation) = other.excess(self);
-        let share = -excess / self.total();
+        let share = match joints {
+            [] => -excess / self.total(),
+            _ => mean(&joints.iter().map(|j| 1.0 - other.rss[*j] / self.rss[*j]).collect::<Vec<_>>()),
+        };
         (share > levels::CLEARLY.get() && -excess > 2.0 * deviation && !self.is_harmed_by(other))
             .then_some(share)
     }

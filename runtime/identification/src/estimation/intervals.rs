@@ -10,12 +10,13 @@
 use super::super::error::Result;
 use super::super::numeric::kernel::BLOCK;
 use super::super::run::PreparedRun;
+use super::choice::Chosen;
 use super::cosines;
-use super::fit::{Solved, Weighting, force_weights};
+use super::fit::{Solved, force_weights};
 use super::joint_prior::JointPrior;
 use super::layout::Layout;
 use super::levels;
-use super::normal::{Centred, Factor, Values, residual_vector, selection};
+use super::normal::{Centred, Factor, residual_vector, selection};
 use super::prior::Prior;
 use super::residuals::{RunOffsets, huber, residual};
 use super::result::Offsets;
@@ -34,16 +35,12 @@ pub(super) struct Scores {
 
 /// A fit as the input of the scores.
 pub(super) struct Fitted<'a> {
-    pub(super) centred: &'a Centred<'a>,
+    pub(super) chosen: &'a Chosen<'a>,
     pub(super) solved: &'a Solved,
-    pub(super) weighting: &'a Weighting,
-    pub(super) values: &'a Values,
     pub(super) offsets: &'a RunOffsets,
     /// Robust standard deviation of each joint's residual. Samples whose residual exceeds a multiple of it lose weight. It is
     /// infinite if all samples have the weight one.
     pub(super) outlier: &'a [f64],
-    /// Covariance of the logarithms of the gains.
-    pub(super) log_gains: &'a DMatrix<f64>,
 }
 
 /// Integrated autocorrelation time of a series [samples], `1 + 2 Σ ρ`. The sum has a window of five times the result (Sokal
@@ -81,9 +78,9 @@ pub(super) fn scores(
         .div_ceil(levels::MOST_BLOCKS.get())
         .clamp(1, BLOCK)
         .max(((0.5 * time) as usize).clamp(1, BLOCK));
-    let weights = force_weights(of.weighting, &of.values.gains);
-    let factors: Vec<_> = (0..layout.joints).map(|j| residual_vector(layout, of.values, j)).collect();
-    let means: Vec<_> = (0..layout.joints).map(|j| column_means(of.centred, j, runs.len())).collect();
+    let weights = force_weights(&of.chosen.weighting, &of.solved.values.gains);
+    let factors: Vec<_> = (0..layout.joints).map(|j| residual_vector(layout, &of.solved.values, j)).collect();
+    let means: Vec<_> = (0..layout.joints).map(|j| column_means(&of.chosen.centred, j, runs.len())).collect();
     let mut place = vec![None; layout.len()];
     of.solved.active.iter().enumerate().for_each(|(i, &global)| place[global] = Some(i));
     let mut found = Scores { blocks: Vec::new(), samples: total, correlation_time: time, are_groups: false };
@@ -100,7 +97,7 @@ pub(super) fn scores(
                     of.outlier[joint],
                     &means[joint][run],
                 );
-                let gain = of.values.gains[joint];
+                let gain = of.solved.values.gains[joint];
                 add(&mut score, (layout, joint, gain), &place, &(products * weights[joint]));
             }
             found.blocks.push(score);
@@ -153,19 +150,20 @@ pub(super) fn column_means(centred: &Centred, joint: usize, runs: usize) -> Vec<
 ///
 /// - `spread`: ω², the variance factor of the errors of described bodies
 pub(super) fn described(of: &Fitted, prior: &Prior, spread: f64) -> DMatrix<f64> {
-    let (layout, solved) = (of.centred.layout, of.solved);
+    let (layout, solved) = (of.chosen.centred.layout, of.solved);
     let (n, bodies) = (solved.active.len(), solved.bodies(layout));
     let factor = |i: usize| if i < bodies { spread } else { solved.time[i] };
     let mut sum = DMatrix::from_fn(n, n, |i, k| factor(i) * solved.metric[(i, k)]);
-    let weights = force_weights(of.weighting, &of.values.gains);
+    let weights = force_weights(&of.chosen.weighting, &of.solved.values.gains);
     let mut place = vec![None; layout.len()];
     solved.active.iter().enumerate().for_each(|(i, &global)| place[global] = Some(i));
-    for (joint, known) in prior.joints.iter().enumerate().filter(|(joint, _)| of.centred.zeros[*joint] > 0.0)
+    for (joint, known) in
+        prior.joints.iter().enumerate().filter(|(joint, _)| of.chosen.centred.zeros[*joint] > 0.0)
     {
-        for (_, mean) in of.centred.means(joint) {
+        for (_, mean) in of.chosen.centred.means(joint) {
             let mut score = DVector::zeros(n);
-            add(&mut score, (layout, joint, of.values.gains[joint]), &place, &mean);
-            sum.ger(known.offset_score(of.centred.zeros[joint] * weights[joint]), &score, &score, 1.0);
+            add(&mut score, (layout, joint, of.solved.values.gains[joint]), &place, &mean);
+            sum.ger(known.offset_score(of.chosen.centred.zeros[joint] * weights[joint]), &score, &score, 1.0);
         }
     }
     sum
@@ -173,17 +171,17 @@ pub(super) fn described(of: &Fitted, prior: &Prior, spread: f64) -> DMatrix<f64>
 
 /// Standard error of each offset of a joint, from the error of the mean residual and the errors of the unknowns.
 pub(super) fn offset_errors(of: &Fitted, prior: &Prior, covariance: &Covariance, joint: usize) -> Vec<f64> {
-    let (layout, solved) = (of.centred.layout, of.solved);
-    let weight = force_weights(of.weighting, &of.values.gains)[joint];
+    let (layout, solved) = (of.chosen.centred.layout, of.solved);
+    let weight = force_weights(&of.chosen.weighting, &of.solved.values.gains)[joint];
     let time = prior.joints.get(joint).map_or(1.0, JointPrior::time);
     let mut place = vec![None; layout.len()];
     solved.active.iter().enumerate().for_each(|(i, &global)| place[global] = Some(i));
     let error = |(samples, mean): (f64, DVector<f64>)| {
         let mut change = DVector::zeros(solved.active.len());
-        add(&mut change, (layout, joint, of.values.gains[joint]), &place, &mean);
+        add(&mut change, (layout, joint, of.solved.values.gains[joint]), &place, &mean);
         (time / (weight * samples) + (&covariance.matrix * &change).dot(&change)).sqrt()
     };
-    of.centred.means(joint).into_iter().map(error).collect()
+    of.chosen.centred.means(joint).into_iter().map(error).collect()
 }
 
 impl Scores {
@@ -191,24 +189,24 @@ impl Scores {
     /// of the other folds (random groups; Wolter 2007, chapter 2). One degree of freedom is lost because the sum of the
     /// scores is nearly zero.
     pub(super) fn of_folds(of: &Fitted, time: f64) -> Self {
-        let layout = of.centred.layout;
-        let folds = &of.centred.sums.folds;
-        let weights = force_weights(of.weighting, &of.values.gains);
+        let layout = of.chosen.centred.layout;
+        let folds = &of.chosen.centred.sums.folds;
+        let weights = force_weights(&of.chosen.weighting, &of.solved.values.gains);
         let mut place = vec![None; layout.len()];
         of.solved.active.iter().enumerate().for_each(|(i, &global)| place[global] = Some(i));
         let share = (folds.len() as f64 / (folds.len() as f64 - 1.0).max(1.0)).sqrt();
         let score = |fold: &Vec<DMatrix<f64>>| {
             let mut score = DVector::zeros(of.solved.active.len());
             for joint in 0..layout.joints {
-                let products = &fold[joint] * residual_vector(layout, of.values, joint);
-                let gain = of.values.gains[joint];
+                let products = &fold[joint] * residual_vector(layout, &of.solved.values, joint);
+                let gain = of.solved.values.gains[joint];
                 add(&mut score, (layout, joint, gain), &place, &(products * (share * weights[joint])));
             }
             score
         };
         Self {
             blocks: folds.iter().map(score).collect(),
-            samples: of.centred.sums.samples,
+            samples: of.chosen.centred.sums.samples,
             correlation_time: time,
             are_groups: true,
         }
@@ -256,10 +254,10 @@ impl Covariance {
 
 /// Derivatives of the right side of the normal equations with respect to the logarithm of each joint's gain.
 fn slopes_of_gains(of: &Fitted) -> DMatrix<f64> {
-    let (layout, gains) = (of.centred.layout, &of.values.gains);
-    let weights = force_weights(of.weighting, gains);
+    let (layout, gains) = (of.chosen.centred.layout, &of.solved.values.gains);
+    let weights = force_weights(&of.chosen.weighting, gains);
     let of_joint = |joint: usize| {
-        let products = &of.centred.all[joint];
+        let products = &of.chosen.centred.all[joint];
         let effort = products.column(products.ncols() - 1) * (weights[joint] * gains[joint]);
         selection((layout, joint, gains[joint]), &of.solved.active).tr_mul(&effort)
     };
@@ -269,7 +267,7 @@ fn slopes_of_gains(of: &Fitted) -> DMatrix<f64> {
 /// Covariance of the active unknowns.
 pub(super) fn covariance(of: &Fitted, prior: &Prior, scores: &Scores) -> Result<Covariance> {
     let solved = of.solved;
-    let (n, bodies) = (solved.active.len(), solved.bodies(of.centred.layout));
+    let (n, bodies) = (solved.active.len(), solved.bodies(of.chosen.centred.layout));
     let factor = Factor::new(&solved.regularized)?;
     let inverse = factor.solve(&DMatrix::identity(n, n));
     let of_bodies = |matrix: &DMatrix<f64>| matrix.view((0, 0), (bodies, bodies)).into_owned();
@@ -277,14 +275,14 @@ pub(super) fn covariance(of: &Fitted, prior: &Prior, scores: &Scores) -> Result<
     let decided = bodies as f64 - of_bodies(&inverse).component_mul(&metric).sum();
     let change = solved.distances(&solved.values).rows(0, bodies).into_owned();
     let spread = (&metric * &change).dot(&change) / decided.max(1.0);
-    let equations = of.centred.sums.samples * of.centred.layout.joints;
+    let equations = of.chosen.centred.sums.samples * of.chosen.centred.layout.joints;
     let unknowns = decided + (n - bodies) as f64;
     let spent = unknowns * scores.correlation_time / equations.max(1) as f64;
     // Both parts are products with their transposes, so rounding cannot make a variance negative.
     let projected = factor.solve(&scores.projected()) / (1.0 - spent).max(0.25).sqrt();
     let described = factor.solve(&(described(of, prior, spread) * &inverse));
     let slopes = factor.solve(&slopes_of_gains(of));
-    let of_gains = &slopes * of.log_gains * slopes.transpose();
+    let of_gains = &slopes * &of.chosen.log_gains * slopes.transpose();
     let matrix = &projected * projected.transpose() / scores.freedom() as f64 + described + of_gains;
     Ok(Covariance { matrix, decided, freedom: scores.freedom() })
 }

@@ -1,6 +1,6 @@
 //! Order of the unknowns, and columns of the equation of each joint.
 
-use super::super::error::{IdentificationError, Result, at, require_length, require_samples};
+use super::super::error::{IdentificationError, Place, Result, require_length, require_samples};
 use super::super::numeric::random::SplitMix64;
 use super::super::pose::rows_of;
 use super::super::robot::Robot;
@@ -278,9 +278,9 @@ fn measured(robot: &dyn Robot, runs: &[PreparedRun]) -> Vec<bool> {
 /// currents are unknown and joints and inputs do not correspond one to one.
 fn require_known_inputs(robot: &dyn Robot, effort: Effort) -> Result<()> {
     if effort != Effort::Joint && robot.has_inputs_at_frames() {
-        return Err(at("efforts").fault(
-            "inputs act at frames, so their forces at the joints depend on the positions; convert the efforts to forces at the \
-             joints first, and use --effort joint",
+        return Err(Place::default().fault(
+            "inputs act at frames, so that their forces at the joints depend on the positions; convert currents to forces of the \
+             inputs first, and say so (`--effort input`)",
         ));
     }
     if known_gains(robot, effort).contains(&false) { require_own_inputs(robot) } else { Ok(()) }
@@ -309,9 +309,9 @@ fn require_own_inputs(robot: &dyn Robot) -> Result<()> {
     if rows && columns {
         return Ok(());
     }
-    Err(at("drive gains").fault(
-        "motor constants can be estimated only if each joint has one input that drives no other joint; convert \
-         the currents to forces of the inputs first, and use --effort input",
+    Err(Place::default().fault(
+        "currents give gains only if each joint has one input of its own; convert the currents to \
+         forces of the inputs first",
     ))
 }
 

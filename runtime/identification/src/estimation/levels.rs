@@ -124,12 +124,6 @@ levels! {
     /// Number of samples of each run at which gravity forces are compared.
     COMPARED_WEIGHTS: usize = 50;
 
-    /// Significance level of the test for a tilt of gravity.
-    TILT_LEVEL: f64 = 0.01;
-
-    /// Confidence level of the interval of a tilt angle.
-    TILT_CONFIDENCE: f64 = 0.95;
-
     /// Weight of the description at which bodies are practically free and all equations are regular.
     FREE_BODIES: f64 = 1e-3;
 

@@ -4,10 +4,11 @@
 //! repeated in passes. Each pass computes the load with the values of the previous pass. The term is then a column like the
 //! other friction terms.
 
-use super::super::error::{Result, at};
+use super::super::error::{Place, Result};
 use super::super::robot::Robot;
-use super::layout::Layout;
+use super::layout::{ARMATURE, Layout};
 use super::levels;
+use super::normal::Values;
 use super::result::{Estimate, Uncertain};
 
 /// Largest number of passes. Loads are mostly gravity, which the first estimate determines to a few percent. Usually three
@@ -35,9 +36,9 @@ impl Loads {
         let own = robot.own_inputs();
         let joints: Vec<bool> = (0..layout.joints).map(|joint| layout.moves[joint] && own[joint]).collect();
         if !joints.contains(&true) {
-            return Err(at("load-dependent friction").fault(
-                "no moving joint has an input that drives it alone, and only there the load of the gear is known; \
-                 leave --load-friction out",
+            return Err(Place::default().fault(
+                "no joint that moves has an input of its own, and the load of a gear is known only there; \
+                 leave friction under load out",
             ));
         }
         let values = found.parameters.iter().zip(robot.parameters());
@@ -47,6 +48,15 @@ impl Loads {
             armatures: found.joints.iter().map(|joint| armature(joint.armature)).collect(),
             joints,
         })
+    }
+
+    /// Loads by the values of a fit, with friction under load of some joints.
+    pub(super) fn of(layout: &Layout, values: &Values, joints: &[usize]) -> Self {
+        Self {
+            changes: values.unknowns.rows(0, layout.parameters).iter().copied().collect(),
+            armatures: (0..layout.joints).map(|j| values.unknowns[layout.term(j, ARMATURE)]).collect(),
+            joints: (0..layout.joints).map(|j| joints.contains(&j)).collect(),
+        }
     }
 
     /// |τ_l| of a joint [N·m or N].

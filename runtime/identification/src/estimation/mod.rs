@@ -19,7 +19,7 @@ pub(crate) mod levels;
 mod loads;
 mod margin;
 mod normal;
-mod offer;
+mod orders;
 mod prior;
 mod report;
 mod residuals;
@@ -34,6 +34,7 @@ mod task;
 #[cfg(test)]
 mod tests;
 mod tilt;
+mod trial;
 mod unit;
 
 pub use estimate::estimate;

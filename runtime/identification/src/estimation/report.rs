@@ -1,9 +1,9 @@
 //! The returned estimate: parameters, joints and findings of a fit to samples.
 
 use super::super::run::PreparedRun;
-use super::estimated::{Estimated, JointFit};
+use super::estimated::Estimated;
 use super::residuals::{Forces, RunOffsets};
-use super::result::{Estimate, Gravity};
+use super::result::{Estimate, Gravity, JointEstimate};
 use gelenk_findings::{Finding, Rule};
 
 /// Sees: a robot that compensates the weight of the described bodies only.
@@ -46,7 +46,7 @@ impl Report<'_> {
         }
     }
 
-    fn fits(&self) -> Vec<JointFit> {
+    fn fits(&self) -> Vec<JointEstimate> {
         let layout = self.fitted.layout;
         let moving = |joint: usize| self.forces.moving(layout, self.runs, joint);
         let squares =
@@ -54,15 +54,15 @@ impl Report<'_> {
         let rss: Vec<f64> = (0..layout.joints).map(squares).collect();
         let all = |joint: usize| self.forces.residual.iter().map(|run| run[joint].len()).sum::<usize>();
         let r_squared = self.fitted.chosen.centred_r_squared(&rss);
-        let fit = |joint: usize| JointFit {
+        let fit = |joint: usize| JointEstimate {
             offsets: self.offsets[joint].clone(),
             offset_errors: self.offset_errors[joint].clone(),
-            squares: rss[joint],
-            samples: moving(joint).count(),
+            sigma: (rss[joint] / moving(joint).count().max(1) as f64).sqrt(),
             r_squared: r_squared[joint],
             held_out_r_squared: self.held_out[joint],
             held_out_with_rest: self.with_rest[joint],
             rest: 1.0 - moving(joint).count() as f64 / all(joint).max(1) as f64,
+            ..JointEstimate::default()
         };
         (0..layout.joints).map(fit).collect()
     }

@@ -12,20 +12,19 @@ use super::super::preparation::Filter;
 use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun};
 use super::checks::no_effort;
-use super::choice::{Chosen, Freedom, choose};
-use super::estimated::{Estimated, JointFit, require_explained, unexplained};
-use super::fit::{HeldOut, fit};
-use super::hypotheses::signs;
+use super::choice::{Freedom, choose};
+use super::estimated::{Estimated, require_explained, unexplained};
+use super::fit::HeldOut;
 use super::intervals::{Fitted, Scores, covariance};
 use super::layout::{ASYMMETRY, COULOMB, Layout, TERMS, VISCOUS};
 use super::levels;
 use super::normal::{force_vector, residual_vector};
-use super::offer::gain_of_unit;
 use super::prior::Prior;
-use super::result::{Estimate, Gravity, Offsets};
+use super::result::{Estimate, Gravity, JointEstimate, Offsets};
 use super::rows::Rows;
 use super::settings::EstimationSettings;
 use super::sums::{PieceSums, Sums};
+use super::trial::Case;
 use super::unit::{CommonRatio, Sizes, common_ratio, unit_doubt};
 use gelenk_findings::Finding;
 use nalgebra::{DMatrix, DVector};
@@ -269,23 +268,14 @@ pub(crate) fn estimate_shares(data: &SharedData) -> Result<SharedEstimate> {
         consistent: settings.consistent,
     };
     let chosen = choose(layout, &sums, &prior, freedom)?;
-    let Chosen { centred, model, weighting, values, .. } = &chosen;
-    let solved = fit(centred, &centred.all, model, &prior, weighting, values)?;
-    let fitted = Fitted {
-        centred,
-        solved: &solved,
-        weighting,
-        values: &solved.values,
-        offsets: &Vec::new(),
-        outlier: &[],
-        log_gains: &chosen.log_gains,
-    };
+    let solved = chosen.solved(&prior)?;
+    let fitted = Fitted { chosen: &chosen, solved: &solved, offsets: &Vec::new(), outlier: &[] };
     let scores = Scores::of_folds(&fitted, data.correlation_time);
     let held_out = chosen.held_out(&prior)?;
     let covariance = covariance(&fitted, &prior, &scores)?;
-    let found = Found {
+    let mut found = Found {
         data,
-        doubts: signs(robot, &chosen, &held_out, &prior)?,
+        doubts: Vec::new(),
         fitted: Estimated {
             robot,
             settings,
@@ -300,10 +290,12 @@ pub(crate) fn estimate_shares(data: &SharedData) -> Result<SharedEstimate> {
         },
         held_out,
     };
+    let ratio = found.common_ratio();
+    let case = Case::new((robot, &prior), (&chosen, &found.held_out), ratio.as_ref(), None)?;
+    found.doubts = case.signs()?;
     found.require_explained()?;
     let accept_poor = found.fitted.settings.accept_poor;
-    let gain = |factor: f64| gain_of_unit(&chosen, factor, &prior);
-    let unit = found.common_ratio().map(|ratio| ratio.judged(accept_poor, gain)).transpose()?.flatten();
+    let unit = ratio.as_ref().map(|ratio| ratio.judged(accept_poor, || case.unit())).transpose()?.flatten();
     let mut estimate = found.estimate();
     estimate.findings.splice(0..0, unit);
     Ok(SharedEstimate { estimate, friction: (0..layout.joints).map(|j| found.friction(j)).collect() })
@@ -341,7 +333,7 @@ struct Found<'a> {
     data: &'a SharedData<'a>,
     fitted: Estimated<'a>,
     held_out: HeldOut,
-    doubts: Vec<Option<Finding>>,
+    doubts: Vec<Finding>,
 }
 
 impl Found<'_> {
@@ -403,15 +395,13 @@ impl Found<'_> {
         });
         let findings = self.fitted.offsets_found(Offsets::ByRun).chain(self.fitted.choices()).chain(doubts);
         let rss = chosen.centred.residuals(&chosen.centred.all, &solved.values);
-        let fit = |joint: usize| JointFit {
-            offsets: Vec::new(),
-            offset_errors: Vec::new(),
-            squares: rss[joint] + self.lost(joint)[0],
-            samples: chosen.centred.sums.samples,
+        let samples = chosen.centred.sums.samples.max(1) as f64;
+        let fit = |joint: usize| JointEstimate {
+            sigma: ((rss[joint] + self.lost(joint)[0]) / samples).sqrt(),
             r_squared: self.r_squared(joint, rss[joint]),
             held_out_r_squared: self.r_squared(joint, self.held_out.rss[joint]),
             held_out_with_rest: f64::NAN,
-            rest: 0.0,
+            ..JointEstimate::default()
         };
         let fits = (0..rss.len()).map(fit).collect();
         Estimate { offsets: Offsets::ByRun, ..self.fitted.estimate(fits, findings.collect()) }
@@ -424,8 +414,9 @@ impl Found<'_> {
         if !layout.moves[joint] && !layout.exact[joint] {
             return Vec::new();
         }
-        let sign = self.doubts[joint].clone().filter(|_| !layout.exact[joint]).map(Finding::accepted);
-        let found = sign.into_iter().chain(unit_doubt(self.sizes(joint)));
+        let is_own = |doubt: &&Finding| doubt.about.subject == robot.subject(joint);
+        let sign = self.doubts.iter().filter(is_own).cloned().map(Finding::accepted);
+        let found = sign.chain(unit_doubt(self.sizes(joint)));
         found.map(|finding| finding.of(robot.subject(joint))).collect()
     }
 

@@ -2,56 +2,34 @@
 //! balances an arm.
 
 use super::super::error::Result;
-use super::choice::Chosen;
-use super::fit::fit;
-use super::offer::{HELD, offered};
+use super::checks::Checked;
 use super::task::Task;
+use super::trial::{Case, Change, Data};
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule, Subject};
 
-/// Weight of the prior that is small enough for the data alone to determine the stiffness.
-const FREE: f64 = 1e-12;
-
-/// Sees: efforts of a joint that another spring stiffness explains better, even if the bodies are fitted, too.
-/// Matters: a spring that the description lacks causes errors of bodies and friction.
+/// Sees: efforts of a joint that another stiffness of its spring explains better, next to bodies that may change.
+/// Matters: its force causes errors of bodies and friction.
 /// Example: a cable that the joint winds up.
 /// Fixture: `spring` in `codegen/tests/findings/arm.rs`.
-const SPRING: Rule = Rule::warning("spring");
+pub(super) const SPRING: Rule = Rule::warning("spring");
 
-/// The finding about the spring that improves the fit most; `None` if no spring improves it clearly. Rows of joints with
-/// quaternions and of shafts have no spring.
-pub(super) fn spring(task: &Task, chosen: &Chosen) -> Result<Option<Finding>> {
+/// A spring at each joint. Rows of joints with quaternions and of shafts have no spring.
+pub(super) fn springs(case: &Case) -> Result<Vec<Change>> {
+    let layout = case.layout();
+    let is_possible = !layout.exact.contains(&true) && !layout.known_gains.contains(&false);
+    let is_joint = |joint: &usize| matches!(case.robot.subject(*joint), Subject::Joint(_)) && is_possible;
+    Ok(layout.rubbing().filter(is_joint).map(Change::Spring).collect())
+}
+
+/// Data with the stiffness of a spring at each joint as an additional parameter.
+pub(super) fn columns(task: &Task) -> Data {
     let (layout, count) = (task.layout, task.layout.parameters);
-    if layout.exact.contains(&true) || layout.known_gains.contains(&false) {
-        return Ok(None);
-    }
     let columns = |y: &[f64], regressor: &mut [f64]| {
         let rows = regressor.chunks_exact_mut(count + layout.joints).zip(y).enumerate();
         rows.for_each(|(joint, (row, y))| row[count + joint] = *y);
     };
-    task.with_more((layout.joints, &columns), |task, sums| {
-        let mut fitted = chosen.with_more(task.layout, sums, HELD);
-        fitted.model.consistent = false;
-        let own = fitted.held_out(task.prior)?;
-        let mut clearest: Option<(usize, f64)> = None;
-        for joint in layout.rubbing().filter(|joint| matches!(task.robot.subject(*joint), Subject::Joint(_)))
-        {
-            fitted.weighting.trust[count + joint] = FREE;
-            let share = own.gain(&fitted.held_out(task.prior)?);
-            fitted.weighting.trust[count + joint] = HELD;
-            let most = clearest.map_or(0.0, |(_, most)| most);
-            clearest = share.filter(|share| *share > most).map(|share| (joint, share)).or(clearest);
-        }
-        let Some((joint, share)) = clearest else { return Ok(None) };
-        fitted.weighting.trust[count + joint] = FREE;
-        let all = &fitted.centred.all;
-        let solved = fit(&fitted.centred, all, &fitted.model, task.prior, &fitted.weighting, &fitted.values)?;
-        let stiffness = solved.values.unknowns[count + joint];
-        // A spring pulls back. A force that pushes away counts only if the description has a spring that is reduced by at
-        // most twice its stiffness.
-        let pulls_back = stiffness + 2.0 * described_stiffness(task, joint) > 0.0;
-        Ok(pulls_back.then(|| offered(finding(task, joint, stiffness), share)))
-    })
+    task.with_more((layout.joints, &columns), Data::of)
 }
 
 /// Derivative of the described forces of a joint, without the forces of bodies, with respect to its position, at the first
@@ -72,8 +50,22 @@ fn described_stiffness(task: &Task, joint: usize) -> f64 {
     (force(STEP) - force(-STEP)) / (2.0 * STEP)
 }
 
-fn finding(task: &Task, joint: usize, stiffness: f64) -> Finding {
-    let (shown, unit) = (plain(stiffness.abs(), 3), task.robot.position_units()[joint]);
+pub(super) fn finding(case: &Case, change: &Change, rule: &Rule) -> Result<Option<Finding>> {
+    let (Change::Spring(joint), Some(Checked { task, .. }), Some(data)) =
+        (change, case.checked, case.data(change)?)
+    else {
+        return Ok(None);
+    };
+    let mut fitted = case.changed(change, Some(&data));
+    fitted.model.consistent = false;
+    let solved = fitted.solved(&data.prior)?;
+    let stiffness = solved.values.unknowns[task.layout.parameters + joint];
+    // A spring pulls back. A force that pushes away counts only if the description has a spring that is reduced by at most
+    // twice its stiffness.
+    if stiffness + 2.0 * described_stiffness(task, *joint) <= 0.0 {
+        return Ok(None);
+    }
+    let (shown, unit) = (plain(stiffness.abs(), 3), task.robot.position_units()[*joint]);
     let force = if unit == "m" { "N" } else { "N·m" };
     let (side, change) = if stiffness > 0.0 { ("more", "increase") } else { ("less", "reduce") };
     let message =
@@ -82,5 +74,5 @@ fn finding(task: &Task, joint: usize, stiffness: f64) -> Finding {
         "if the joint has a spring or a cable that pulls, {change} its `spring = {{ stiffness = … }}` by {shown}; otherwise check \
          the load"
     );
-    SPRING.found(message).with("stiffness", stiffness, "").of(task.robot.subject(joint)).help(remedy)
+    Ok(Some(rule.found(message).with("stiffness", stiffness, "").help(remedy)))
 }

@@ -1,6 +1,5 @@
 //! Robot, runs and settings that all stages of an estimate share.
 
-use super::super::error::Result;
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
 use super::delays::FirstFit;
@@ -12,7 +11,7 @@ use super::residuals::{Forces, RunOffsets, forces};
 use super::result::Gravity;
 use super::rows::{More, Rows};
 use super::settings::EstimationSettings;
-use super::sums::{Piece, Sums, moving};
+use super::sums::Piece;
 
 /// The robot, the data and the settings of an estimate.
 #[derive(Clone)]
@@ -46,21 +45,15 @@ impl Task<'_> {
         forces(&mut self.rows(), self.layout, self.runs, values, offsets)
     }
 
-    /// Extends this task by additional parameters, and calls a function with the extended task and its sums over moving
-    /// samples.
+    /// Evaluates a function of this task with additional parameters.
     ///
     /// - `count`: number of additional parameters
     /// - `more`: change of the regressor, with the columns of the additional parameters at the end
-    /// - `of`: function that is called
-    pub(super) fn with_more<T>(
-        &self,
-        (count, more): (usize, More),
-        of: impl FnOnce(&Task, &Sums) -> Result<T>,
-    ) -> Result<T> {
+    pub(super) fn with_more<T>(&self, (count, more): (usize, More), of: impl FnOnce(&Task) -> T) -> T {
         let layout = self.layout.with_more_parameters(count);
         let described = [&self.prior.described[..], &vec![1.0; count]].concat();
         let prior = Prior::new(&described, self.robot.bodies(), self.prior.joints.clone());
         let task = Task { layout: &layout, prior: &prior, more: Some(more), ..self.clone() };
-        of(&task, &task.sums_of(&moving))
+        of(&task)
     }
 }

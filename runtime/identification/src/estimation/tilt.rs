@@ -7,32 +7,39 @@
 //! pass until the direction converges (Gauss–Newton).
 
 use super::super::error::Result;
-use super::super::methods::confidence::quantile;
 use super::super::numeric::spectrum::symmetric_eigen;
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
 use super::choice::Chosen;
-use super::fit::{HeldOut, fit};
-use super::intervals::{Fitted, covariance, scores};
 use super::levels;
 use super::normal::Factor;
-use super::offer::{HELD, as_described, offered};
 use super::result::Gravity;
+use super::sums::moving;
 use super::task::Task;
+use super::trial::{Case, Change};
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
 use nalgebra::{DMatrix, DVector, Vector3};
-use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 /// Change of the direction below which the passes end [rad].
 const STAYS: f64 = 1e-3;
 const PASSES: usize = 10;
-/// The finding about the direction of gravity; `None` if the described direction is not doubted or if the data do not
-/// determine it.
-///
-/// - `last`, `own`: fit with the described gravity, and its held-out errors
-/// - `time`: correlation time of the residuals [samples]
-pub(super) fn tilt(task: &Task, (last, own): (&Chosen, &HeldOut), time: f64) -> Result<Option<Finding>> {
+
+/// Sees: weights that another direction of gravity explains.
+/// Matters: the tilt causes errors of the bodies.
+/// Example: a robot on a wedge of 5°.
+/// Fixture: `tilted` in `codegen/tests/findings/arm.rs`.
+pub(super) const TILT: Rule = Rule::warning("tilted-gravity");
+
+/// The direction of gravity that the data determine; empty if the described direction is not doubted, or if the equations
+/// have no solution.
+pub(super) fn tilts(case: &Case) -> Vec<Change> {
+    let found = case.checked.and_then(|checked| tilt(checked.task, case.chosen).ok().flatten());
+    found.into_iter().collect()
+}
+
+/// - `last`: fit with the described gravity
+fn tilt(task: &Task, last: &Chosen) -> Result<Option<Change>> {
     let is_usual = task.gravity == Gravity::Recorded && !task.layout.known_gains.contains(&false);
     let described = task.robot.gravity().filter(|_| is_usual && !task.layout.exact.contains(&true));
     let Some(described) = described.map(Vector3::from).filter(|g| g.norm() > 0.0) else { return Ok(None) };
@@ -40,22 +47,16 @@ pub(super) fn tilt(task: &Task, (last, own): (&Chosen, &HeldOut), time: f64) -> 
     for pass in 0..PASSES {
         let pi = task.prior.described.iter().zip(&changes).map(|(pi, change)| pi + change).collect();
         let turning = Turning { robot: task.robot, described, gravity, across: across(gravity), pi };
-        // Small angles need no interval.
-        let found = turning.angles((task, last), (pass > 0).then_some(time))?;
-        let angles = found.observable();
+        let angles;
+        [angles, changes] = turning.angles(task, last)?;
         gravity = turning.turned(&angles);
-        changes.clone_from(&found.changes);
         if turning.weighs_less_than_nothing(task.runs, &changes) {
             (gravity, changes) = (-gravity, changes * 0.0);
         } else if pass == 0 && angles.norm() < 0.5 * levels::LEAST_TILT.get() {
             break;
         } else if pass > 0 && angles.norm() < STAYS {
-            let Some(finding) = found.judged(&turning, gravity) else { return Ok(None) };
-            // Free bodies may explain effects that the described bodies exclude.
-            let of_described = as_described(last.over(last.centred.sums), task.prior)?;
-            let [turned, turned_described] = Turning { gravity, ..turning }.errors(task, last)?;
-            let share = own.gain(&turned).filter(|_| !of_described.is_harmed_by(&turned_described));
-            return Ok(share.map(|share| offered(finding, share)));
+            let is_noticeable = gravity.angle(&described) > levels::LEAST_TILT.get();
+            return Ok(is_noticeable.then_some(Change::Tilt(gravity)));
         }
     }
     Ok(None)
@@ -85,8 +86,8 @@ impl Turning<'_> {
     /// of the angles.
     fn add(&self, y: &[f64], joints: usize, regressor: &mut [f64]) {
         let count = self.pi.len();
-        let turned = self.at_rest(y, joints, self.gravity - self.described);
-        let across = self.across.map(|axis| self.at_rest(y, joints, axis * self.gravity.norm()));
+        let turned = at_rest(self.robot, y, joints, self.gravity - self.described);
+        let across = self.across.map(|axis| at_rest(self.robot, y, joints, axis * self.gravity.norm()));
         for (joint, row) in regressor.chunks_exact_mut(count + 2).enumerate() {
             let columns = joint * count..(joint + 1) * count;
             row[..count].copy_from_slice(&turned[columns.clone()]);
@@ -96,21 +97,13 @@ impl Turning<'_> {
         }
     }
 
-    fn at_rest(&self, y: &[f64], joints: usize, gravity: Vector3<f64>) -> Vec<f64> {
-        let mut regressor = vec![0.0; joints * self.pi.len()];
-        if gravity != Vector3::zeros() {
-            self.robot.regressor_at_rest(y, gravity.into(), &mut regressor);
-        }
-        regressor
-    }
-
-    /// Whether bodies that differ by these changes have gravity forces opposite to those of the described bodies. The assumed
+    /// Whether bodies that differ by these changes have weights opposite to those of the described bodies. The assumed
     /// gravity is then upside down.
     fn weighs_less_than_nothing(&self, runs: &[PreparedRun], changes: &DVector<f64>) -> bool {
         let described = self.robot.parameters();
         let of_sample = |run: &PreparedRun, i: usize| -> f64 {
             let y: Vec<f64> = run.coordinates().iter().map(|column| column[i]).collect();
-            let weights = self.at_rest(&y, run.velocities.len(), self.gravity);
+            let weights = at_rest(self.robot, &y, run.velocities.len(), self.gravity);
             let rows = weights.chunks_exact(described.len().max(1)).map(|row| {
                 let dot = |pi: &[f64]| row.iter().zip(pi).map(|(w, pi)| w * pi).sum::<f64>();
                 let own = dot(&described);
@@ -135,98 +128,42 @@ impl Turning<'_> {
         turned * (size / turned.norm())
     }
 
-    /// Held-out errors under this gravity without further turning, of the fitted bodies and of the described bodies.
-    fn errors(&self, task: &Task, last: &Chosen) -> Result<[HeldOut; 2]> {
+    /// The angles in the directions that the data determine, and the changes of all unknowns that are fitted with them.
+    fn angles(&self, task: &Task, last: &Chosen) -> Result<[DVector<f64>; 2]> {
         let more = |y: &[f64], regressor: &mut [f64]| self.add(y, task.layout.joints, regressor);
-        task.with_more((2, &more), |task, sums| {
-            let chosen = last.with_more(task.layout, sums, HELD);
-            Ok([chosen.held_out(task.prior)?, as_described(chosen, task.prior)?])
-        })
-    }
-
-    /// The angles, fitted together with all other unknowns.
-    ///
-    /// - `time`: correlation time of the residuals [samples], if a covariance is needed
-    fn angles(&self, (task, last): (&Task, &Chosen), time: Option<f64>) -> Result<Angles> {
-        let more = |y: &[f64], regressor: &mut [f64]| self.add(y, task.layout.joints, regressor);
-        task.with_more((2, &more), |task, sums| {
-            let mut chosen = last.with_more(task.layout, sums, 1.0 / levels::FREE_BODIES.get());
+        task.with_more((2, &more), |task| {
+            let sums = task.sums_of(&moving);
+            let mut chosen = last.with_more(task.layout, &sums, 1.0 / levels::FREE_BODIES.get());
             chosen.weighting.description = levels::FREE_BODIES.get();
             chosen.model.consistent = false;
             chosen.reweight(task.prior)?;
-            Angles::new(task, &chosen, time)
+            let solved = chosen.solved(task.prior)?;
+            let first = task.layout.parameters - 2;
+            let place = |k: usize| solved.active.iter().position(|global| *global == first + k);
+            let places: Vec<usize> = (0..2).filter_map(place).collect();
+            let count = solved.active.len();
+            let inverse = Factor::new(&solved.regularized)?.solve(&DMatrix::identity(count, count));
+            let seen = seen(inverse.select_rows(&places).select_columns(&places));
+            let changes = solved.values.unknowns;
+            Ok([&seen * seen.tr_mul(&changes.rows(first, 2)), changes])
         })
     }
 }
 
-/// Fitted angles by which gravity turns further.
-struct Angles {
-    values: DVector<f64>,
-    /// Changes of all unknowns.
-    changes: DVector<f64>,
-    /// Directions that the data determine according to the covariance for independent residuals, as columns.
-    seen: DMatrix<f64>,
-    covariance: DMatrix<f64>,
-    freedom: f64,
+/// Regressor at rest under a gravity; zero without gravity.
+fn at_rest(robot: &dyn Robot, y: &[f64], joints: usize, gravity: Vector3<f64>) -> Vec<f64> {
+    let mut regressor = vec![0.0; joints * robot.parameters().len()];
+    if gravity != Vector3::zeros() {
+        robot.regressor_at_rest(y, gravity.into(), &mut regressor);
+    }
+    regressor
 }
 
-impl Angles {
-    fn new(task: &Task, chosen: &Chosen, time: Option<f64>) -> Result<Self> {
-        let Chosen { centred, weighting, values, model, .. } = chosen;
-        let solved = fit(centred, &centred.all, model, task.prior, weighting, values)?;
-        let first = task.layout.parameters - 2;
-        let place = |k: usize| solved.active.iter().position(|global| *global == first + k);
-        let places: Vec<usize> = (0..2).filter_map(place).collect();
-        let block = |of: &DMatrix<f64>| of.select_rows(&places).select_columns(&places);
-        let count = solved.active.len();
-        let inverse = Factor::new(&solved.regularized)?.solve(&DMatrix::identity(count, count));
-        let mut found = Self {
-            values: solved.values.unknowns.rows(first, 2).into_owned(),
-            changes: solved.values.unknowns.clone(),
-            seen: seen(block(&inverse)),
-            covariance: DMatrix::zeros(2, 2),
-            freedom: 1.0,
-        };
-        if let Some(time) = time {
-            let (offsets, outlier) = (chosen.offsets(), vec![f64::INFINITY; task.layout.joints]);
-            let values = &solved.values;
-            let log_gains = &chosen.log_gains;
-            let (offsets, outlier) = (&offsets, &outlier);
-            let fitted = Fitted { centred, solved: &solved, weighting, values, offsets, outlier, log_gains };
-            let scores = scores(&mut task.rows(), task.layout, task.runs, &fitted, time);
-            let all = covariance(&fitted, task.prior, &scores)?;
-            (found.covariance, found.freedom) = (block(&all.matrix), all.freedom as f64);
-        }
-        Ok(found)
-    }
-
-    /// The angles in the directions that the data determine.
-    fn observable(&self) -> DVector<f64> {
-        &self.seen * self.seen.tr_mul(&self.values)
-    }
-
-    /// The finding about the direction of gravity, if it differs significantly from the described one and by an angle that
-    /// matters.
-    fn judged(&self, turning: &Turning, found: Vector3<f64>) -> Option<Finding> {
-        let (described, angle) = (turning.described, found.angle(&turning.described));
-        let [first, second] = turning.across;
-        let across = [first.dot(&described), second.dot(&described)];
-        // If gravity is upside down, every direction leads to the described one.
-        let way = DVector::from_column_slice(&across).try_normalize(1e-9 * described.norm());
-        let beside = way.unwrap_or(DVector::from_column_slice(&[1.0, 0.0])) * angle;
-        let (beside, covariance) =
-            (self.seen.tr_mul(&beside), self.seen.tr_mul(&self.covariance) * &self.seen);
-        let wald = beside.dot(&covariance.clone().cholesky()?.solve(&beside));
-        let (q, rest) = (beside.len() as f64, self.freedom + 1.0 - beside.len() as f64);
-        let fisher = FisherSnedecor::new(q, rest).ok()?;
-        let by_chance = 1.0 - fisher.cdf(wald * rest / (q * self.freedom));
-        let direction = beside.normalize();
-        let error = direction.dot(&(&covariance * &direction)).sqrt();
-        let half = quantile(levels::TILT_CONFIDENCE.get(), self.freedom).ok()? * error;
-        let is_tilted =
-            by_chance < levels::TILT_LEVEL.get() && angle > levels::LEAST_TILT.get() && angle > half;
-        is_tilted.then(|| finding([described, found], [angle, half]))
-    }
+/// Adds to the regressor the weights under another gravity minus those under the described one.
+pub(super) fn turned_weights(robot: &dyn Robot, gravity: Vector3<f64>, y: &[f64], regressor: &mut [f64]) {
+    let (joints, described) = (robot.joint_names().len(), robot.gravity().map_or(gravity, Vector3::from));
+    let turned = at_rest(robot, y, joints, gravity - described);
+    regressor.iter_mut().zip(turned).for_each(|(entry, turned)| *entry += turned);
 }
 
 /// Columns of the directions whose variance is below [`levels::UNTOLD`].
@@ -239,25 +176,23 @@ fn seen(variance: DMatrix<f64>) -> DMatrix<f64> {
     eigen.eigenvectors.select_columns(&observable)
 }
 
-/// Sees: gravity forces that another direction of gravity explains.
-/// Matters: the tilt causes errors of the bodies.
-/// Example: a robot on a wedge of 5°.
-/// Fixture: `tilted` in `codegen/tests/findings/arm.rs`.
-const TILT: Rule = Rule::warning("tilted-gravity");
-
-fn finding([described, found]: [Vector3<f64>; 2], angles: [f64; 2]) -> Finding {
-    let [angle, half] = angles.map(f64::to_degrees);
-    let axis = described.cross(&found).try_normalize(1e-9 * found.norm_squared());
+pub(super) fn finding(case: &Case, change: &Change, rule: &Rule) -> Result<Option<Finding>> {
+    let (Change::Tilt(found), Some(described)) = (change, case.robot.gravity()) else {
+        return Ok(None);
+    };
+    let described = Vector3::from(described);
+    let angle = found.angle(&described).to_degrees();
+    let axis = described.cross(found).try_normalize(1e-9 * found.norm_squared());
     let axis = axis.unwrap_or(across(described)[0]);
-    let [axis, found] = [(axis, 2), (found, 3)].map(|(vector, digits)| {
+    let [axis, found] = [(axis, 2), (*found, 3)].map(|(vector, digits)| {
         let unit = 10_f64.powi(digits);
         let entry = |x: &f64| plain((x * unit).round() / unit, 6);
         vector.iter().map(entry).collect::<Vec<_>>().join(", ")
     });
     let message = format!(
-        "the efforts show a gravity {angle:.1}° ± {half:.1}° off the described one, turned about the axis [{axis}] of the base: the \
-         base is mounted at an angle, or `gravity` is wrong. Bodies and friction were fitted with the described gravity"
+        "the efforts show a gravity {angle:.1}° off the described one, turned about [{axis}] of the base: the base is \
+         mounted at an angle, or `gravity` is wrong. Bodies and friction were fitted with the described one"
     );
-    let remedy = format!("set `gravity = [{found}]`, and identify again");
-    TILT.found(message).with("angle", angle, "°").help(remedy)
+    let remedy = format!("set gravity = [{found}], and identify again");
+    Ok(Some(rule.found(message).with("angle", angle, "°").help(remedy)))
 }

@@ -8,7 +8,7 @@ use super::super::log::unit_value;
 use super::super::robot::Robot;
 use super::super::run::Effort;
 use super::levels;
-use super::offer::offered;
+use super::trial::{Case, Change};
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
 
@@ -16,7 +16,7 @@ use gelenk_findings::{Finding, Rule};
 /// Matters: efforts are probably in another unit. Beyond a factor of 10 the result is refused.
 /// Example: efforts of motors before their gears.
 /// Fixture: `hundredths` in `codegen/tests/findings/arm.rs`.
-const COMMON_FACTOR: Rule = Rule::error("other-unit-of-efforts");
+pub(super) const COMMON_FACTOR: Rule = Rule::error("other-unit-of-efforts");
 
 /// Sees: an estimated rigid-body force that differs from the described force by a factor above 3 at one joint.
 /// Matters: the unit of its effort, its gear ratio or a described mass is wrong.
@@ -77,11 +77,9 @@ fn middle(ratios: &[f64]) -> Option<f64> {
 }
 
 impl CommonRatio {
-    /// A doubt about the efforts of the robot as a whole; `None` if the ratio is near 1. The doubt names a unit only if the
-    /// data are explained better with efforts in this unit.
+    /// A doubt about the efforts of the robot as a whole; `None` if the ratio is near 1.
     ///
-    /// - `gain`: share by which the error on held-out data falls if all efforts are multiplied by a factor; `None` if it
-    ///   does not fall clearly
+    /// - `unit`: gives the finding with a unit in which the efforts are explained better; `None` if there is no such unit
     ///
     /// # Errors
     /// [`IdentificationError::Found`] with the ratio and its likely causes, if the ratio is far from 1 and this is not
@@ -89,12 +87,12 @@ impl CommonRatio {
     pub(crate) fn judged(
         &self,
         accept_poor: bool,
-        gain: impl Fn(f64) -> Result<Option<f64>>,
+        unit: impl FnOnce() -> Result<Option<Finding>>,
     ) -> Result<Option<Finding>> {
         if !self.is_other() {
             return Ok(None);
         }
-        let finding = self.finding(gain)?;
+        let finding = unit()?.unwrap_or_else(|| self.finding(None, &COMMON_FACTOR));
         if self.is_within(levels::ANOTHER_UNIT.get()) || accept_poor {
             return Ok(Some(finding.accepted()));
         }
@@ -115,27 +113,28 @@ impl CommonRatio {
         (1.0 / factor..=factor).contains(&self.factor)
     }
 
-    fn finding(&self, gain: impl Fn(f64) -> Result<Option<f64>>) -> Result<Finding> {
+    /// Units in which the estimated forces would be near the described ones.
+    fn units(&self) -> Vec<Change> {
+        let units = if self.unit == "m" || self.effort == Effort::Current { &[][..] } else { &UNITS[..] };
+        let is_near = |name: &&&str| {
+            let factor = self.factor * unit_value(name).unwrap_or(1.0);
+            factor.max(1.0 / factor) < levels::GUESS.get()
+        };
+        units.iter().filter(is_near).map(|name| Change::Unit(name)).collect()
+    }
+
+    /// - `guess`: a unit in which the efforts are explained better
+    fn finding(&self, guess: Option<&str>, rule: &Rule) -> Finding {
         let (key, unit) = match self.effort {
             Effort::Input => ("input", if self.unit == "m" { "N" } else { "Nm" }),
             Effort::Joint => ("torque", if self.unit == "m" { "N" } else { "Nm" }),
             Effort::Current => ("current", "A"),
         };
-        let units = if self.unit == "m" || self.effort == Effort::Current { &[][..] } else { &UNITS[..] };
-        let mut best: Option<(&str, f64)> = None;
-        let is_near =
-            |value: f64| (self.factor * value).max(1.0 / (self.factor * value)) < levels::GUESS.get();
-        for name in units {
-            let share = unit_value(name).filter(|value| is_near(*value)).map(&gain).transpose()?.flatten();
-            let most = best.map_or(0.0, |(_, most)| most);
-            best = share.filter(|share| *share > most).map(|share| (*name, share)).or(best);
-        }
-        let guess = best.map(|(name, _)| format!("they may be in {name} (--columns '{key}=…[{name}]'); "));
+        let guess = guess.map(|name| format!("they may be in {name} (--columns '{key}=…[{name}]'); "));
         let usual = if self.effort == Effort::Current {
             "the described motor constants may be wrong"
         } else if self.factor < 1.0 {
-            "use --effort input for efforts on the motor side of the gears, --effort current for currents, and \
-             --gravity-compensated if the robot compensates its weight itself"
+            "efforts of motors before their gears are --effort input, currents are --effort current"
         } else {
             "use --effort current for currents, and --effort joint for efforts on the output side of the gears"
         };
@@ -150,12 +149,18 @@ impl CommonRatio {
              they are",
             guess.unwrap_or_default()
         );
-        let finding = COMMON_FACTOR.found(message).with("factor", self.factor, "").help(remedy);
-        Ok(match best {
-            Some((_, share)) => offered(finding, share),
-            None => finding,
-        })
+        rule.found(message).with("factor", self.factor, "").help(remedy)
     }
+}
+
+/// Units of all efforts that are tried.
+pub(super) fn units(case: &Case) -> Result<Vec<Change>> {
+    Ok(case.ratio.map_or_else(Vec::new, CommonRatio::units))
+}
+
+pub(super) fn finding(case: &Case, change: &Change, rule: &Rule) -> Result<Option<Finding>> {
+    let Change::Unit(name) = change else { return Ok(None) };
+    Ok(case.ratio.map(|ratio| ratio.finding(Some(name), rule)))
 }
 
 /// A doubt about the unit of one joint's effort; `None` if the ratio is near 1 or the described force is small.

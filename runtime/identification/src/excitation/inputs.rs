@@ -5,7 +5,7 @@ use super::levels;
 use super::motors::Torques;
 use super::smallest_inputs::{SINGULAR, first_outside, smallest_inputs};
 use super::{ExcitationLimits, Instant};
-use crate::error::{Result, at};
+use crate::error::{Result, at_joint};
 use crate::numeric::spectrum::svd;
 use crate::pose::QuaternionJoint;
 use crate::robot::Robot;
@@ -158,7 +158,7 @@ pub(super) fn require_driven(robot: &dyn Robot, states: &[Instant]) -> Result<()
     robot.quaternion_joints().iter().try_for_each(|joint| require_all_directions(joint, &matrices))?;
     let is_moved = |joint: usize| matrices.iter().any(|matrix| matrix.row(joint).iter().any(|b| *b != 0.0));
     match robot.joint_names().into_iter().enumerate().find(|(joint, _)| !is_moved(*joint)) {
-        Some((_, joint)) => Err(at(format!("joint {joint}")).fault(
+        Some((_, joint)) => Err(at_joint(joint).fault(
             "it has no drive, and no input at a frame moves it, so no motion can be planned; describe the force that moves it (`drive`, \
              `[[drives]]`, `[[forces]]` with an `input`), or hold it (`held = 0`) for the plan and its logs",
         )),
@@ -182,7 +182,7 @@ fn require_all_directions(joint: &QuaternionJoint, matrices: &[DMatrix<f64>]) ->
         true => ("floating", "a base without --base floating"),
         false => ("spherical", "a joint by `type = \"fixed\"`"),
     };
-    Err(at(format!("joint {}", joint.name)).fault(format!(
+    Err(at_joint(&joint.name).fault(format!(
         "no motion is planned if a {kind} joint is moved by its inputs in {moved} of its {} directions: its motion in the \
          other directions cannot be controlled. Record free motions instead, which `gelenk identify` accepts; or \
          describe the inputs that hold the joint while it moves (`[[inputs]]` with `frame` and `wrench`); or clamp the bodies \

@@ -25,28 +25,35 @@ const SLOW_LOG: Rule = Rule::warning("slow-log");
 /// Fixture: `laws_are_judged_at_speeds_that_the_joint_may_have` in `friction/findings.rs`.
 const BEYOND_EFFORT: Rule = Rule::error("law-beyond-effort");
 
+/// Sees: the filter of the samples, the method, and the terms from which the law was chosen.
+/// Matters: with other settings the law may differ. These notes are written as comments of the law.
+/// Example: best subset, 10 folds.
+/// Fixture: `friction/tests.rs`.
+const SETTINGS: Rule = Rule::note("law-settings");
+
 /// Inputs of the findings, and the findings that were made.
 pub(super) struct Findings<'a> {
     pub(super) data: &'a FrictionData<'a>,
     pub(super) unit: &'a str,
-    pub(super) notes: Vec<String>,
+    pub(super) notes: Vec<Finding>,
     pub(super) all: Vec<Finding>,
 }
 
 impl<'a> Findings<'a> {
     pub(super) fn new(data: &'a FrictionData<'a>) -> Self {
-        let notes = data.settings.to_vec();
+        let notes = data.settings.iter().map(|text| SETTINGS.found(text)).collect();
         Self { data, unit: data.unit, notes, all: Vec::new() }
     }
 
     pub(super) fn note(&mut self, text: String) {
-        self.notes.push(text);
+        self.notes.push(SETTINGS.found(text));
     }
 
     /// Notes the terms from which the law is chosen.
     pub(super) fn note_library(&mut self, terms: &[String], separate: bool, condition: f64) {
         let offsets = if separate { " in addition to the offset of each run" } else { "" };
-        self.note(format!("library [{}]{offsets}, condition number {condition:.1}", terms.join(", ")));
+        let text = format!("library [{}]{offsets}, condition number {condition:.1}", terms.join(", "));
+        self.notes.push(SETTINGS.found(text).with("condition number", condition, ""));
     }
 
     pub(super) fn add(&mut self, finding: Finding) {
@@ -56,7 +63,7 @@ impl<'a> Findings<'a> {
     pub(super) fn judge(&mut self, held_out: Option<f64>, least: f64) {
         let Some(r) = held_out.filter(|r| *r < least) else { return };
         let message = format!(
-            "the law explains too little: R² on left-out data is {r:.3}, and at least {least} is required"
+            "the law explains nothing: R² on held-out data is {r:.3}, and at least {least} is required"
         );
         let remedy = "record motion with more speed and reversals, or leave the described friction as it is";
         self.add(POOR_LAW.found(message).help(remedy));
@@ -112,8 +119,8 @@ impl<'a> Findings<'a> {
     }
 
     /// The settings, and the findings about the joint.
-    pub(super) fn parts(self) -> (Vec<String>, Vec<Finding>) {
-        (self.notes, self.all)
+    pub(super) fn parts(self) -> [Vec<Finding>; 2] {
+        [self.notes, self.all]
     }
 }
 

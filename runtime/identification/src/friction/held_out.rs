@@ -14,8 +14,8 @@ use gelenk_findings::Rule;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
-/// Sees: a fold without which a law cannot be fitted.
-/// Matters: the error of the law on left-out data is unknown.
+/// Sees: folds without which a law cannot be fitted.
+/// Matters: no error on held-out data is known.
 /// Example: a log in which one fold has the only motion.
 /// Fixture: `friction/tests.rs`.
 const NO_HELD_OUT: Rule = Rule::warning("no-held-out-error");
@@ -62,7 +62,7 @@ pub(super) fn held_out(
     match folds.and_then(|folds| by_folds(&folds, selection, rows)) {
         Ok(folds) => Some(HeldOutErrors { folds, total }),
         Err(reason) => {
-            findings.add(NO_HELD_OUT.found(format!("R² on left-out data cannot be computed: {reason}")));
+            findings.add(NO_HELD_OUT.found(format!("no R² on held-out data: {reason}")));
             None
         }
     }

@@ -41,7 +41,7 @@ impl Findings<'_> {
         let law = &judged.law;
         let drift = drift(data, &data.torques_of(law)?, data.gradients_of(law)?, &judged.residuals);
         self.all.extend(drift.iter().flat_map(|drift| drift.findings(data.unit, rms)));
-        let (settings, findings) = self.parts();
+        let [settings, findings] = self.parts();
         let result = FrictionResult {
             joint: data.joint.into(),
             unit: data.unit.into(),

@@ -37,7 +37,7 @@ pub(crate) use task::CommonTerms;
 pub use task::{FrictionData, FrictionIdentification, Offsets};
 
 use super::error::{
-    IdentificationError, Result, require_finite, require_length, require_samples, require_setting,
+    Result, require_changing, require_finite, require_length, require_samples, require_setting,
 };
 
 impl FrictionIdentification {
@@ -47,15 +47,15 @@ impl FrictionIdentification {
     /// [refusal](super::result::FrictionResult::refusals).
     ///
     /// # Errors
-    /// - [`Empty`](IdentificationError::Empty), [`TooFewSamples`](IdentificationError::TooFewSamples): fewer samples than
-    ///   the method needs
-    /// - [`Shape`](IdentificationError::Shape), [`NotFinite`](IdentificationError::NotFinite): lengths that differ, or
-    ///   values that are not finite
-    /// - [`Constant`](IdentificationError::Constant): a velocity that never changes
-    /// - [`Setting`](IdentificationError::Setting): a setting out of its range
-    /// - [`Collinear`](IdentificationError::Collinear), [`ZeroColumn`](IdentificationError::ZeroColumn),
-    ///   [`EverythingRemoved`](IdentificationError::EverythingRemoved): terms that are collinear or zero, or a threshold or
-    ///   λ that removes every term
+    /// - [`Empty`](crate::IdentificationError::Empty), [`TooFewSamples`](crate::IdentificationError::TooFewSamples):
+    ///   fewer samples than the method needs
+    /// - [`Shape`](crate::IdentificationError::Shape), [`NotFinite`](crate::IdentificationError::NotFinite): lengths that
+    ///   differ, or values that are not finite
+    /// - [`Constant`](crate::IdentificationError::Constant): a velocity that never changes
+    /// - [`Setting`](crate::IdentificationError::Setting): a setting out of its range
+    /// - [`Collinear`](crate::IdentificationError::Collinear), [`ZeroColumn`](crate::IdentificationError::ZeroColumn),
+    ///   [`EverythingRemoved`](crate::IdentificationError::EverythingRemoved): terms that are collinear or zero, or a
+    ///   threshold or λ that removes every term
     /// - other errors of the chosen [`FrictionMethod`]
     pub fn identify(&self, data: &FrictionData) -> Result<FrictionReport> {
         check(data)?;
@@ -82,14 +82,7 @@ fn check(data: &FrictionData) -> Result<()> {
         let kept = filtered.runs.iter().map(|run| run.kept.len()).sum();
         require_length(&format!("filtered samples of {}", data.joint), m, kept)?;
     }
-    if data.velocities.iter().all(|v| *v == data.velocities[0]) {
-        return Err(IdentificationError::Constant {
-            what: format!("the velocity of {}", data.joint),
-            value: data.velocities[0],
-            samples: m,
-        });
-    }
-    Ok(())
+    require_changing(&format!("the velocity of {}", data.joint), data.velocities)
 }
 
 fn check_runs(data: &FrictionData, samples: usize) -> Result<()> {

@@ -28,7 +28,7 @@ type Make = fn(Option<f64>) -> FrictionMethod;
 pub const METHODS: [(&str, &str, Make); 4] = [
     (
         "subset",
-        "Best subset: the fewest terms within one standard error of the least error on left-out data",
+        "Best subset: the fewest terms within one standard error of the least error on held-out data",
         |_| FrictionMethod::BestSubset,
     ),
     ("stls", "SINDy: sequentially thresholded least squares, with --threshold", |threshold| {

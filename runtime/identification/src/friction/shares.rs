@@ -82,7 +82,7 @@ impl SharedFriction<'_> {
         let samples = moments.samples();
         let rss = moments.residual(0, coefficients) + self.lost;
         let total = moments.energy(0) + self.lost;
-        let (settings, findings) = findings.parts();
+        let [settings, findings] = findings.parts();
         FrictionResult {
             joint: self.about.joint.into(),
             unit: self.about.unit.into(),

@@ -22,13 +22,7 @@ use gelenk_findings::{Finding, Rule};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
-/// Sees: parameters of a Stribeck law that the data do not determine.
-/// Matters: the values of these parameters are guesses.
-/// Example: a Stribeck speed below all speeds in the data.
-/// Fixture: `methods/stribeck/tests.rs`.
-const PARAMETERS: Rule = Rule::warning("stribeck-parameters");
-
-/// Sees: a fit whose Coulomb friction, static friction or Stribeck speed has no physical meaning.
+/// Sees: a fit whose Coulomb friction, static friction or Stribeck speed mean nothing.
 /// Matters: the law is refused.
 /// Example: static friction below Coulomb friction.
 /// Fixture: `a_stribeck_law_is_taken_and_another_law_is_refused` in `friction/stribeck.rs`.
@@ -48,8 +42,8 @@ pub(super) fn identify(
 ) -> Result<FrictionReport> {
     let runs = runs(data);
     let mut attempt = Attempt::new(settings, data, regression, &runs)?;
-    let doubts = attempt.fit.warnings.iter().map(|warning| PARAMETERS.found(warning.clone()));
-    attempt.findings.all.splice(0..0, doubts.chain(attempt.other_law.clone()));
+    let doubts = attempt.fit.warnings.iter().chain(&attempt.other_law).cloned();
+    attempt.findings.all.splice(0..0, doubts);
     attempt.judged(settings)
 }
 
@@ -372,8 +366,8 @@ mod tests {
         let words = report.result.stribeck.unwrap();
         assert!((words.static_friction.value - 5.0).abs() < 0.1, "{words:?}");
         assert!((words.stribeck_speed.value - 0.1).abs() < 0.01, "{words:?}");
-        let note = report.result.settings.iter().find(|note| note.starts_with("Stribeck law"));
-        assert!(note.is_some_and(|note| note.contains("samples weigh the same")), "{note:?}");
+        let note = report.result.settings.iter().find(|note| note.message.starts_with("Stribeck law"));
+        assert!(note.is_some_and(|note| note.message.contains("samples weigh the same")), "{note:?}");
         // Friction that grows where Stribeck's falls, one that falls faster than it can be seen, and none that falls.
         for (excess, speed, reason) in
             [(-2.0, 0.3, "is less than Coulomb"), (2.0, 20.0, "v_s ="), (0.0, 0.1, "no Stribeck law")]

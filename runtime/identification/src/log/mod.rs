@@ -15,7 +15,6 @@
 
 mod levels;
 
-mod finding;
 mod number;
 mod packed;
 mod units;

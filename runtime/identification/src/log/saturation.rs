@@ -2,9 +2,14 @@
 //! drive or a program.
 
 use super::super::run::Run;
-use super::finding::CUT_OFF;
 use super::levels;
-use gelenk_findings::Finding;
+use gelenk_findings::{Finding, Rule};
+
+/// Sees: efforts that are at their largest or smallest value for a part of the motion.
+/// Matters: the model is wrong there: a sensor or a drive was saturated.
+/// Example: a torque sensor that ends at 6 N m.
+/// Fixture: `efforts_that_are_cut_off_are_said_with_their_column_and_share` in `log/saturation.rs`.
+const CUT_OFF: Rule = Rule::note("efforts-cut-off");
 
 /// Returns findings about efforts that are cut off at a limit.
 ///

@@ -1,8 +1,13 @@
 //! Conversion of times to seconds. If no unit is named, the unit follows from the time step.
 
-use super::finding::UNIT_ASSUMED;
 use super::levels;
-use gelenk_findings::Finding;
+use gelenk_findings::{Finding, Rule};
+
+/// Sees: times without a unit, or times that step by exactly one second.
+/// Matters: a wrong unit of the time makes every rate wrong.
+/// Example: times that step by 4, taken as ms.
+/// Fixture: `epoch_times_keep_their_digits` in `log/tests/styles.rs`.
+pub(super) const UNIT_ASSUMED: Rule = Rule::note("unit-assumed");
 
 /// Returns the value in s of the unit of times whose unit is not named. It assumes a sampling rate of 5 Hz to 20 kHz. If
 /// the unit is not s, it also returns a message.

@@ -1,10 +1,15 @@
 //! Removal of single efforts far beyond all others: bit errors, and values that a driver writes instead of a missing value.
 
 use super::super::numeric::statistics::quantile;
-use super::finding::OUTLIER;
 use super::levels;
-use gelenk_findings::Finding;
 use gelenk_findings::digits::plain;
+use gelenk_findings::{Finding, Rule};
+
+/// Sees: single efforts far beyond all others.
+/// Matters: they are left out.
+/// Example: 999999 where a driver has no value.
+/// Fixture: `spikes` in `codegen/tests/findings/arm.rs`.
+const OUTLIER: Rule = Rule::note("outliers");
 
 /// Replaces the spikes of a column by NaN, and returns a finding; `None` if there are no spikes.
 ///

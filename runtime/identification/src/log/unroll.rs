@@ -91,7 +91,8 @@ fn require_unit(q: &[f64; 4], length: f64, joint: &QuaternionJoint, row: usize, 
              columns with --columns 'xyzw=…' or 'wxyz=…'"
         )
     };
-    Err(at(format!("{source}, row {row}"))
+    Err(at(source)
+        .row(row)
         .fault(format!("the quaternion of `{}`, x {x} y {y} z {z} w {w}, {why}", joint.name)))
 }
 

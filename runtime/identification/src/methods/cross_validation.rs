@@ -3,7 +3,7 @@
 //! Folds are contiguous blocks, because neighbouring samples of a log are correlated. With random folds, samples of the
 //! test set would have neighbours in the training set.
 
-use super::super::error::{IdentificationError, Result, require_length, require_setting};
+use super::super::error::{Result, everything_removed, require_length, require_setting};
 use super::super::numeric::statistics::{mean_with_error, simplest};
 use super::lasso::{Lasso, LassoPath, active_terms};
 use super::least_squares::{Reduced, Solution};
@@ -64,7 +64,7 @@ impl CrossValidation {
 /// Computes the least-squares solution on the terms that the path chose at the λ with this index.
 ///
 /// # Errors
-/// [`IdentificationError::EverythingRemoved`] if the path has no term at this λ.
+/// [`EverythingRemoved`](crate::IdentificationError::EverythingRemoved) if the path has no term there.
 pub fn refit(reduced: &Reduced, target: usize, path: &LassoPath, index: usize) -> Result<Solution> {
     if index >= path.lambdas.len() {
         require_length("λ of the path", index + 1, path.lambdas.len())?;
@@ -72,11 +72,8 @@ pub fn refit(reduced: &Reduced, target: usize, path: &LassoPath, index: usize) -
     let active = active_terms(&path.coefficients.column(index).into_owned());
     if active.is_empty() {
         let kept = (0..path.lambdas.len()).find(|&k| path.coefficients.column(k).amax() > 0.0);
-        return Err(IdentificationError::EverythingRemoved {
-            what: "lambda".into(),
-            value: path.lambdas[index],
-            largest: kept.map_or(0.0, |k| path.lambdas[k]),
-        });
+        let largest = kept.map_or(0.0, |k| path.lambdas[k]);
+        return Err(everything_removed("lambda", path.lambdas[index], largest));
     }
     reduced.fit(target, &active)
 }

@@ -1,7 +1,7 @@
 //! Library Θ of candidate terms. The terms are expressions in the language of descriptions, evaluated on channels.
 
 use super::super::error::{IdentificationError, Result, require_length};
-use super::expression::{Kind, Program, Workspace};
+use super::expression::{Kind, Program, Workspace, fault};
 use gelenk_findings::digits::two_digits;
 use nalgebra::DMatrix;
 
@@ -29,15 +29,11 @@ impl Library {
         }
         let program = Program::new(&terms, &channels)?;
         for (i, term) in terms.iter().enumerate() {
-            let fault = |message: &str| IdentificationError::Expression {
-                text: term.clone(),
-                message: message.into(),
-            };
             if program.kind(i) != Some(Kind::Number) {
-                return Err(fault("a library term must be a number, not a truth value"));
+                return Err(fault(term, "a library term must be a number, not a truth value"));
             }
             if terms[..i].contains(term) {
-                return Err(fault("this term is twice in the library: remove one of the two"));
+                return Err(fault(term, "this term is twice in the library"));
             }
         }
         Ok(Self { terms, channels, program })

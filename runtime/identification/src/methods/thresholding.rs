@@ -27,7 +27,7 @@
 //! # Ok::<(), gelenk_identification::IdentificationError>(())
 //! ```
 
-use super::super::error::{IdentificationError, Result, require_setting};
+use super::super::error::{IdentificationError, Result, everything_removed, require_setting};
 use super::least_squares::{Reduced, Solution};
 
 /// Settings of [`Thresholding::fit`].
@@ -74,11 +74,7 @@ impl Thresholding {
             let before = active.len();
             active.retain(|&i| coefficients[i].abs() >= self.threshold);
             if active.is_empty() {
-                return Err(IdentificationError::EverythingRemoved {
-                    what: "threshold".into(),
-                    value: self.threshold,
-                    largest: coefficients.amax(),
-                });
+                return Err(everything_removed("threshold", self.threshold, coefficients.amax()));
             }
             if active.len() == before {
                 break;

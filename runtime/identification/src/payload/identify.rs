@@ -84,7 +84,7 @@ fn unit_doubts(
 ) -> Result<Option<Finding>> {
     let judged = |runs: &[PreparedRun]| {
         let ratio = described_ratio(robot, runs);
-        ratio.map(|ratio| ratio.judged(accept_poor, |_| Ok(None))).transpose().map(Option::flatten)
+        ratio.map(|ratio| ratio.judged(accept_poor, || Ok(None))).transpose().map(Option::flatten)
     };
     let doubt = judged(without)?;
     judged(with)?;

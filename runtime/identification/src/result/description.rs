@@ -104,10 +104,7 @@ pub fn identified_toml(identified: &Identified<'_>) -> Result<String> {
     });
     for (i, result) in friction.iter().enumerate() {
         if friction[..i].iter().any(|r| r.joint == result.joint) {
-            return Err(IdentificationError::Expression {
-                text: result.joint.clone(),
-                message: "this joint is twice among the results: give one law for each joint".into(),
-            });
+            return Err(fault(&result.joint, "this joint is twice among the results"));
         }
         let value = friction_value(result)?;
         text.push_str("\n[[joints]]\n");
@@ -211,7 +208,7 @@ fn comments(result: &FrictionResult, text: &mut String) {
     ));
     result.coefficient_lines().into_iter().for_each(&mut line);
     result.summary_lines().into_iter().for_each(&mut line);
-    result.settings.iter().for_each(|s| line(s.clone()));
+    result.settings.iter().for_each(|note| line(note.sentence()));
     result.findings.iter().for_each(|finding| line(finding.to_string()));
 }
 

@@ -221,10 +221,9 @@ pub struct FrictionResult {
     pub(crate) drift: Option<Drift>,
     /// File name and SHA-256 of the data.
     pub data: String,
-    /// Sentences on the settings: method, λ with its objective function, selection of samples, differentiation.
-    pub settings: Vec<String>,
-    /// Findings about the law. Findings with the severity "error" prevent writing the law unless the user accepts poor
-    /// laws.
+    /// Notes on the settings: method, λ with its convention, selection of samples, differentiation.
+    pub settings: Vec<Finding>,
+    /// Doubts about the law, and as errors the reasons for which it must not be written unless poor laws are accepted.
     pub findings: Vec<Finding>,
 }
 
@@ -314,7 +313,7 @@ impl FrictionResult {
         }));
         let held_out = self.held_out.map_or_else(|| "unknown".into(), |r| format!("{r:.4}"));
         lines.push(format!(
-            "residual {} {} rms, R² {:.4} in the fit, {held_out} on left-out data",
+            "residual {} {} rms, R² {:.4} in the fit, {held_out} on held-out data",
             rounded(self.residual, Some(1e-2 * self.residual)),
             self.unit,
             self.r_squared
@@ -374,7 +373,9 @@ pub(super) mod tests {
             r_squared: 0.998,
             held_out: Some(0.9971),
             data: "run.csv (sha256 00ff)".into(),
-            settings: vec!["λ = 0.01 in 1/(2N)‖·‖² + λ‖·‖₁".into(), "two\nlines".into()],
+            settings: ["λ = 0.01 in 1/(2N)‖·‖² + λ‖·‖₁", "two\nlines"]
+                .map(|text| Finding::note("law-settings", text))
+                .into(),
             ..FrictionResult::default()
         }
     }
@@ -386,8 +387,8 @@ pub(super) mod tests {
         // Student's quantile for 60 degrees of freedom is 2.000.
         assert!(text.contains("v: 76.556 ± 0.031, 95 % interval 76.494 … 76.619"), "{text}");
         assert!(text.contains("offset 0.503 ± 0.021 N·m, not part of the law"), "{text}");
-        assert!(text.contains("R² 0.9980 in the fit, 0.9971 on left-out data"), "{text}");
-        // The formula has the digits that are written, which follow from the resolution.
+        assert!(text.contains("R² 0.9980 in the fit, 0.9971 on held-out data"), "{text}");
+        // The formula has the digits of the resolution: what is written.
         assert_eq!(example().law.formula(), "76.5561*v - 3.9245*tanh(5*v)");
     }
 

@@ -1,12 +1,13 @@
 //! Search for the columns of the efforts: torques at the joints, inputs, or currents.
 
-use super::super::super::error::{IdentificationError, Result, at};
+use super::super::super::error::{IdentificationError, Result};
 use super::super::super::run::Effort;
 use super::families::Targets;
 use super::finder::Finder;
 use super::found::Found;
 use super::pattern::{Chosen, Pattern};
 use super::table::Kind;
+use gelenk_findings::Finding;
 
 impl Finder<'_> {
     /// Returns the columns of the efforts, and the kind of the efforts.
@@ -133,10 +134,8 @@ impl Finder<'_> {
 
     /// Adds to the error which efforts a robot with a floating base needs at least.
     fn nothing_acts(&self, error: IdentificationError) -> IdentificationError {
-        let IdentificationError::File { place, message } = error else { return error };
-        let Some(base) = self.robot.quaternions.iter().find(|joint| joint.is_floating) else {
-            return at(place).fault(message);
-        };
+        let base = self.robot.quaternions.iter().find(|joint| joint.is_floating);
+        let (IdentificationError::File(finding), Some(base)) = (&error, base) else { return error };
         let enough = if self.has_frames() {
             "The log needs the efforts of the inputs at frames; efforts of the joints may be missing"
                 .to_owned()
@@ -148,7 +147,7 @@ impl Finder<'_> {
                 base.name
             )
         };
-        at(place).fault(format!("{message}. {enough}"))
+        IdentificationError::File(Box::new(Finding::clone(finding).help(enough)))
     }
 }
 

@@ -156,7 +156,7 @@ impl<'a> Finder<'a> {
     ) -> Result<Column> {
         let wanted = kind.row().units[usize::from(is_linear)];
         let header = self.headers.get(index);
-        let label = self.label(index);
+        let (label, written) = (self.label(index), self.unique(index));
         let named = stated.or_else(|| header.and_then(|h| h.unit));
         let odd =
             header.and_then(|h| h.odd.as_ref()).filter(|odd| named.is_none() && !self.is_described(odd));
@@ -172,7 +172,7 @@ impl<'a> Finder<'a> {
         let Some(unit) = named.or_else(|| header.and_then(|h| self.suffix(h, wanted))) else {
             let unit_words = format!("in {} because the header has no unit", wanted[0]);
             let (unit, is_stated) = (Unit { factor: 1.0, si: wanted[0] }, wanted[0] != "1");
-            return Ok(Column { index, label, unit, unit_words, is_stated });
+            return Ok(Column { index, label, written, unit, unit_words, is_stated });
         };
         let fits = wanted.contains(&unit.si) || unit.si == "1";
         if !fits || kind == Kind::Attitude && unit.factor != 1.0 {
@@ -182,7 +182,7 @@ impl<'a> Finder<'a> {
             1.0 => format!("in {}", unit.si),
             factor => format!("times {} in {}", plain(factor, 6), unit.si),
         };
-        Ok(Column { index, label, unit, unit_words, is_stated: stated.is_some() })
+        Ok(Column { index, label, written, unit, unit_words, is_stated: stated.is_some() })
     }
 
     /// Returns whether text in brackets is not a unit, but consists of known words of headers or of a joint's name.

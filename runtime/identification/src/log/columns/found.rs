@@ -1,9 +1,14 @@
 //! Columns of one quantity, and their text in messages.
 
-use super::super::finding::COLUMN_DOUBTFUL;
 use super::super::units::Unit;
 use super::table::Kind;
-use gelenk_findings::Finding;
+use gelenk_findings::{Finding, Rule};
+
+/// Sees: columns with names of commanded values if no measured ones are found, or a time in an unknown unit.
+/// Matters: commanded values differ from measured ones by the control error.
+/// Example: `q_d1` without a `q1`.
+/// Fixture: `what_is_commanded_is_doubted_where_nothing_is_measured` in `log/tests/printed.rs`.
+pub(super) const COLUMN_DOUBTFUL: Rule = Rule::warning("column-doubtful");
 
 /// A column with its unit.
 #[derive(Debug, Clone, PartialEq)]
@@ -11,6 +16,8 @@ pub(in crate::log) struct Column {
     pub index: usize,
     /// Name of the column in messages.
     pub label: String,
+    /// Header or number in `--columns`.
+    pub written: String,
     pub unit: Unit,
     /// The unit in words.
     pub unit_words: String,
@@ -38,7 +45,9 @@ pub(in crate::log) struct Found {
 pub(crate) struct ColumnLabels {
     /// Header or number of the column of each joint or input; `none` if the log does not have this column.
     pub(crate) columns: Vec<String>,
-    /// All columns in the form of `--columns`, for example `q{}`.
+    /// The same columns in the form that `--columns` takes; `None` if the log does not have the column.
+    pub(crate) written: Vec<Option<String>>,
+    /// All columns in the form that `--columns` takes, as `q{}`.
     pub(crate) pattern: String,
 }
 
@@ -78,12 +87,12 @@ impl Found {
     ///
     /// - `count`: number of all joints or inputs
     pub(super) fn labels(&self, count: usize) -> ColumnLabels {
-        let mut columns = vec!["none".to_owned(); count];
-        self.places
-            .iter()
-            .zip(&self.columns)
-            .for_each(|(place, column)| columns[*place].clone_from(&column.label));
-        ColumnLabels { columns, pattern: self.pattern.clone() }
+        let (mut columns, mut written) = (vec!["none".to_owned(); count], vec![None; count]);
+        for (place, column) in self.places.iter().zip(&self.columns) {
+            columns[*place].clone_from(&column.label);
+            written[*place] = Some(column.written.clone());
+        }
+        ColumnLabels { columns, written, pattern: self.pattern.clone() }
     }
 
     /// Returns a warning if the columns are commanded.

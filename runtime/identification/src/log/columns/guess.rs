@@ -8,14 +8,15 @@ use super::found::{Column, Found};
 use super::mapping::Parts;
 use super::pattern::ColumnOptions;
 use super::robot::RobotColumns;
+use gelenk_findings::Finding;
 
-/// Columns of a log that were found, as an argument of `--columns`.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+/// The columns of a log that were found.
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct ColumnGuess {
     /// Argument of `--columns`. The text `QUANTITY=?` means that no columns of this quantity were found.
     pub line: String,
-    /// Errors of the quantities whose columns were not found.
-    pub faults: Vec<String>,
+    /// Reasons for which quantities were not found.
+    pub faults: Vec<Finding>,
     /// All columns of the log: their headers, or the fields of the first row if there are no headers.
     pub columns: Vec<String>,
 }
@@ -34,7 +35,7 @@ pub(in crate::log) fn guess(
     let mut guess = finder.guess(finder.parts(options.effort));
     guess.columns = if sheet.headers.is_empty() { sheet.first.clone() } else { sheet.headers.clone() };
     if let Err(fault) = finder.require_header() {
-        guess.faults = vec![fault.to_string()];
+        guess.faults = fault.refusals().to_vec();
     }
     Ok(guess)
 }
@@ -66,11 +67,13 @@ impl Finder<'_> {
                 }
                 Err(fault) => {
                     line.push(format!("{key}=?"));
-                    guess.faults.push(fault.to_string());
+                    guess.faults.extend_from_slice(fault.refusals());
                 }
             }
         }
-        guess.faults.extend(self.require_distinct(&used).err().map(|fault| fault.to_string()));
+        if let Err(fault) = self.require_distinct(&used) {
+            guess.faults.extend_from_slice(fault.refusals());
+        }
         line.extend(self.robot.hold_option());
         ColumnGuess { line: line.join(","), ..guess }
     }

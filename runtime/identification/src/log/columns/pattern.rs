@@ -2,7 +2,7 @@
 
 use gelenk_formula::Hold;
 
-use super::super::super::error::{IdentificationError, Result, at};
+use super::super::super::error::{IdentificationError, Place, Result};
 use super::super::super::run::Effort;
 use super::super::sheet::shortened;
 use super::super::units::{self, Unit};
@@ -99,7 +99,8 @@ impl ColumnOptions {
         let all = self.named()?;
         let holds = all.iter().filter(|(_, name, _)| name == HOLD);
         for pattern in holds.flat_map(|(.., text)| text.split('|')) {
-            let fault = |message: String| at(format!("--hold `{pattern}`")).fault(message);
+            let fault =
+                |message: String| Place::default().option(format!("--hold `{pattern}`")).fault(message);
             let hold = Hold::parse(pattern).map_err(fault)?;
             let matching: Vec<usize> = (0..joints.len()).filter(|j| hold.matches(&joints[*j])).collect();
             if matching.is_empty() {
@@ -162,7 +163,7 @@ pub(super) fn is_spellable(text: &str) -> bool {
 }
 
 fn fault(text: &str, message: String) -> IdentificationError {
-    at(format!("--columns `{}`", text.trim())).fault(message)
+    Place::default().option(format!("--columns `{}`", text.trim())).fault(message)
 }
 
 impl Pattern {

@@ -1,12 +1,12 @@
 //! Search for the column of times and its unit.
 
 use super::super::super::error::{IdentificationError, Result};
-use super::super::finding::COLUMN_DOUBTFUL;
 use super::super::number::{Decimals, exact};
 use super::super::sheet::shortened;
 use super::super::units::Unit;
 use super::families::Targets;
 use super::finder::Finder;
+use super::found::COLUMN_DOUBTFUL;
 use super::header::Header;
 use super::pattern::Chosen;
 use super::table::Kind;

@@ -8,7 +8,7 @@ mod total_variation;
 
 pub use total_variation::{Regularization, TotalVariation};
 
-use super::super::error::{Result, at, require_finite, require_length, require_samples, require_setting};
+use super::super::error::{Place, Result, require_finite, require_length, require_samples, require_setting};
 
 /// A smoothed signal and its derivatives at the sampling times.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,8 +43,9 @@ fn require_signal(times: &[f64], signal: &[f64], needed: usize) -> Result<()> {
     require_finite("the signal", signal)?;
     match times.windows(2).position(|w| w[1] <= w[0]) {
         None => Ok(()),
-        Some(i) => Err(at(format!("row {} (counted from 0)", i + 1)).fault(format!(
-            "{} s is followed by {} s: sort the rows or split the log into segments",
+        Some(i) => Err(Place::default().fault(format!(
+            "time does not increase at sample {} (counted from 0): {} s is followed by {} s: sort the rows or split the log into segments",
+            i + 1,
             times[i],
             times[i + 1]
         ))),
@@ -150,7 +151,7 @@ mod tests {
         assert!(message(&[0.0], &[1.0]).contains("needs at least 4 samples, but there are 1"));
         assert!(
             message(&[0.0, 1.0, 1.0, 2.0], &ok[..4])
-                .contains("row 2 (counted from 0): 1 s is followed by 1 s")
+                .contains("at sample 2 (counted from 0): 1 s is followed by 1 s")
         );
         assert!(message(&ok, &[0.0, 1.0, f64::NAN, 1.0, 1.0, 1.0]).contains("not finite (NaN) at row 2"));
         assert!(message(&ok, &ok[..5]).contains("5 are expected, but 6 are given"));

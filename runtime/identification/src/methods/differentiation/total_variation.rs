@@ -8,7 +8,7 @@
 
 use super::banded::{Band, solve};
 use super::{Derivatives, by_discrepancy, require_noise, require_signal, residual_bound, rms_difference};
-use crate::error::{IdentificationError, Result, require_setting};
+use crate::error::{Result, require_setting};
 
 /// Settings of the total-variation regularization.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -79,11 +79,11 @@ impl TotalVariation {
     /// - `times`: sampling times in s, which must increase
     ///
     /// # Errors
-    /// - [`IdentificationError::TooFewSamples`]: there are fewer than order + 3 samples
-    /// - [`IdentificationError::NotFinite`]: a value is not finite
-    /// - [`IdentificationError::File`]: the times do not increase
-    /// - [`IdentificationError::Shape`]: `times` and `signal` have different lengths
-    /// - [`IdentificationError::Setting`]: a setting is out of its range
+    /// [`TooFewSamples`](crate::IdentificationError::TooFewSamples) for fewer than order + 3 samples,
+    /// [`NotFinite`](crate::IdentificationError::NotFinite) for values that are not finite,
+    /// [`File`](crate::IdentificationError::File) for times that do not increase,
+    /// [`Shape`](crate::IdentificationError::Shape) for different lengths, and
+    /// [`Setting`](crate::IdentificationError::Setting) for a setting out of its range.
     pub fn differentiate(&self, times: &[f64], signal: &[f64]) -> Result<Derivatives> {
         let result = self.solve(times, signal)?;
         let m = signal.len();
@@ -121,11 +121,7 @@ impl TotalVariation {
         if let Some(epsilon) = self.epsilon {
             require_setting("ε", epsilon, epsilon > 0.0, "it must be positive")?;
         } else if let Regularization::Weight(gamma) = self.regularization {
-            return Err(IdentificationError::Setting {
-                name: "γ".into(),
-                value: gamma,
-                requirement: "if γ is given, ε must be given, too".into(),
-            });
+            require_setting("γ", gamma, false, "with γ by hand ε must be given too")?;
         }
         require_setting("iterations", self.iterations as f64, self.iterations > 0, "at least one is needed")?;
         require_signal(times, signal, self.order + 3)?;

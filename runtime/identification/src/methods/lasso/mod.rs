@@ -7,7 +7,7 @@ mod descent;
 #[cfg(test)]
 mod tests;
 
-use super::super::error::{IdentificationError, Result, require_setting};
+use super::super::error::{Result, everything_removed, require_setting};
 use super::moments::Moments;
 use descent::{Problem, State};
 use nalgebra::{DMatrix, DVector};
@@ -79,8 +79,8 @@ impl Lasso {
     /// - `target`: index of the target column
     ///
     /// # Errors
-    /// [`IdentificationError::Setting`] if `ratio` is outside (0, 1) or `count` is below 2, and
-    /// [`IdentificationError::ZeroColumn`] if the target or a term is zero.
+    /// [`Setting`](crate::IdentificationError::Setting) if `ratio` is outside (0, 1) or `count` is below 2, and
+    /// [`ZeroColumn`](crate::IdentificationError::ZeroColumn) if the target or a term is zero.
     pub fn lambda_grid(
         &self,
         moments: &Moments,
@@ -120,8 +120,8 @@ impl Lasso {
     /// Returns the coefficients and the chosen terms for one λ.
     ///
     /// # Errors
-    /// - [`IdentificationError::EverythingRemoved`]: no term is chosen. The error contains the largest λ that keeps a term.
-    /// - The errors of [`Self::path`]
+    /// [`EverythingRemoved`](crate::IdentificationError::EverythingRemoved) with the largest λ that keeps a term, if no
+    /// term is chosen. The other errors are those of [`Self::path`].
     pub(crate) fn fit(
         &self,
         moments: &Moments,
@@ -132,11 +132,7 @@ impl Lasso {
         let coefficients = path.coefficients.column(0).into_owned();
         let active = active_terms(&coefficients);
         if active.is_empty() {
-            return Err(IdentificationError::EverythingRemoved {
-                what: "lambda".into(),
-                value: lambda,
-                largest: self.largest_lambda(moments, target)?,
-            });
+            return Err(everything_removed("lambda", lambda, self.largest_lambda(moments, target)?));
         }
         Ok((coefficients, active))
     }

@@ -7,7 +7,14 @@ use super::law::{NAMES, StribeckFit};
 use super::refine::{Data, Normal, Observed};
 use crate::numeric::spectrum::symmetric_eigen;
 use gelenk_findings::digits::plain;
+use gelenk_findings::{Finding, Rule};
 use nalgebra::{DMatrix, DVector, SMatrix};
+
+/// Sees: parameters of a Stribeck law that the data do not determine.
+/// Matters: they are guesses.
+/// Example: a Stribeck speed below all speeds in the data.
+/// Fixture: `methods/stribeck/tests.rs`.
+const PARAMETERS: Rule = Rule::warning("stribeck-parameters");
 
 pub(super) fn summarize(data: &Data, state: &Normal) -> StribeckFit {
     let constants = if data.offset { data.samples.runs.len() } else { 0 };
@@ -163,45 +170,41 @@ fn rescaled(raw: &DMatrix<f64>, sums: &[LongRun]) -> SMatrix<f64, 5, 5> {
     SMatrix::from_fn(|i, j| raw[(i, j)] * factor(i) * factor(j))
 }
 
-fn warnings(fit: &StribeckFit, data: &Data) -> Vec<String> {
+fn warnings(fit: &StribeckFit, data: &Data) -> Vec<Finding> {
     let mut warnings = Vec::new();
+    let mut warn = |message: String, name: &'static str, value: f64| {
+        warnings.push(PARAMETERS.found(message).with(name, value, ""));
+    };
     let a = &fit.parameters;
     if !fit.converged {
-        warnings.push(format!(
-            "the fit does not converge in {} passes, because some parameters diverge",
-            fit.iterations
-        ));
+        let message = format!("no convergence in {} passes: some parameters run away", fit.iterations);
+        warn(message, "passes", fit.iterations as f64);
     }
     for i in 0..5 {
+        let (name, value) = (NAMES[i], plain(a[i], 4));
         match fit.standard_errors[i] {
-            None => warnings
-                .push(format!("{} is not identifiable, because the data do not depend on it", NAMES[i])),
+            None => warn(format!("{name} is not identifiable: the data do not depend on it"), name, a[i]),
             Some(s) if s > 0.5 * a[i].abs() => {
-                warnings.push(format!(
-                    "{} = {} has a standard error of {}",
-                    NAMES[i],
-                    plain(a[i], 4),
-                    plain(s, 2)
-                ));
+                warn(format!("{name} = {value} has a standard error of {}", plain(s, 2)), name, a[i]);
             }
             Some(_) => {}
         }
         for j in 0..i {
             let c = fit.covariance[(i, j)] / (fit.covariance[(i, i)] * fit.covariance[(j, j)]).sqrt();
             if c.abs() > 0.995 {
-                warnings.push(format!(
-                    "{} and {} have a correlation of {c:.4}, so that only a combination of them is known",
-                    NAMES[j], NAMES[i]
-                ));
+                let other = NAMES[j];
+                let message =
+                    format!("{other} and {name} are correlated with {c:.4}: only a combination is known");
+                warn(message, "correlation", c);
             }
         }
     }
-    let slow = data.samples.v.iter().filter(|v| v.abs() < 1.0 / a[2]).count();
+    let (slow, speed) =
+        (data.samples.v.iter().filter(|v| v.abs() < 1.0 / a[2]).count(), plain(1.0 / a[2], 4));
     if slow < 10 {
-        warnings.push(format!(
-            "only {slow} samples are slower than 1/a3 = {}, so that the step at zero is uncertain",
-            plain(1.0 / a[2], 4)
-        ));
+        let message =
+            format!("only {slow} samples are slower than 1/a3 = {speed}: the step at zero is a guess");
+        warn(message, "slow samples", slow as f64);
     }
     warnings
 }

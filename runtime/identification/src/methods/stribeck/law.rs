@@ -1,6 +1,7 @@
 //! The Stribeck law, and the settings and the result of its regression.
 
 use crate::numeric::kernel::BLOCK;
+use gelenk_findings::Finding;
 use gelenk_formula::FrictionPart;
 use gelenk_kernels::math::exp;
 use multiversion::multiversion;
@@ -96,9 +97,9 @@ pub struct StribeckFit {
     pub iterations: usize,
     /// Whether the iteration reached its tolerance. If it did not, [`Self::warnings`] contains a warning.
     pub converged: bool,
-    /// Warnings about the parameters, with numbers.
-    pub warnings: Vec<String>,
-    /// JᵀWJ at the result, with the derivatives J and the weights W, after the elimination of the offsets.
+    /// Doubts about the parameters, with numbers.
+    pub warnings: Vec<Finding>,
+    /// JᵀWJ at the result, with offsets eliminated.
     pub(super) information: SMatrix<f64, 5, 5>,
 }
 

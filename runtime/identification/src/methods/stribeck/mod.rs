@@ -19,7 +19,7 @@ pub(crate) use law::{NAMES, slower, stribeck_gradient};
 pub use law::{StribeckFit, StribeckRegression, stribeck_torque};
 pub(crate) use words::StribeckWords;
 
-use super::super::error::{IdentificationError, Result, require_finite, require_length, require_samples};
+use super::super::error::{Result, require_changing, require_finite, require_length, require_samples};
 use errors::summarize;
 pub(crate) use refine::Observed;
 use refine::{Data, NEAR};
@@ -32,12 +32,12 @@ impl StribeckRegression {
     /// - `torques`: torques of the samples in N·m or N
     ///
     /// # Errors
-    /// - [`TooFewSamples`](IdentificationError::TooFewSamples), [`Empty`](IdentificationError::Empty): there are fewer than
-    ///   six samples
-    /// - [`Shape`](IdentificationError::Shape): `velocities` and `torques` have different lengths
-    /// - [`NotFinite`](IdentificationError::NotFinite): a value is not finite
-    /// - [`Constant`](IdentificationError::Constant): the velocity never changes
-    /// - [`NotConverged`](IdentificationError::NotConverged): no start has a finite cost
+    /// - [`TooFewSamples`](crate::IdentificationError::TooFewSamples), [`Empty`](crate::IdentificationError::Empty):
+    ///   fewer than six samples
+    /// - [`Shape`](crate::IdentificationError::Shape), [`NotFinite`](crate::IdentificationError::NotFinite): lengths that
+    ///   differ, or values that are not finite
+    /// - [`Constant`](crate::IdentificationError::Constant): a velocity that never changes
+    /// - [`NotConverged`](crate::IdentificationError::NotConverged): no start with a finite cost
     pub fn fit(&self, velocities: &[f64], torques: &[f64]) -> Result<StribeckFit> {
         let whole = 0..velocities.len();
         self.fit_runs(&Observed {
@@ -73,13 +73,6 @@ impl StribeckRegression {
         require_length("torques", v.len(), torque.len())?;
         require_finite("the velocity", v)?;
         require_finite("the torque", torque)?;
-        if v.iter().all(|x| *x == v[0]) {
-            return Err(IdentificationError::Constant {
-                what: "the velocity".into(),
-                value: v[0],
-                samples: v.len(),
-            });
-        }
-        Ok(())
+        require_changing("the velocity", v)
     }
 }

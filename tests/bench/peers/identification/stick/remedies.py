@@ -19,7 +19,7 @@ from stick import KINDS, Simulator, numbers, simulate, write_urdf
 FALL = "fall of the held-out error"
 REFUSED = "refused"
 # The code of the remedy for what a kind has and the description lacks.
-FAULTS = dict(delay={"other-delay"}, spring={"spring"})
+FAULTS = dict(delay={"other-delay"}, spring={"spring"}, load={"friction-under-load"})
 MOST = 0.01
 
 

@@ -1,0 +1,84 @@
+//! Orders of the columns that belong to other joints: programs sort names or reverse the chain, and users exchange two columns.
+
+use super::super::error::Result;
+use super::super::run::{Effort, PreparedRun};
+use super::checks::Checked;
+use super::choice::Chosen;
+use super::normal::Centred;
+use super::trial::{Case, Change};
+use gelenk_findings::{Finding, Rule, Subject};
+
+/// Sees: columns that fit better in another order of the joints.
+/// Matters: every joint would get the law and the body of another one.
+/// Example: columns in the order of the alphabet, as ROS writes them.
+/// Fixture: `alphabetic` and `pan_lift` in `codegen/tests/findings/arm.rs`.
+pub(super) const ORDER: Rule = Rule::error("other-order");
+
+/// Orders that are tried. Joint j has the columns of joint `order[j]`.
+pub(super) fn orders(case: &Case) -> Result<Vec<Change>> {
+    let Some(Checked { task, .. }) = case.checked else { return Ok(Vec::new()) };
+    let (names, units, layout) = (task.robot.joint_names(), task.robot.position_units(), task.layout);
+    let count = names.len();
+    let is_joint = |row: usize| matches!(task.robot.subject(row), Subject::Joint(_));
+    let is_usual = layout.effort == Effort::Joint && !layout.exact.contains(&true);
+    let has_own_columns = is_usual && (0..count).all(is_joint);
+    if !has_own_columns || task.loads.is_some() || layout.measured.contains(&false) {
+        return Ok(Vec::new());
+    }
+    // The k-th column belongs to the k-th name.
+    let place = |name: &String| names.iter().filter(|other| *other < name).count();
+    let by_name = names.iter().map(place).collect();
+    let exchanged = |a: usize, b: usize| {
+        let mut order: Vec<usize> = (0..count).collect();
+        order.swap(a, b);
+        order
+    };
+    let mut orders = vec![by_name, (0..count).rev().collect()];
+    orders.extend((0..count).flat_map(|b| (0..b).map(move |a| exchanged(a, b))));
+    let is_other = |order: &Vec<usize>| (0..count).any(|j| order[j] != j);
+    let has_units = |order: &Vec<usize>| (0..count).all(|j| units[order[j]] == units[j]);
+    let orders = orders.into_iter().filter(|order| is_other(order) && has_units(order));
+    Ok(orders.map(Change::Order).collect())
+}
+
+pub(super) fn finding(case: &Case, change: &Change, rule: &Rule) -> Result<Option<Finding>> {
+    let Change::Order(order) = change else { return Ok(None) };
+    let names = case.robot.joint_names();
+    let moved = (0..order.len()).filter(|j| order[*j] != *j);
+    let said: Vec<String> = moved.map(|j| format!("{} has those of {}", names[order[j]], names[j])).collect();
+    let finding = rule.found(format!("columns belong to other joints: {}", said.join(", ")));
+    Ok(Some(finding.help("name the columns in the order of the joints, as in --columns 'position=q3|q2|q1'")))
+}
+
+/// Values of joint j are those of joint `order[j]`; empty if there are none.
+fn moved<T: Clone>(order: &[usize], values: &[T]) -> Vec<T> {
+    order.iter().filter_map(|column| values.get(*column).cloned()).collect()
+}
+
+impl PreparedRun {
+    /// The run in which joint j has the columns of joint `order[j]`.
+    pub(super) fn in_order(&self, order: &[usize]) -> Self {
+        Self {
+            positions: moved(order, &self.positions),
+            velocities: moved(order, &self.velocities),
+            accelerations: moved(order, &self.accelerations),
+            efforts: moved(order, &self.efforts),
+            resting: moved(order, &self.resting),
+            ..self.clone()
+        }
+    }
+}
+
+impl Chosen<'_> {
+    /// Moves friction, offsets and weights with the columns of the joints: joint j has the columns of joint `order[j]`.
+    pub(super) fn reorder(&mut self, order: &[usize]) {
+        let model = &mut self.model;
+        model.coulomb = moved(order, &model.coulomb);
+        for of_joints in [&mut model.asymmetry, &mut model.armature, &mut model.load] {
+            *of_joints = moved(order, of_joints);
+        }
+        self.weighting.sigma = moved(order, &self.weighting.sigma);
+        let zeros = moved(order, &self.centred.zeros);
+        self.centred = Centred::new(self.centred.layout, self.centred.sums, self.model.offsets, zeros);
+    }
+}
