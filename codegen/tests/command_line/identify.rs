@@ -297,7 +297,7 @@ fn friction_under_load_is_identified_where_it_is_asked_for() {
     let plain = run(&["log.csv", "--output", "plain.toml", "--format", "json"]);
     let findings = plain["findings"].as_array().unwrap();
     let load = findings.iter().find(|finding| finding["code"] == "friction-under-load").unwrap();
-    assert_eq!(load["help"], "say --load-friction");
+    assert_eq!(load["help"], "use --load-friction");
     assert!((load["values"][0]["value"].as_f64().unwrap() - 0.15).abs() < 0.05, "{load:#}");
     assert!(plain["joints"][1]["load_friction"].is_null());
     let found = run(&["log.csv", "--load-friction", "--output", "load.toml", "--format", "json"]);
