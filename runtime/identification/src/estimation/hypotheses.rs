@@ -104,7 +104,7 @@ const TABLE: [Hypothesis; 7] = [
         finding: springs::finding,
         ..USUAL
     },
-    Hypothesis { rule: DELAY, changes: delays, finding: other_delay, ..USUAL },
+    Hypothesis { rule: DELAY, changes: delays, each: true, finding: other_delay, ..USUAL },
     Hypothesis { rule: UNDER_LOAD, changes: loads, finding: under_load, ..USUAL },
 ];
 
