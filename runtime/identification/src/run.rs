@@ -178,7 +178,19 @@ impl PreparedRun {
         Self { efforts, ..self }
     }
 
-    /// Number of the samples at which at least one joint moves.
+    /// The run in which joint j has the columns of joint `order[j]`.
+    pub(crate) fn in_order(&self, order: &[usize]) -> Self {
+        Self {
+            positions: moved(order, &self.positions),
+            velocities: moved(order, &self.velocities),
+            accelerations: moved(order, &self.accelerations),
+            efforts: moved(order, &self.efforts),
+            resting: moved(order, &self.resting),
+            ..self.clone()
+        }
+    }
+
+    /// Number of the samples at which a joint moves.
     pub(crate) fn count_moving(&self, samples: Range<usize>) -> usize {
         samples.filter(|sample| self.is_moving(*sample)).count()
     }
@@ -187,4 +199,9 @@ impl PreparedRun {
     pub(crate) fn is_moving(&self, sample: usize) -> bool {
         (0..self.positions.len()).any(|joint| !self.rests(joint, sample))
     }
+}
+
+/// Values of joint j are those of joint `order[j]`; empty if there are none.
+pub(crate) fn moved<T: Clone>(order: &[usize], values: &[T]) -> Vec<T> {
+    order.iter().filter_map(|column| values.get(*column).cloned()).collect()
 }

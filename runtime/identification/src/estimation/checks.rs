@@ -1,13 +1,10 @@
 //! Checks of the residual efforts against effects that the model lacks.
 
-use super::super::error::Result;
 use super::super::methods::offset::mean;
 use super::super::robot::Robot;
-use super::layout::LOAD;
 use super::levels;
 use super::residuals::Forces;
 use super::task::Task;
-use super::trial::{Case, Change};
 use super::unit::{CommonRatio, Sizes, common_ratio, unit_doubt};
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
@@ -29,12 +26,6 @@ const DOES_NOT_MOVE: Rule = Rule::warning("does-not-move");
 /// Example: a rotor that the description does not have.
 /// Fixture: `estimation/tests/simulated.rs`.
 const ACCELERATION: Rule = Rule::warning("residual-follows-acceleration");
-
-/// Sees: load-dependent friction of a gear.
-/// Matters: a law of the velocity alone is wrong under other loads.
-/// Example: a worm gear.
-/// Fixture: `friction_under_load_is_identified_where_it_is_asked_for` in `codegen/tests/command_line/identify.rs`.
-pub(super) const UNDER_LOAD: Rule = Rule::warning("friction-under-load");
 
 /// Inputs of the checks.
 pub(super) struct Checked<'a> {
@@ -128,7 +119,7 @@ impl Checked<'_> {
 
     /// Whether the residual of a joint shows friction that grows with the load: `(|τ_l| − mean) sign(v)`, because the Coulomb
     /// term explains the mean of the load's magnitude |τ_l|.
-    fn rubs_under_load(&self, joint: usize) -> bool {
+    pub(super) fn rubs_under_load(&self, joint: usize) -> bool {
         let Task { robot, layout, settings, .. } = self.task;
         // Without gravity, rigid forces are not the loads of the gears. A joint with a quaternion has no gear.
         let is_known = settings.load_friction || settings.gravity_compensated;
@@ -166,28 +157,6 @@ impl Checked<'_> {
         let usable = variance > 1e-12 * xx && energy > 0.0;
         usable.then(|| (covariance / variance, covariance * covariance / (variance * energy)))
     }
-}
-
-/// Friction under load of the joints whose residuals show it.
-pub(super) fn loads(case: &Case) -> Result<Vec<Change>> {
-    let Some(checked) = case.checked else { return Ok(Vec::new()) };
-    let joints = case.layout().rubbing().filter(|joint| checked.rubs_under_load(*joint));
-    let joints: Vec<usize> = joints.collect();
-    Ok((!joints.is_empty()).then_some(Change::Load(joints)).into_iter().collect())
-}
-
-pub(super) fn under_load(case: &Case, change: &Change, rule: &Rule) -> Result<Option<Finding>> {
-    let (Change::Load(joints), Some(data)) = (change, case.data(change)?) else { return Ok(None) };
-    let solved = case.changed(change, Some(&data)).solved(&data.prior)?;
-    let share = |joint: &usize| solved.values.unknowns[data.layout.term(*joint, LOAD)];
-    let names = case.robot.joint_names();
-    let said: Vec<String> =
-        joints.iter().map(|j| format!("{:.2} of it at {}", share(j), names[*j])).collect();
-    let message = format!("friction grows with the load of the gear, by about {}", said.join(", "));
-    // Other shares cannot exist.
-    let can_exist = joints.iter().map(share).all(|share| share > 0.0 && share < 1.0);
-    let finding = rule.found(message).with("share of the load", share(&joints[0]), "");
-    Ok(can_exist.then(|| finding.help("use --load-friction")))
 }
 
 /// The finding about a joint without a usable effort in the logs.

@@ -4,6 +4,7 @@
 use super::super::error::Result;
 use super::super::inertial::PER_BODY;
 use super::super::methods::subset::MOST_ALIKE;
+use super::super::run::moved;
 use super::fit::{HeldOut, Solved, Weighting, fit, held_out, reweighted};
 use super::gains::{Gains, gains};
 use super::joint_prior::JointPrior;
@@ -296,5 +297,19 @@ impl<'a> Chosen<'a> {
             self.model.offsets = Offsets::ByRun;
         }
         Ok(())
+    }
+}
+
+impl Chosen<'_> {
+    /// Moves friction, offsets and weights with the columns of the joints: joint j has the columns of joint `order[j]`.
+    pub(super) fn reorder(&mut self, order: &[usize]) {
+        let model = &mut self.model;
+        model.coulomb = moved(order, &model.coulomb);
+        for of_joints in [&mut model.asymmetry, &mut model.armature, &mut model.load] {
+            *of_joints = moved(order, of_joints);
+        }
+        self.weighting.sigma = moved(order, &self.weighting.sigma);
+        let zeros = moved(order, &self.centred.zeros);
+        self.centred = Centred::new(self.centred.layout, self.centred.sums, self.model.offsets, zeros);
     }
 }

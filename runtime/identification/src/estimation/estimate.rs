@@ -126,7 +126,7 @@ fn untold(robot: &dyn Robot, error: &IdentificationError) -> Option<(usize, Find
 /// Whether another joint moves and has a usable effort.
 fn has_others(robot: &dyn Robot, runs: &[PreparedRun], settings: &EstimationSettings, joint: usize) -> bool {
     let without = [&settings.without[..], &[joint]].concat();
-    layout_of(robot, runs, &EstimationSettings { without, ..settings.clone() }, (None, false))
+    Layout::of(robot, runs, &EstimationSettings { without, ..settings.clone() }, (None, false))
         .is_ok_and(|layout| layout.rubbing().next().is_some())
 }
 
@@ -140,38 +140,23 @@ fn estimate_of(
     if settings.load_friction {
         return under_load(robot, runs, settings, progress);
     }
-    let layout = layout_of(robot, runs, settings, (settings.steepness.as_deref(), false))?;
+    let layout = Layout::of(robot, runs, settings, (settings.steepness.as_deref(), false))?;
     pass(robot, runs, settings, (&layout, None), progress).map(|(found, _)| found)
 }
 
-/// - `steepness`: factors k of the Coulomb terms tanh(k v) of each joint
-/// - `loads`: whether there is a term of friction under load
-pub(super) fn layout_of(
-    robot: &dyn Robot,
-    runs: &[PreparedRun],
-    settings: &EstimationSettings,
-    (steepness, loads): (Option<&[f64]>, bool),
-) -> Result<Layout> {
-    let layout = Layout::new(robot, runs, steepness, loads)?.without(&settings.without);
-    match &settings.delays {
-        Some(delays) => layout.with_delays(delays),
-        None => Ok(layout),
-    }
-}
-
-/// The estimate with load-dependent friction.
+/// The estimate with friction under load.
 fn under_load(
     robot: &dyn Robot,
     runs: &[PreparedRun],
     settings: &EstimationSettings,
     progress: &mut dyn FnMut(&str),
 ) -> Result<Estimate> {
-    let layout = layout_of(robot, runs, settings, (settings.steepness.as_deref(), false))?;
-    // Load-dependent friction may be most of the residual, so a poor fit is accepted here.
+    let layout = Layout::of(robot, runs, settings, (settings.steepness.as_deref(), false))?;
+    // Friction under load may be most of the residual, so that a poor fit is accepted here.
     let first = EstimationSettings { accept_poor: true, ..settings.clone() };
     let (mut found, steepness) = pass(robot, runs, &first, (&layout, None), progress)?;
-    // The term of load-dependent friction has the same steepness k as the Coulomb term.
-    let layout = layout_of(robot, runs, settings, (Some(&steepness), true))?;
+    // The term of friction under load changes sign as the Coulomb term does.
+    let layout = Layout::of(robot, runs, settings, (Some(&steepness), true))?;
     for number in 1..=PASSES {
         let loads = Loads::new(robot, &layout, &found)?;
         progress(&format!("Load-dependent friction, pass {number}."));

@@ -40,8 +40,8 @@ const WEIGHT: Rule = Rule::note("description-weight");
 
 /// Sees: a described body whose smaller weight lowers the held-out error by more than its standard error.
 /// Matters: the data change this body more than others.
-/// Example: a link that is 12 % heavier than described.
-/// Fixture: `merge` in `codegen/tests/findings/arm.rs`.
+/// Example: a link of a published model, with measured efforts.
+/// Fixture: `halves` in `codegen/tests/findings/shared.rs`.
 const CONTRADICTED: Rule = Rule::note("body-contradicted");
 
 /// Sees: a motor constant whose interval is wider than a factor of 2.

@@ -1,17 +1,16 @@
 //! The table of hypotheses. Each row is a change of the log or of the description that may explain the efforts better. Another
-//! fit tests it, and it is offered as a remedy only if the error on held-out data falls clearly ([`Case::better`]).
+//! fit tests it, and it is offered as a remedy only if the error on held-out data falls clearly ([`Case::offered`]).
 
 use super::super::error::Result;
-use super::checks::{self, Checked};
+use super::checks::Checked;
 use super::factors;
-use super::fit::HeldOut;
 use super::layout::{ARMATURE, LOAD};
 use super::levels;
 use super::orders;
 use super::result::Gravity;
 use super::springs;
 use super::tilt;
-use super::trial::{Bodies, Case, Change, FALL};
+use super::trial::{Bodies, Case, Change, FALL, Hypothesis};
 use super::unit;
 use gelenk_findings::{Finding, Rule, Severity};
 
@@ -45,28 +44,11 @@ const GRAVITY: Rule = Rule::error("other-gravity");
 /// Fixture: `efforts_that_come_early_are_moved` in `codegen/tests/external_arm/main.rs`.
 const DELAY: Rule = Rule::warning("other-delay");
 
-/// A row of the table.
-pub(super) struct Hypothesis {
-    /// Rule of the finding.
-    pub(super) rule: Rule,
-    /// Whether the hypothesis is tried, next to the doubts of the rows above.
-    when: fn(&Case, &[Finding]) -> bool,
-    /// Changes that are tried.
-    pub(super) changes: fn(&Case) -> Result<Vec<Change>>,
-    /// Bodies with which the held-out error must fall.
-    pub(super) bodies: Bodies,
-    /// Another change, which must not lower the error more.
-    pub(super) rival: fn(&Case) -> Option<Change>,
-    /// Further condition of the held-out error with the change.
-    pub(super) accepts: fn(&Case, &HeldOut) -> bool,
-    /// Whether every change that explains the data better is offered, otherwise only the best one.
-    pub(super) each: bool,
-    /// Whether the change is the one cause of all doubts: the doubts above go if it lowers the error more than their changes,
-    /// otherwise this change is not offered.
-    is_alone: bool,
-    /// The finding about a change without its subject; `None` if no robot can have the change.
-    pub(super) finding: fn(&Case, &Change, &Rule) -> Result<Option<Finding>>,
-}
+/// Sees: friction that grows with the load of a gear.
+/// Matters: a law of the velocity alone is wrong under other loads.
+/// Example: a worm gear.
+/// Fixture: `friction_under_load_is_identified_where_it_is_asked_for` in `codegen/tests/command_line/identify.rs`.
+const UNDER_LOAD: Rule = Rule::warning("friction-under-load");
 
 /// Entries that most rows have.
 const USUAL: Hypothesis = Hypothesis {
@@ -122,16 +104,16 @@ const TABLE: [Hypothesis; 7] = [
         finding: springs::finding,
         ..USUAL
     },
-    Hypothesis { rule: DELAY, changes: delays, finding: other_delay, ..USUAL },
-    Hypothesis { rule: checks::UNDER_LOAD, changes: checks::loads, finding: checks::under_load, ..USUAL },
+    Hypothesis { rule: DELAY, changes: delays, each: true, finding: other_delay, ..USUAL },
+    Hypothesis { rule: UNDER_LOAD, changes: loads, finding: under_load, ..USUAL },
 ];
 
 /// The unit of all efforts. It is only a part of the finding about the ratio of forces.
 const UNITS: Hypothesis = Hypothesis {
     rule: unit::COMMON_FACTOR,
-    changes: unit::units,
+    changes: units,
     bodies: Bodies::Described,
-    finding: unit::finding,
+    finding: other_unit,
     ..USUAL
 };
 
@@ -286,4 +268,35 @@ fn other_delay(_: &Case, change: &Change, rule: &Rule) -> Result<Option<Finding>
     let remedy =
         "leave --delay out, or give the whole delay with --delay SECONDS, above 0 if efforts are late";
     Ok(Some(rule.found(message).with("delay", *seconds, "s").help(remedy)))
+}
+
+/// Friction under load of the joints whose residuals show it.
+fn loads(case: &Case) -> Result<Vec<Change>> {
+    let Some(checked) = case.checked else { return Ok(Vec::new()) };
+    let joints = case.layout().rubbing().filter(|joint| checked.rubs_under_load(*joint));
+    let joints: Vec<usize> = joints.collect();
+    Ok((!joints.is_empty()).then_some(Change::Load(joints)).into_iter().collect())
+}
+
+fn under_load(case: &Case, change: &Change, rule: &Rule) -> Result<Option<Finding>> {
+    let (Change::Load(joints), Some(data)) = (change, case.data(change)?) else { return Ok(None) };
+    let solved = case.changed(change, Some(&data)).solved(&data.prior)?;
+    let share = |joint: &usize| solved.values.unknowns[data.layout.term(*joint, LOAD)];
+    let names = case.robot.joint_names();
+    let said: Vec<String> =
+        joints.iter().map(|j| format!("{:.2} of it at {}", share(j), names[*j])).collect();
+    let message = format!("friction grows with the load of the gear, by about {}", said.join(", "));
+    // Other shares cannot exist.
+    let can_exist = joints.iter().map(share).all(|share| share > 0.0 && share < 1.0);
+    let finding = rule.found(message).with("share of the load", share(&joints[0]), "");
+    Ok(can_exist.then(|| finding.help("use --load-friction")))
+}
+
+fn units(case: &Case) -> Result<Vec<Change>> {
+    Ok(case.ratio.iter().flat_map(|ratio| ratio.units()).map(Change::Unit).collect())
+}
+
+fn other_unit(case: &Case, change: &Change, rule: &Rule) -> Result<Option<Finding>> {
+    let Change::Unit(name) = change else { return Ok(None) };
+    Ok(case.ratio.map(|ratio| ratio.finding(Some(name), rule)))
 }

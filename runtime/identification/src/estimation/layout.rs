@@ -7,6 +7,7 @@ use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun};
 use super::levels;
 use super::result::Offsets;
+use super::settings::EstimationSettings;
 use gelenk_findings::digits::two_digits;
 use std::ops::Range;
 
@@ -100,6 +101,23 @@ impl Layout {
             (0..joints).map(|j| given.map_or_else(|| steepness(runs, j), |k| [k[j]; WIDTHS.len()])).collect();
         let layout = Self::without_data(robot, first.effort, steepness, moves, loads)?;
         Ok(Self { measured, ..layout }.without_resting_currents())
+    }
+
+    /// The layout of an estimate with these settings.
+    ///
+    /// - `steepness`: factors k of the Coulomb terms tanh(k v) of each joint
+    /// - `loads`: whether there is a term of friction under load
+    pub(super) fn of(
+        robot: &dyn Robot,
+        runs: &[PreparedRun],
+        settings: &EstimationSettings,
+        (steepness, loads): (Option<&[f64]>, bool),
+    ) -> Result<Self> {
+        let layout = Self::new(robot, runs, steepness, loads)?.without(&settings.without);
+        match &settings.delays {
+            Some(delays) => layout.with_delays(delays),
+            None => Ok(layout),
+        }
     }
 
     /// The layout before data are read, with given factors k of the Coulomb terms of each joint.

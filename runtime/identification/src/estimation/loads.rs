@@ -8,8 +8,8 @@ use super::super::error::{Place, Result};
 use super::super::robot::Robot;
 use super::layout::{ARMATURE, Layout};
 use super::levels;
-use super::normal::Values;
 use super::result::{Estimate, Uncertain};
+use nalgebra::DVector;
 
 /// Largest number of passes. Loads are mostly gravity, which the first estimate determines to a few percent. Usually three
 /// passes are enough.
@@ -50,11 +50,11 @@ impl Loads {
         })
     }
 
-    /// Loads by the values of a fit, with friction under load of some joints.
-    pub(super) fn of(layout: &Layout, values: &Values, joints: &[usize]) -> Self {
+    /// Loads by the values of the unknowns of a fit, with friction under load of some joints.
+    pub(super) fn of(layout: &Layout, unknowns: &DVector<f64>, joints: &[usize]) -> Self {
         Self {
-            changes: values.unknowns.rows(0, layout.parameters).iter().copied().collect(),
-            armatures: (0..layout.joints).map(|j| values.unknowns[layout.term(j, ARMATURE)]).collect(),
+            changes: unknowns.rows(0, layout.parameters).iter().copied().collect(),
+            armatures: (0..layout.joints).map(|j| unknowns[layout.term(j, ARMATURE)]).collect(),
             joints: (0..layout.joints).map(|j| joints.contains(&j)).collect(),
         }
     }

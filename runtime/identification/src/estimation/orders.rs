@@ -1,10 +1,8 @@
 //! Orders of the columns that belong to other joints: programs sort names or reverse the chain, and users exchange two columns.
 
 use super::super::error::Result;
-use super::super::run::{Effort, PreparedRun};
+use super::super::run::Effort;
 use super::checks::Checked;
-use super::choice::Chosen;
-use super::normal::Centred;
 use super::trial::{Case, Change};
 use gelenk_findings::{Finding, Rule, Subject};
 
@@ -48,37 +46,4 @@ pub(super) fn finding(case: &Case, change: &Change, rule: &Rule) -> Result<Optio
     let said: Vec<String> = moved.map(|j| format!("{} has those of {}", names[order[j]], names[j])).collect();
     let finding = rule.found(format!("columns belong to other joints: {}", said.join(", ")));
     Ok(Some(finding.help("name the columns in the order of the joints, as in --columns 'position=q3|q2|q1'")))
-}
-
-/// Values of joint j are those of joint `order[j]`; empty if there are none.
-fn moved<T: Clone>(order: &[usize], values: &[T]) -> Vec<T> {
-    order.iter().filter_map(|column| values.get(*column).cloned()).collect()
-}
-
-impl PreparedRun {
-    /// The run in which joint j has the columns of joint `order[j]`.
-    pub(super) fn in_order(&self, order: &[usize]) -> Self {
-        Self {
-            positions: moved(order, &self.positions),
-            velocities: moved(order, &self.velocities),
-            accelerations: moved(order, &self.accelerations),
-            efforts: moved(order, &self.efforts),
-            resting: moved(order, &self.resting),
-            ..self.clone()
-        }
-    }
-}
-
-impl Chosen<'_> {
-    /// Moves friction, offsets and weights with the columns of the joints: joint j has the columns of joint `order[j]`.
-    pub(super) fn reorder(&mut self, order: &[usize]) {
-        let model = &mut self.model;
-        model.coulomb = moved(order, &model.coulomb);
-        for of_joints in [&mut model.asymmetry, &mut model.armature, &mut model.load] {
-            *of_joints = moved(order, of_joints);
-        }
-        self.weighting.sigma = moved(order, &self.weighting.sigma);
-        let zeros = moved(order, &self.centred.zeros);
-        self.centred = Centred::new(self.centred.layout, self.centred.sums, self.model.offsets, zeros);
-    }
 }

@@ -4,7 +4,7 @@
 use super::super::error::Result;
 use super::checks::Checked;
 use super::task::Task;
-use super::trial::{Case, Change, Data};
+use super::trial::{Case, Change};
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule, Subject};
 
@@ -20,16 +20,6 @@ pub(super) fn springs(case: &Case) -> Result<Vec<Change>> {
     let is_possible = !layout.exact.contains(&true) && !layout.known_gains.contains(&false);
     let is_joint = |joint: &usize| matches!(case.robot.subject(*joint), Subject::Joint(_)) && is_possible;
     Ok(layout.rubbing().filter(is_joint).map(Change::Spring).collect())
-}
-
-/// Data with the stiffness of a spring at each joint as an additional parameter.
-pub(super) fn columns(task: &Task) -> Data {
-    let (layout, count) = (task.layout, task.layout.parameters);
-    let columns = |y: &[f64], regressor: &mut [f64]| {
-        let rows = regressor.chunks_exact_mut(count + layout.joints).zip(y).enumerate();
-        rows.for_each(|(joint, (row, y))| row[count + joint] = *y);
-    };
-    task.with_more((layout.joints, &columns), Data::of)
 }
 
 /// Derivative of the described forces of a joint, without the forces of bodies, with respect to its position, at the first

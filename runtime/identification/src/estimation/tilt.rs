@@ -16,7 +16,7 @@ use super::normal::Factor;
 use super::result::Gravity;
 use super::sums::moving;
 use super::task::Task;
-use super::trial::{Case, Change};
+use super::trial::{Case, Change, at_rest};
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -148,22 +148,6 @@ impl Turning<'_> {
             Ok([&seen * seen.tr_mul(&changes.rows(first, 2)), changes])
         })
     }
-}
-
-/// Regressor at rest under a gravity; zero without gravity.
-fn at_rest(robot: &dyn Robot, y: &[f64], joints: usize, gravity: Vector3<f64>) -> Vec<f64> {
-    let mut regressor = vec![0.0; joints * robot.parameters().len()];
-    if gravity != Vector3::zeros() {
-        robot.regressor_at_rest(y, gravity.into(), &mut regressor);
-    }
-    regressor
-}
-
-/// Adds to the regressor the weights under another gravity minus those under the described one.
-pub(super) fn turned_weights(robot: &dyn Robot, gravity: Vector3<f64>, y: &[f64], regressor: &mut [f64]) {
-    let (joints, described) = (robot.joint_names().len(), robot.gravity().map_or(gravity, Vector3::from));
-    let turned = at_rest(robot, y, joints, gravity - described);
-    regressor.iter_mut().zip(turned).for_each(|(entry, turned)| *entry += turned);
 }
 
 /// Columns of the directions whose variance is below [`levels::UNTOLD`].

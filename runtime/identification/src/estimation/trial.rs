@@ -9,19 +9,15 @@ use super::super::robot::Robot;
 use super::super::run::PreparedRun;
 use super::checks::Checked;
 use super::choice::Chosen;
-use super::estimate::layout_of;
 use super::fit::HeldOut;
-use super::hypotheses::Hypothesis;
 use super::layout::Layout;
 use super::loads::Loads;
 use super::prior::Prior;
 use super::result::Gravity;
-use super::springs;
 use super::sums::{Sums, moving};
 use super::task::Task;
-use super::tilt::turned_weights;
 use super::unit::CommonRatio;
-use gelenk_findings::{Finding, Subject};
+use gelenk_findings::{Finding, Rule, Subject};
 use nalgebra::Vector3;
 use std::cell::OnceCell;
 use std::rc::Rc;
@@ -116,6 +112,30 @@ impl Bodies {
         }
         chosen.held_out(prior)
     }
+}
+
+/// A hypothesis: changes of the log or of the description that may explain the efforts better. It is a row of the table
+/// in [`super::hypotheses`].
+pub(super) struct Hypothesis {
+    /// Rule of the finding.
+    pub(super) rule: Rule,
+    /// Whether the hypothesis is tried, next to the doubts of the rows above.
+    pub(super) when: fn(&Case, &[Finding]) -> bool,
+    /// Changes that are tried.
+    pub(super) changes: fn(&Case) -> Result<Vec<Change>>,
+    /// Bodies with which the held-out error must fall.
+    pub(super) bodies: Bodies,
+    /// Another change, which must not lower the error more.
+    pub(super) rival: fn(&Case) -> Option<Change>,
+    /// Further condition of the held-out error with the change.
+    pub(super) accepts: fn(&Case, &HeldOut) -> bool,
+    /// Whether every change that explains the data better is offered, otherwise only the best one.
+    pub(super) each: bool,
+    /// Whether the change is the one cause of all doubts: the doubts above go if it lowers the error more than their changes,
+    /// otherwise this change is not offered.
+    pub(super) is_alone: bool,
+    /// The finding about a change without its subject; `None` if no robot can have the change.
+    pub(super) finding: fn(&Case, &Change, &Rule) -> Result<Option<Finding>>,
 }
 
 /// Columns, prior and sums of a changed log or description.
@@ -247,13 +267,13 @@ impl<'a> Case<'a> {
                 of(Task { runs: &runs.collect::<Vec<_>>(), ..task.clone() })
             }
             Change::Spring(_) => {
-                Some(Rc::clone(self.springs.get_or_init(|| Rc::new(springs::columns(task)))))
+                Some(Rc::clone(self.springs.get_or_init(|| Rc::new(Data::with_springs(task)))))
             }
             Change::Load(joints) => {
                 let widths = task.layout.steepness.iter().zip(&self.chosen.model.coulomb);
                 let steepness: Vec<f64> = widths.map(|(steepness, width)| steepness[*width]).collect();
-                let layout = layout_of(task.robot, task.runs, task.settings, (Some(&steepness), true))?;
-                let loads = Loads::of(task.layout, &self.chosen.values, joints);
+                let layout = Layout::of(task.robot, task.runs, task.settings, (Some(&steepness), true))?;
+                let loads = Loads::of(task.layout, &self.chosen.values.unknowns, joints);
                 of(Task { layout: &layout, loads: Some(&loads), ..task.clone() })
             }
         })
@@ -261,7 +281,33 @@ impl<'a> Case<'a> {
 }
 
 impl Data {
+    /// Data with the stiffness of a spring at each joint as an additional parameter.
+    fn with_springs(task: &Task) -> Self {
+        let (layout, count) = (task.layout, task.layout.parameters);
+        let columns = |y: &[f64], regressor: &mut [f64]| {
+            let rows = regressor.chunks_exact_mut(count + layout.joints).zip(y).enumerate();
+            rows.for_each(|(joint, (row, y))| row[count + joint] = *y);
+        };
+        task.with_more((layout.joints, &columns), Self::of)
+    }
+
     pub(super) fn of(task: &Task) -> Self {
         Self { layout: task.layout.clone(), prior: task.prior.clone(), sums: task.sums_of(&moving) }
     }
+}
+
+/// Regressor at rest under a gravity; zero without gravity.
+pub(super) fn at_rest(robot: &dyn Robot, y: &[f64], joints: usize, gravity: Vector3<f64>) -> Vec<f64> {
+    let mut regressor = vec![0.0; joints * robot.parameters().len()];
+    if gravity != Vector3::zeros() {
+        robot.regressor_at_rest(y, gravity.into(), &mut regressor);
+    }
+    regressor
+}
+
+/// Adds to the regressor the weights under another gravity minus those under the described one.
+fn turned_weights(robot: &dyn Robot, gravity: Vector3<f64>, y: &[f64], regressor: &mut [f64]) {
+    let (joints, described) = (robot.joint_names().len(), robot.gravity().map_or(gravity, Vector3::from));
+    let turned = at_rest(robot, y, joints, gravity - described);
+    regressor.iter_mut().zip(turned).for_each(|(entry, turned)| *entry += turned);
 }

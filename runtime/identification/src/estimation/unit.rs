@@ -8,7 +8,6 @@ use super::super::log::unit_value;
 use super::super::robot::Robot;
 use super::super::run::Effort;
 use super::levels;
-use super::trial::{Case, Change};
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
 
@@ -114,17 +113,17 @@ impl CommonRatio {
     }
 
     /// Units in which the estimated forces would be near the described ones.
-    fn units(&self) -> Vec<Change> {
+    pub(super) fn units(&self) -> Vec<&'static str> {
         let units = if self.unit == "m" || self.effort == Effort::Current { &[][..] } else { &UNITS[..] };
         let is_near = |name: &&&str| {
             let factor = self.factor * unit_value(name).unwrap_or(1.0);
             factor.max(1.0 / factor) < levels::GUESS.get()
         };
-        units.iter().filter(is_near).map(|name| Change::Unit(name)).collect()
+        units.iter().filter(is_near).copied().collect()
     }
 
     /// - `guess`: a unit in which the efforts are explained better
-    fn finding(&self, guess: Option<&str>, rule: &Rule) -> Finding {
+    pub(super) fn finding(&self, guess: Option<&str>, rule: &Rule) -> Finding {
         let (key, unit) = match self.effort {
             Effort::Input => ("input", if self.unit == "m" { "N" } else { "Nm" }),
             Effort::Joint => ("torque", if self.unit == "m" { "N" } else { "Nm" }),
@@ -151,16 +150,6 @@ impl CommonRatio {
         );
         rule.found(message).with("factor", self.factor, "").help(remedy)
     }
-}
-
-/// Units of all efforts that are tried.
-pub(super) fn units(case: &Case) -> Result<Vec<Change>> {
-    Ok(case.ratio.map_or_else(Vec::new, CommonRatio::units))
-}
-
-pub(super) fn finding(case: &Case, change: &Change, rule: &Rule) -> Result<Option<Finding>> {
-    let Change::Unit(name) = change else { return Ok(None) };
-    Ok(case.ratio.map(|ratio| ratio.finding(Some(name), rule)))
 }
 
 /// A doubt about the unit of one joint's effort; `None` if the ratio is near 1 or the described force is small.

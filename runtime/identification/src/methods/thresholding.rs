@@ -27,7 +27,7 @@
 //! # Ok::<(), gelenk_identification::IdentificationError>(())
 //! ```
 
-use super::super::error::{IdentificationError, Result, everything_removed, require_setting};
+use super::super::error::{Result, everything_removed, require_setting};
 use super::least_squares::{Reduced, Solution};
 
 /// Settings of [`Thresholding::fit`].
@@ -57,9 +57,9 @@ impl Thresholding {
     /// - `target`: index of the target column
     ///
     /// # Errors
-    /// - [`IdentificationError::Setting`]: the threshold or the ridge is negative or not finite
-    /// - [`IdentificationError::EverythingRemoved`]: the threshold removes every term
-    /// - The errors of [`Reduced::fit`]
+    /// [`Setting`](crate::IdentificationError::Setting) if the threshold or ridge is negative or not finite,
+    /// [`EverythingRemoved`](crate::IdentificationError::EverythingRemoved) if the threshold removes every term, and the
+    /// errors of [`Reduced::fit`].
     pub fn fit(&self, reduced: &Reduced, target: usize) -> Result<Solution> {
         require_setting(
             "threshold",
@@ -162,7 +162,8 @@ mod tests {
         let samples = Samples::from_library(&library, vec![&v], vec![&y]).unwrap();
         let reduced = Reduced::new(&samples).unwrap();
         let settings = Thresholding { threshold: 50.0, ..Default::default() };
-        let IdentificationError::EverythingRemoved { largest, .. } = settings.fit(&reduced, 0).unwrap_err()
+        let crate::IdentificationError::EverythingRemoved { largest, .. } =
+            settings.fit(&reduced, 0).unwrap_err()
         else {
             panic!("another error");
         };

@@ -65,6 +65,7 @@ fn what_cannot_be_read_is_explained() {
     for (text, columns, part) in cases() {
         let said = message(&text, columns);
         assert!(said.contains(part), "{text}\n{columns}\n{said}");
+        assert!(said.starts_with("error[unusable-input]: "), "{said}");
     }
 }
 
