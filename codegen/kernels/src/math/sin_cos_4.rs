@@ -1,5 +1,4 @@
-// Sine and cosine of 4 angles that are passed in registers (after sin_cos_array.rs). The function is not
-// inlined, because the compiler would undo the vectorization in scalar code.
+// Sine and cosine of 4 angles in registers. If it were inlined, the compiler would undo its SIMD code.
 
 /// Sines and cosines of 4 angles, bit-identical to [`sin_cos`] of each angle.
 #[inline(never)]

@@ -1,5 +1,4 @@
-// Sine and cosine of several angles at once (after sin_cos.rs). The loop has no branch, so it becomes SIMD
-// code.
+// Sine and cosine of several angles at once (after sin_cos.rs): a loop without branches, for SIMD.
 
 /// Returns all `sin xᵢ`, then all `cos xᵢ`, bit-identical to [`sin_cos`] of each angle.
 #[inline(always)]
