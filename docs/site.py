@@ -1,8 +1,8 @@
 """Builds the site: collects the pages of docs/SUMMARY.md, runs mdBook, and checks links and search.
 
-    python3 docs/site.py [GELENK]        GELENK: the program that makes help and gallery [default: target/debug/gelenk]
+    python3 docs/site.py [GELENK]        GELENK: path of the program gelenk [default: target/debug/gelenk]
 
-Pages keep the repository's layout, so that their relative links hold. Needs mdbook in PATH (tests/python/site.txt).
+Pages keep the layout of the repository, so that their relative links stay valid. mdbook must be in PATH (tests/python/site.txt).
 """
 
 import concurrent.futures
@@ -25,19 +25,19 @@ WORDS = ["SINDy", "STLS", "LASSO", "TVDiff", "LQR", "LTV-MPC"]
 
 
 def pages():
-    """Title of each page, by its path in the repository."""
+    """Returns the titles of all pages by their paths in the repository."""
     summary = (ROOT / "docs/SUMMARY.md").read_text()
     found = re.findall(r"\[(.*?)\]\((.*?)\)", summary)
     return {os.path.normpath(f"docs/{path}"): title for title, path in found}
 
 
 def place(path):
-    """Path of a page in the site: READMEs are indices of their folders."""
+    """Returns the path of a page in the site. A README becomes the index of its folder."""
     return re.sub(r"README\.md$", "index.md", path)
 
 
 def linked(page, target, known):
-    """Address in the site of a link of a page; none for items of Rust without a page."""
+    """Returns the address in the site for a link of a page; `None` for items of Rust without a page."""
     if "://" in target or target.startswith("#"):
         return target
     path, _, anchor = target.partition("#")
@@ -59,14 +59,14 @@ def linked(page, target, known):
 
 
 def prose(page, text, known):
-    """Text outside of blocks of code, with the site's links."""
+    """Returns text outside of code blocks with the links of the site."""
 
     def link(match):
         address = linked(page, match[2], known)
         return match[1] + address if address else match[0]
 
     text = LINK.sub(link, text)
-    # Items of Rust without a page become code.
+    # Links to items of Rust without a page become code.
     text = re.sub(r"\[([^\[\]]+)\]\([\w:]*::[^)]*\)", r"\1", text)
     return re.sub(r"\[(`[^`\]]+`)\](?![(\[:])", r"\1", text)
 
@@ -76,7 +76,7 @@ def page_text(page, title, known):
     parts = FENCE.split(text)
     # rustdoc compiles blocks without a language as Rust.
     parts[1::2] = [re.sub(r"^( *)```\n", r"\1```rust\n", part, count=1) for part in parts[1::2]]
-    # One heading of the first level for each page: rustdoc's guides have their sections there.
+    # Each page has one heading of the first level. Guides for rustdoc have several, which become headings of the second level.
     own = re.match(r"# .*\n", parts[0])
     parts[0] = parts[0][own.end() :] if own else parts[0]
     if any(re.search(r"^# ", part, re.M) for part in parts[::2]):
@@ -95,7 +95,7 @@ def help_texts(program):
 
 
 def gallery(program):
-    """Makes the page of each robot, and returns their table."""
+    """Makes the page of each robot, and returns the table of all robots."""
     names = sorted(path.stem for path in (ROOT / "models").glob("*.toml"))
     run = lambda *words: subprocess.run([program, *words], cwd=ROOT, capture_output=True, text=True)
 
@@ -150,7 +150,7 @@ class Anchors(html.parser.HTMLParser):
 
 
 def broken():
-    """Links of the site that lead nowhere."""
+    """Returns the broken links of the site."""
     parsed = {path: Anchors(path.read_text()) for path in BOOK.rglob("*.html") if path.name not in ("print.html", "toc.html", "404.html")}
     for path, page in parsed.items():
         for link in page.links:

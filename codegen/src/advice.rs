@@ -20,7 +20,8 @@ const SHORTEST_PERIOD: f64 = 0.001;
 /// (Hairer and Wanner 1996, section IV.2).
 const UNSTABLE: f64 = 2.785_3;
 
-/// Notes on exact signs if Jacobians are generated, and on stiff friction if `step` is generated.
+/// Returns notes about exact `sign` functions if Jacobians are generated, and about stiff friction if `step` is
+/// generated.
 pub fn notes(model: &Model, functions: &[Function], compositions: &[Composition]) -> Vec<Diagnostic> {
     let mut names = functions.iter().map(|function| &function.name);
     let has_derivatives = names.any(|name| catalogue::differentiates_friction(name));
@@ -30,7 +31,7 @@ pub fn notes(model: &Model, functions: &[Function], compositions: &[Composition]
     jumps.into_iter().chain(stiff).collect()
 }
 
-/// The note on force laws with an exact sign.
+/// Returns the note about force laws with an exact `sign`.
 fn jumps(model: &Model) -> Option<Diagnostic> {
     let moving = model.moving_joints();
     let joints = moving.iter().filter(|moving| moving.joint.jumps()).map(|moving| moving.joint.name.as_str());
@@ -51,7 +52,7 @@ fn jumps(model: &Model) -> Option<Diagnostic> {
     ))
 }
 
-/// The note on friction, dampers and springs that make Runge–Kutta steps of usual periods unstable at
+/// Returns the note about friction, dampers and springs that make Runge–Kutta steps of usual periods unstable at
 /// standstill.
 fn stiff(model: &Model, functions: &[Function]) -> Option<Diagnostic> {
     let joints = model.moving_joints();

@@ -12,7 +12,7 @@ use std::fmt;
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Diagnostics(Vec<Diagnostic>);
 
-/// Largest number of printed entries. A hostile file may have a million.
+/// Largest number of printed entries. A malicious file may cause a million diagnostics.
 const SHOWN: usize = 100;
 
 impl Diagnostics {
@@ -87,7 +87,7 @@ pub(crate) struct Span {
 }
 
 impl Span {
-    /// Bytes `start..end` of the text with this index.
+    /// Creates the span of the bytes `start..end` in the text with this index.
     pub fn new(source: usize, range: std::ops::Range<usize>) -> Self {
         Self { source, start: range.start, end: range.end }
     }
@@ -103,7 +103,7 @@ pub(crate) struct At<T> {
 }
 
 impl<T> At<T> {
-    /// A value with its place.
+    /// Creates a value with its place.
     pub fn new(value: T, span: Span) -> Self {
         Self { value, span }
     }
@@ -125,7 +125,7 @@ pub(crate) struct Report {
     dropped: usize,
 }
 
-/// Largest number of kept diagnostics, because finding their places in very long lines takes time.
+/// Largest number of kept diagnostics. Finding their places in very long lines takes time.
 const KEPT: usize = 1000;
 
 impl Report {
@@ -184,7 +184,7 @@ impl Report {
         errors.count() + self.dropped
     }
 
-    /// Whether the list has its largest number of diagnostics. Further errors are then only counted.
+    /// Whether the list is full. Further errors are then only counted.
     pub fn is_full(&self) -> bool {
         self.entries.len() >= KEPT
     }

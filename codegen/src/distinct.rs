@@ -1,4 +1,4 @@
-//! Makes names distinct by numbers.
+//! Makes names distinct with appended numbers.
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -74,17 +74,17 @@ pub fn select_all(selection: &[String]) -> bool {
 pub enum FrameKind {
     /// Position and orientation of the frame.
     Pose,
-    /// Jacobian J: `J ẏ` is the velocity of the frame.
+    /// Jacobian J. `J ẏ` is the velocity of the frame: linear, then angular, in the axes of the base.
     Jacobian,
-    /// Product `J̇ ẏ`: the acceleration of the frame at ÿ = 0.
+    /// Product `J̇ ẏ`: the acceleration of the frame at ÿ = 0, linear, then angular, in the axes of the base.
     JacobianRateTimesVelocity,
 }
 
 impl FrameKind {
-    /// All quantities.
+    /// All quantities of a frame.
     pub const ALL: [Self; 3] = [Self::Pose, Self::Jacobian, Self::JacobianRateTimesVelocity];
 
-    /// Name of the function, with `NAME` in place of the frame's name.
+    /// Name of the function with the placeholder `NAME` for the name of the frame.
     #[must_use]
     pub const fn pattern(self) -> &'static str {
         match self {
@@ -110,14 +110,14 @@ impl FrameKind {
     }
 }
 
-/// Names that descriptions and the program accept: the functions that some robot has, and [`GROUPS`]. Functions of
-/// single frames are not included.
+/// Returns the names that descriptions and the command line accept: all functions that a robot can have, and
+/// [`GROUPS`]. Functions of named frames are not included.
 pub fn listed() -> impl Iterator<Item = &'static str> {
     OF_ROBOTS.iter().copied().chain(GROUPS)
 }
 
-/// Whether the name is that of a function, also of a named frame, or of a group in [`GROUPS`]. The frame may
-/// not exist.
+/// Whether the name is the name of a function, including functions of named frames, or the name of a group in
+/// [`GROUPS`]. Whether the frame exists is not checked.
 #[must_use]
 pub fn is_known(name: &str) -> bool {
     listed().any(|known| known == name) || FrameKind::ALL.iter().any(|kind| kind.is_of(name))

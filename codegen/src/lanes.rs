@@ -15,13 +15,12 @@ use crate::program::lanes;
 pub(crate) struct Lanes(Vec<String>);
 
 impl Lanes {
-    /// The names that the caller requests. If the caller requests nothing, the names that the description
-    /// requests.
+    /// Takes the names that the caller requests, or the names in the description if the caller requests none.
     ///
     /// - `asked`: names that the caller requests; may be empty
     ///
     /// # Errors
-    /// `unknown-function` for each name of a function that the model lacks.
+    /// Returns `unknown-function` for each name that the model does not have.
     pub(crate) fn new(model: &Model, asked: &[String]) -> Result<Self, Diagnostics> {
         let asked = match asked.is_empty() {
             true => &model.options.lanes,
@@ -36,7 +35,7 @@ impl Lanes {
         &self.0
     }
 
-    /// The selection and the functions over lanes. A selection of all functions is returned unchanged.
+    /// Returns the selection together with the functions over lanes. A selection of all functions is unchanged.
     pub(crate) fn selected_with(&self, selection: &[String]) -> Vec<String> {
         let mut all = selection.to_vec();
         if !function_names::select_all(selection) {
@@ -46,7 +45,7 @@ impl Lanes {
         all
     }
 
-    /// Functions with a form over lanes, and a note for each function without one.
+    /// Returns the functions with a form over lanes, and a note for each function without this form.
     pub(crate) fn possible(&self, functions: &[Function]) -> (Vec<String>, Vec<Diagnostic>) {
         let (mut possible, mut notes) = (Vec::new(), Vec::new());
         for name in self.resolved(functions) {
@@ -92,8 +91,8 @@ pub(crate) fn of_straight_line_code(functions: &[Function], others: &[String]) -
     possible.map(|function| function.name.clone()).collect()
 }
 
-/// A note if the function would have loops over joints without the request over lanes. With the request, the
-/// function for one state is straight-line code too, so that the bits of both agree.
+/// Returns a note if the function would have loops over joints without the request over lanes. With the request,
+/// the function for one state is also straight-line code, so that both compute the same bits.
 fn without_loops(name: &str, functions: &[Function]) -> Option<Diagnostic> {
     let cost = count(&functions.iter().find(|function| function.name == name)?.program);
     let operations = cost.multiplications + cost.additions;

@@ -1,6 +1,6 @@
 //! Meaning and number of array entries. Lengths of arrays have names in generated code.
 
-/// Meaning of the entries of an array. The name of the array's length follows from it in every language.
+/// Meaning of the entries of an array. It determines the name of the array's length in every language.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dimension {
     /// Coordinates y.
@@ -22,13 +22,14 @@ pub enum Dimension {
     /// Driven coordinates (joints with a prescribed motion). Each has three entries: position, velocity and
     /// acceleration.
     Driven,
-    /// A number that is the same for every robot, for example 3 for the axes of space.
+    /// A length that is the same for every robot, for example 3 for the axes of space.
     Fixed,
 }
 
 impl Dimension {
-    /// Name of the module constant with this length; `None` if the length does not depend on the robot, or is
-    /// that of a regressor. Without quaternions, coordinates and velocities share a constant.
+    /// Name of the module constant with this length, for example `N`; `None` if the length does not depend on
+    /// the robot, or is the number of parameters of a regressor. Without quaternions, coordinates and velocities
+    /// share a constant.
     #[must_use]
     pub const fn length(self) -> Option<&'static str> {
         match self {
@@ -53,7 +54,7 @@ pub struct Extent {
 }
 
 impl Extent {
-    /// An extent with this number of entries.
+    /// Creates an extent with this number of entries.
     #[must_use]
     pub const fn new(dimension: Dimension, len: usize) -> Self {
         Self { dimension, len }
@@ -69,7 +70,7 @@ impl Extent {
         }
     }
 
-    /// An extent with a fixed length for all robots.
+    /// Creates an extent whose length is the same for all robots.
     #[must_use]
     pub const fn fixed(len: usize) -> Self {
         Self::new(Dimension::Fixed, len)

@@ -10,7 +10,7 @@
 //! [`Builder`] has all options. [`guide`] documents the conventions and signs, the generated code and its
 //! glossary, and how to add joint types, functions, printers and friction terms.
 
-// Constants reach the generated text, so they may not depend on the platform's library. Tests compare with it.
+// Constants reach the generated text, so they may not depend on the platform's library. Only tests may use it.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod advice;

@@ -7,7 +7,7 @@ use gelenk_kernels::math;
 
 pub(crate) use math::sin_cos;
 
-/// Angle of the point (x, y) to the x axis [rad], from −π to π. The angle of the origin is 0. Uses the crate
+/// Angle of the point (x, y) to the x axis in rad, from −π to π. The angle of the origin is 0. Uses the crate
 /// libm, which has the same arithmetic on every platform.
 pub(crate) fn atan2(y: f64, x: f64) -> f64 {
     match x == 0.0 && y == 0.0 {

@@ -20,7 +20,7 @@ use crate::snapping;
 use crate::tools;
 use crate::verify;
 
-/// Options of [`generate`] that are not in the description, or replace options there.
+/// Options of [`generate`] that a description does not have, or that replace options of the description.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct GenerateOptions {
     /// Names of the functions to generate. If empty, the description chooses the functions, by default all
@@ -131,7 +131,7 @@ pub const CONTROL: &str = "_control";
 /// derivative of `tanh` is not zero. The exact module is the first.
 ///
 /// # Errors
-/// `not-positive` if the slope is not positive and finite; the errors of [`generate`] in addition.
+/// The errors of [`generate`], and `not-positive` if the slope is not positive and finite.
 pub fn generate_pair(
     description: &Path,
     options: &GenerateOptions,
@@ -163,7 +163,8 @@ fn check_size(model: &Model) -> Result<(), Diagnostics> {
         0..=MOST_VELOCITIES => Ok(()),
         count => {
             let message = format!("{} has {count} velocities, more than {MOST_VELOCITIES}", model.name);
-            let help = "hold joints (`held = { \"joint_*\" = 0 }`, `--hold`), or let them follow others";
+            let help =
+                "hold joints (`held = { \"joint_*\" = 0 }`, `--hold`), or let joints follow other joints";
             Err(Diagnostic::error("too-many-joints", message).help(help).into())
         }
     }
@@ -172,9 +173,9 @@ fn check_size(model: &Model) -> Result<(), Diagnostics> {
 fn check_slope(slope: Option<f64>) -> Result<(), Diagnostics> {
     match slope {
         Some(slope) if slope <= 0.0 || !slope.is_finite() => {
-            let message = format!("the slope of the smooth sign is {slope}");
+            let message = format!("the slope of the smooth sign is {slope}; it must be positive and finite");
             let problem = Diagnostic::error("not-positive", message);
-            Err(problem.help("a positive number, e.g. 100").into())
+            Err(problem.help("give a positive number, e.g. 100").into())
         }
         _ => Ok(()),
     }
@@ -187,7 +188,7 @@ fn check_language(options: &GenerateOptions) -> Result<(), Diagnostics> {
             true => Ok(()),
             false => {
                 let message = "interfaces for tools that call C require a C module";
-                Err(Diagnostic::error("not-in-rust", message).help("generate C, `--language c`").into())
+                Err(Diagnostic::error("not-in-rust", message).help("generate C with `--language c`").into())
             }
         };
     }
@@ -254,7 +255,7 @@ fn selection<'a>(model: &'a Model, options: &'a GenerateOptions) -> &'a [String]
     }
 }
 
-/// For tests: functions that are wrong, as an error of the derivation would make them.
+/// Makes functions wrong in tests, as an error of the derivation would.
 #[cfg(test)]
 pub(crate) mod wrong_functions {
     use std::cell::Cell;
@@ -264,7 +265,7 @@ pub(crate) mod wrong_functions {
 
     thread_local!(static ARE_WANTED: Cell<bool> = const { Cell::new(false) });
 
-    /// Calls `run`. Each [`generate`](super::generate) that it calls on this thread makes wrong functions.
+    /// Calls `run`. Each [`generate`](super::generate) in `run` on this thread then makes wrong functions.
     pub(crate) fn during<T>(run: impl FnOnce() -> T) -> T {
         ARE_WANTED.set(true);
         let result = run();

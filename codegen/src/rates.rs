@@ -13,7 +13,7 @@ const SEED: u64 = 0x7374_6966;
 /// Step of the finite differences. Steep friction laws have a width of 1e-3 or more.
 const STEP: f64 = 1e-7;
 
-/// Squarings after which the norm of a power gives the spectral radius to three digits.
+/// Number of matrix squarings after which the norm gives the spectral radius to three digits.
 const SQUARINGS: usize = 12;
 
 /// A mode of the linearization.
@@ -33,7 +33,7 @@ pub(crate) fn fastest(model: &Model, forward: &Function) -> Option<Mode> {
     modes.max_by(|a, b| a.rate.total_cmp(&b.rate))
 }
 
-/// A position for each velocity. For parts of joints with quaternions the entries are small motions, here 0.
+/// Returns random positions of the coordinates. A joint with a quaternion stays at its neutral position.
 fn positions(model: &Model, random: &mut Random) -> Vec<f64> {
     let value = |(coordinate, [low, high]): (usize, [f64; 2])| match model.quaternion_joint_of(coordinate) {
         Some(_) => 0.0,

@@ -3,7 +3,7 @@
 /// Help text for this code; `None` if the code has no text.
 pub(crate) fn remedy(code: &str) -> Option<&'static str> {
     Some(match code {
-        "number-not-finite" => "give a finite number, or remove the limit",
+        "number-not-finite" => "give a finite number, or remove the entry",
         "number-too-large" => "values are in m, kg, s and rad: check unit and exponent",
         "toml-syntax" => {
             "check this line and the line before: text needs quotes, lists need [ ], tables need { }, and \
@@ -23,7 +23,7 @@ pub(crate) fn remedy(code: &str) -> Option<&'static str> {
         "negative-friction" => "friction that brakes has a positive coefficient: change the sign",
         "missing-attribute" => "add the attribute: it has no default",
         "missing-element" => "add the element: it has no default",
-        "duplicate-name" => "give each its own name",
+        "duplicate-name" => "use different names",
         "not-a-number" => "separate numbers with spaces and write decimals with a point: \"0 0 0.5\"",
         "not-a-word" => "remove the attribute to use its default",
         "geom-size" => {

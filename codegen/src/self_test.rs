@@ -14,14 +14,14 @@ pub(crate) const STATES: u64 = 2;
 pub struct SelfTest {
     /// Name of the function.
     pub function: String,
-    /// Arguments in the order of the function, each flat.
+    /// Arguments in the order of the function. Each is flat and row-major.
     pub arguments: Vec<Vec<f64>>,
-    /// Results in the order of the function, flat and row-major.
+    /// Results in the order of the function. Each is flat and row-major.
     pub results: Vec<Vec<f64>>,
 }
 
-/// Two calls of each function at seeded states. Free parameters have the values of the description. A call
-/// with a result that is not finite is left out, for example if the mass matrix is singular.
+/// Returns two calls of each function at pseudo-random states with fixed seeds. Free parameters have the values
+/// of the description. A call is left out if a result is not finite, for example if the mass matrix is singular.
 #[must_use]
 pub fn self_tests(model: &Model, functions: &[Function]) -> Vec<SelfTest> {
     let described = model.parameters.iter().map(|parameter| parameter.default);

@@ -1,4 +1,4 @@
-//! The number of operations that snapping saves, which rounds nearly right angles to multiples of 90°.
+//! Number of operations that snapping saves. Snapping rounds nearly right angles to multiples of 90°.
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::functions::function::Function;
@@ -26,7 +26,7 @@ pub fn priced(
     };
     let mut entries = notes.into_entries();
     if savings.is_empty() {
-        // Angles of frames, say, that no dynamics depend on.
+        // The dynamics do not depend on these angles, for example angles of frames.
         entries.retain(|note| !concerns(note));
     }
     for note in entries.iter_mut().filter(|note| concerns(note)) {

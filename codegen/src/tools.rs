@@ -51,14 +51,14 @@ const OF_CASADI: [Given; 3] = [
 /// A function for CasADi.
 struct Given {
     name: &'static str,
-    /// The function of the module that computes the value.
+    /// Name of the module's function that computes the value.
     value: &'static str,
-    /// Name of the module's function for the derivatives.
+    /// Name of the module's function that computes the derivatives.
     derivatives: &'static str,
 }
 
-/// A note about the functions for CasADi that are left out, because the module lacks functions that they
-/// call.
+/// Returns a note about the functions for CasADi that are left out, because the module lacks functions that
+/// they call.
 pub(crate) fn notes(
     functions: &[Function],
     compositions: &[Composition],
@@ -84,8 +84,8 @@ pub(crate) fn notes(
     (!lacking.is_empty()).then(|| Diagnostic::note("not-for-casadi", message).help(help))
 }
 
-/// For single precision: the files that do not exist in it, and the tool that computes in double precision.
-/// `None` if the module is in double precision or these tools are not requested.
+/// Returns two texts for a message: the files that do not exist in single precision, and the tool that computes
+/// in double precision. `None` if the module is in double precision or these tools are not requested.
 pub(crate) fn in_single_precision(emit: &EmitOptions) -> Option<[String; 2]> {
     let tools = [(Companion::Acados, "acados"), (Companion::Casadi, "CasADi")];
     let mut wanted = tools.iter().filter(|(tool, _)| emit.companions.contains(tool));
@@ -104,11 +104,11 @@ pub(crate) fn by_parameters(model: &Model, functions: &[Function]) -> Vec<Functi
     let derivatives = wanted.map(|function| {
         let program = program::by_parameters(&function.program, count);
         let meaning =
-            "a row for each entry, rows first, a column for each free parameter in the order of their struct";
+            "one row per entry of the result (row-major), one column per free parameter in the order of their struct";
         Function {
             name: format!("{}_by_parameters", function.name),
             frame: None,
-            summary: format!("Derivatives of `{}` by the free parameters.", function.name),
+            summary: format!("Derivatives of `{}` with respect to the free parameters.", function.name),
             equation: String::new(),
             arguments: function.arguments.clone(),
             results: vec![meaning.to_owned(); program.outputs.len()],

@@ -378,7 +378,7 @@ fn options_that_change_the_results_are_refused() {
     for (flags, reason) in [
         (&["-mfma", "-ffast-math"][..], "-ffast-math and its parts change the results"),
         (&["-mfma", "-ffinite-math-only"][..], "-ffast-math and its parts change the results"),
-        (&["-mno-fma"][..], "these functions hold fused multiply-adds"),
+        (&["-mno-fma"][..], "these functions contain fused multiply-adds"),
     ] {
         let arguments = [flags, &["-fsyntax-only", "pair.c"]].concat();
         if let Some(result) = compile(folder.path(), COMPILERS[0], &arguments) {

@@ -214,7 +214,7 @@ fn limits_beyond_a_torque_speed_line_are_told() {
             "",
             ", effort = 150",
             Severity::Note,
-            "note[beyond-stall-torque]: joint `arm` has an effort of 150 N m, but its motor `arm` gives 120 N m at rest",
+            "note[beyond-stall-torque]: joint `arm` has an effort limit of 150 N m, but its motor `arm` gives 120 N m at rest",
         ),
     ] {
         let (found, told) = only(&motor(keys, limits));
@@ -306,7 +306,7 @@ fn joints_that_follow_by_the_description_do_so_all_the_same() {
     };
     assert_eq!(told(false), "");
     assert!(
-        told(true).contains("these joints still follow others, because `follows` is given: `b`"),
+        told(true).contains("these joints still follow other joints, because `follows` is given: `b`"),
         "{}",
         told(true)
     );

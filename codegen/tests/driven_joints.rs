@@ -182,10 +182,10 @@ fn a_log_without_the_motion_of_the_rail_is_refused() {
     fs::write(folder.path().join("log.csv"), text).unwrap();
     let description = rail_arm().display().to_string();
     for (more, words) in [
-        (&[][..], "no column is the position of `rail`"),
+        (&[][..], "the log has no column for the position of `rail`"),
         (
             &["--reduce", "--output", "log.moments"][..],
-            "logs are not reduced to moments where a joint is driven",
+            "logs are not reduced to moments if a joint is driven",
         ),
     ] {
         let output = gelenk(folder.path(), &[&["identify", &description, "log.csv"], more].concat());

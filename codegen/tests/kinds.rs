@@ -66,7 +66,7 @@ fn sample(kind: &Kind) -> String {
         "inputs at frames" => {
             with("[[inputs]]\nname = \"fan\"\nframe = \"tool\"\nwrench = [1, 0, 2, 0, 0.1, 0]\n")
         }
-        "friction under load" => {
+        "load-dependent friction" => {
             arm(&format!("{DRIVE}\nfriction = {{ load = \"0.1*tanh(20*v)\" }}"), DRIVE, "")
         }
         "wrenches as arguments" => with("[[wrenches]]\nname = \"contact\"\nframe = \"tool\"\n"),

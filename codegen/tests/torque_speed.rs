@@ -125,9 +125,12 @@ fn inspect_and_report_show_them() {
 fn exported_files_say_that_they_are_left_out() {
     let (_kept, path) = folder(ROBOT);
     let said = flat(&run(&path, &["export", "robot.toml", "--mjcf", "--output", "robot.xml"]));
-    assert!(said.contains("has no torque–speed lines of motors; omitted at: `shoulder`, `both`"), "{said}");
+    assert!(
+        said.contains("has no torque–speed lines of motors; they are omitted at: `shoulder`, `both`"),
+        "{said}"
+    );
     let said = flat(&run(&path, &["export", "robot.toml", "--urdf", "--output", "robot.urdf"]));
-    assert!(said.contains("has no torque–speed lines of motors; omitted at: `shoulder`"), "{said}");
+    assert!(said.contains("has no torque–speed lines of motors; they are omitted at: `shoulder`"), "{said}");
 }
 
 /// Plans a motion, and returns the largest |u + C ẏ| of each motor along it, and its largest |u|. B is that of `ROBOT`.
@@ -190,7 +193,7 @@ fn a_plan_is_as_small_as_the_efforts_ask() {
     let line = "identify --plan robot.toml --harmonics 3 --seconds 10".split(' ').collect::<Vec<_>>();
     let (_kept, path) = folder(&slow_arm(5.0, "[-0.3, 0.3]"));
     let said = run(&path, &line);
-    assert!(said.contains("need more than the allowed share of the efforts: this motion has "), "{said}");
+    assert!(said.contains("need more than the usable share of the efforts: this motion has "), "{said}");
     let refused = |effort: f64, tilt: &str| {
         let (_kept, path) = folder(&slow_arm(effort, tilt));
         let output =
@@ -199,10 +202,11 @@ fn a_plan_is_as_small_as_the_efforts_ask() {
         String::from_utf8_lossy(&output.stderr).into_owned()
     };
     let falling = refused(5.0, "[0.5, 2]");
-    let words = "standing still in the middle of the positions already needs more than the share that a plan may use of tilt";
+    let words = "standing still in the middle of the positions already needs more than the share of the efforts that a plan may use, at tilt";
     assert!(falling.contains(words), "{falling}");
     let weak = refused(0.1, "[-0.3, 0.3]");
-    let words = "no motion tried, down to a tenth of the size that the limits allow, shows all parameters";
+    let words =
+        "no motion tried, down to a tenth of the size that the limits allow, determines all parameters";
     assert!(weak.contains(words) && weak.contains("motions: swing)"), "{weak}");
 }
 

@@ -134,7 +134,7 @@ fn frames_whose_functions_have_other_names_are_noted() {
         .filter(|note| note.code == "name-mapped")
         .map(|note| note.message.as_str())
         .collect();
-    let expected = "names in generated code: \"Tool-0\" → `frame_tool_0_…`, \"tool_0\" → `frame_tool_0_2_…`";
+    let expected = "the generated code uses these identifiers: \"Tool-0\" → `frame_tool_0_…`, \"tool_0\" → `frame_tool_0_2_…`";
     assert_eq!(notes, [expected]);
 }
 

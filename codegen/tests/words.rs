@@ -43,7 +43,10 @@ fn attributes_of_a_urdf_that_nobody_reads_are_told() {
     }
     let notes = told("<axis xzy=\"0 0 1\"/>", inertial);
     assert!(notes.contains("<axis xzy> (did you mean `xyz`?)"), "{notes}");
-    assert!(notes.contains("warning[axis-missing]: an <axis> without `xyz` was taken as x: `j`"), "{notes}");
+    assert!(
+        notes.contains("warning[axis-missing]: an <axis> without `xyz` was read as the x axis: `j`"),
+        "{notes}"
+    );
     let usual =
         "<origin xyz=\"0 0 1\" rpy=\"0 0 1\"/><limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"1\"/>";
     let notes = told(&format!("{axis}{usual}<dynamics damping=\"1\" friction=\"1\"/>"), inertial);

@@ -1,4 +1,4 @@
-//! LTV-MPC on the arm, with the guessed and with the identified friction.
+//! Runs LTV-MPC on the arm with the guessed friction and with the identified friction.
 
 use std::error::Error;
 use std::process::ExitCode;
@@ -19,7 +19,7 @@ gelenk_runtime::dynamics!(struct Arm = arm);
 gelenk_runtime::dynamics!(struct Robot = robot);
 gelenk_runtime::dynamics!(struct Identified = robot_identified_control);
 
-/// Moves the arm by LTV-MPC, writes a log, and returns the largest tracking error (rad).
+/// Moves the arm by LTV-MPC, writes a log, and returns the largest tracking error in rad.
 fn track<D>(model: D, path: &str) -> Result<f64, Box<dyn Error>>
 where
     D: Predictable<2, 2, 4> + Copy,

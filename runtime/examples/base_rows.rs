@@ -1,28 +1,29 @@
-//! The base parameters of a quadruped, Unitree's Go2, from the six rows of its floating base: no torque of a joint is measured.
+//! Identifies the base parameters of a quadruped (Unitree Go2) from the six equations of motion of its floating base. No joint
+//! torque is measured.
 //!
 //! ```sh
 //! cargo run --release -p gelenk-runtime --example base_rows [FOLDER]
 //! ```
 //!
-//! Nothing drives the base of a robot that walks. Its six rows of the equations of motion hold the forces at the feet
-//! and no torque of a joint:
+//! No drive acts on the floating base of a walking robot. Therefore the six rows of the base in the equations of motion contain
+//! the forces at the feet, but no joint torques:
 //!
 //! ```text
 //!     W_b(y, v, v̇) β = [0; τ] + Σ J_kᵀ f_k        rows 1 to 6:  W_b,base β = Σ J_k,baseᵀ f_k
 //! ```
 //!
-//! Poses of the trunk, angles of the joints and forces at the feet therefore tell all base parameters β of the robot
-//! (Ayusawa, Venture and Nakamura, *Identifiability and identification of inertial parameters using the underactuated
-//! base-link dynamics for legged multibody systems*, International Journal of Robotics Research 33(3), 2014). The
-//! other rows then predict the torques of the joints.
+//! Poses of the trunk, joint angles and forces at the feet therefore determine all base parameters β of the robot (Ayusawa,
+//! Venture and Nakamura, *Identifiability and identification of inertial parameters using the underactuated base-link
+//! dynamics for legged multibody systems*, International Journal of Robotics Research 33(3), 2014). The other rows then
+//! predict the joint torques.
 //!
-//! The scale of β comes from the forces at the feet. In flight there are none, `W_b,base β = 0`, and β is found up to a
-//! factor: the robot has to be weighed, and its total mass, the first base parameter, is that factor. The program first
-//! shows both on random motions without noise.
+//! The scale of β follows from the forces at the feet. In flight these forces are zero, so `W_b,base β = 0` determines β only
+//! up to a factor. This factor is the total mass (the first base parameter), so the robot must be weighed. The program first
+//! shows both cases for random motions without noise.
 //!
-//! The robot of the logs stands on three feet and swings the fourth, one leg after the other, while its trunk sways.
-//! The ways of the poses and the forces pass one filter. Prints tables and writes a page of plots into FOLDER (the
-//! folder for temporary files).
+//! In the simulated logs the robot stands on three feet and swings the fourth leg, one leg after the other, while its trunk
+//! sways. The same filter is applied to poses and forces. The program prints tables and writes a page of plots to FOLDER. The
+//! default is a folder for temporary files.
 
 use gelenk_generated::go2::{self as robot, M, N, NY, WRENCHES};
 use gelenk_identification::preparation::{PreparationSettings, prepare_all};
@@ -47,8 +48,9 @@ mod quadruped;
 #[path = "support/random.rs"]
 mod random;
 
-/// Number of base parameters, and of the base's rows.
+/// Number of base parameters.
 const P: usize = robot::BASE_PARAMETER_NAMES.len();
+/// Number of rows of the base.
 const BASE: usize = N - M;
 const ROWS: [(&str, &str); BASE] = [
     ("force x", "N"),
@@ -58,14 +60,15 @@ const ROWS: [(&str, &str); BASE] = [
     ("moment y", "N m"),
     ("moment z", "N m"),
 ];
-/// Half-amplitude frequency of the filter, and rows of a prepared log in a second [Hz].
+/// Half-amplitude frequency of the filter (Hz).
 const BANDWIDTH: f64 = 7.0;
+/// Number of rows per second of a prepared log.
 const RATE: f64 = 100.0;
-/// Fits, each with weights by the residuals of the one before.
+/// Number of fits. Each fit has weights from the residuals of the previous fit.
 const FITS: usize = 3;
-/// Plots show this much of a log [s]: the swing of the first leg, and the beginning of the next.
+/// Part of a log that the plots show (s). It contains the swing of the first leg and the beginning of the next swing.
 const SHOWN: f64 = 8.0;
-/// Largest error of a predicted torque, as a share of what the parameters make of it.
+/// Largest allowed error of a predicted torque, relative to the part of the torque that depends on the parameters.
 const MOST_ERROR: f64 = 0.15;
 
 type Regressor = [[f64; P]; N];
@@ -74,9 +77,9 @@ type Regressor = [[f64; P]; N];
 struct Sample {
     time: f64,
     regressor: Regressor,
-    /// Generalized forces of the contact forces at the feet, one per row.
+    /// Generalized forces of the contact forces at the feet, one for each row.
     feet: [f64; N],
-    /// The torques of the joints, as the simulation knows them.
+    /// True joint torques of the simulation.
     torques: [f64; M],
 }
 
@@ -102,7 +105,7 @@ fn of_feet(y: &[f64; NY], forces: &[[f64; 3]; 4]) -> [f64; N] {
     rows
 }
 
-/// The log as one run: the poses from row to row, and the forces of the feet.
+/// Converts the log to one run, with the poses and the forces of the feet.
 fn run(log: &Log) -> Run {
     let mut ways = vec![[0.0; N]];
     for (k, rows) in log.rows.windows(2).enumerate() {
@@ -137,7 +140,7 @@ fn prepared(log: &Log) -> Outcome<Vec<Sample>> {
     let sample = |k: usize| {
         let row = smooth.rows[k];
         let (way, measured) = (at(&smooth.positions, k), at(&run.positions, row));
-        // A smoothed pose is the measured one, moved by how far the smoothed way is from the measured one.
+        // A smoothed pose is the measured pose, moved by the difference of smoothed and measured unwrapped coordinates.
         let y = robot::integrate(&log.rows[row].y, &std::array::from_fn(|i| way[i] - measured[i]));
         let (v, a) = (at(&smooth.velocities, k), at(&smooth.accelerations, k));
         Sample {
@@ -189,9 +192,10 @@ fn fit(samples: &[Sample]) -> Outcome<DVector<f64>> {
     Ok(beta)
 }
 
-/// The singular values of the base's rows over random motions without noise, and β up to a factor, of the smallest one.
+/// Singular values of the rows of the base for random motions without noise, and the singular vector of the smallest singular
+/// value, which is β up to a factor.
 ///
-/// - `in_flight`: the base accelerates as it does without any force at the feet
+/// - `in_flight`: whether the base accelerates as it would without forces at the feet
 fn shown(in_flight: bool) -> Outcome<(Vec<f64>, DVector<f64>)> {
     let mut random = SplitMix64::new(3);
     let mut rows = vec![];
@@ -215,7 +219,7 @@ fn shown(in_flight: bool) -> Outcome<(Vec<f64>, DVector<f64>)> {
     Ok((decomposed.singular_values.iter().copied().collect(), factor))
 }
 
-/// Sets the base's accelerations to those of free flight.
+/// Sets the accelerations of the base to those of free flight.
 fn fall(y: &[f64; NY], v: &[f64; N], a: &mut [f64; N]) -> Outcome<()> {
     let rows = |a: &[f64; N]| {
         let rows = robot::inverse_dynamics_with_wrenches(y, v, a, &[[0.0; 6]; WRENCHES]);
@@ -234,10 +238,10 @@ fn fall(y: &[f64; NY], v: &[f64; N], a: &mut [f64; N]) -> Outcome<()> {
     Ok(())
 }
 
-/// Identifiable parameters from the rows of the base, with and without forces at the feet.
+/// Reports the identifiable parameters from the rows of the base, with and without forces at the feet.
 ///
 /// # Errors
-/// Where they show less than all base parameters, or in flight another factor than the total mass.
+/// An error if the rows do not determine all base parameters, or if the factor in flight is not the total mass.
 fn identifiable(truth: &DVector<f64>) -> Outcome<()> {
     let rank = |values: &[f64]| values.iter().filter(|value| **value > 1e-9 * values[0]).count();
     let (standing, _) = shown(false)?;
@@ -284,10 +288,10 @@ fn program() -> Outcome<()> {
     plot(&folder, &held_out, &beta, &truth)
 }
 
-/// The rows of the base in a motion that the fit has not seen.
+/// Reports the rows of the base in a motion that was not used for the fit.
 ///
 /// # Errors
-/// Where a row is explained badly.
+/// An error if the parameters explain a row badly.
 fn report_rows(samples: &[Sample], beta: &DVector<f64>) -> Outcome<()> {
     println!("\n{:<12} {:>14} {:>12} {:>18}", "row", "R² held out", "residual", "deviation");
     for (row, (name, unit)) in ROWS.iter().enumerate() {
@@ -303,15 +307,16 @@ fn report_rows(samples: &[Sample], beta: &DVector<f64>) -> Outcome<()> {
     Ok(())
 }
 
-/// Torques of the joints, none of which was measured.
+/// Predicted torque of a joint.
 fn torque(sample: &Sample, joint: usize, beta: &DVector<f64>) -> f64 {
     predicted(sample, BASE + joint, beta) - sample.feet[BASE + joint]
 }
 
-/// Torques in the same motion. While a foot stands they are mostly the forces at the feet; the rest is `W_b β`.
+/// Reports the predicted joint torques in the same motion. While a foot stands, the forces at the feet are their largest part.
+/// The rest is `W_b β`.
 ///
 /// # Errors
-/// Where one is far from what it is in the simulation.
+/// An error if a predicted torque is far from the true torque of the simulation.
 fn report_torques(samples: &[Sample], beta: &DVector<f64>) -> Outcome<()> {
     println!("\n{:<18} {:>12} {:>14} {:>16}", "joint [N m]", "error", "torque", "of which W_b β");
     for (joint, name) in robot::JOINT_NAMES[1..].iter().enumerate() {
@@ -326,7 +331,7 @@ fn report_torques(samples: &[Sample], beta: &DVector<f64>) -> Outcome<()> {
     Ok(())
 }
 
-/// Kinds of parameters: prefix of their names, and unit.
+/// Kinds of parameters: prefix of the names, quantity and unit.
 const KINDS: [(&str, &str, &str); 3] =
     [("m_", "mass", "kg"), ("mc", "first moments", "kg m"), ("I", "moments of inertia", "kg m²")];
 
@@ -334,10 +339,10 @@ fn of_kind(start: &str) -> impl Iterator<Item = usize> {
     (0..P).filter(move |i| robot::BASE_PARAMETER_NAMES[*i].starts_with(start))
 }
 
-/// The parameters next to those of the description, which the simulated robot has.
+/// Reports the estimated parameters next to the true parameters of the simulated robot, which are those of the description.
 ///
 /// # Errors
-/// Where the total mass is another one.
+/// An error if the total mass is wrong.
 fn report_parameters(beta: &DVector<f64>, truth: &DVector<f64>) -> Outcome<()> {
     println!("\n{:<20} {:>6} {:>16} {:>16}", "base parameters", "number", "largest error", "largest value");
     for (start, name, unit) in KINDS {
@@ -386,7 +391,8 @@ fn plot(folder: &Folder, samples: &[Sample], beta: &DVector<f64>, truth: &DVecto
     folder.write("Base parameters from the rows of the base", figures)
 }
 
-/// Estimates over true values. The moments of the trunk, with those of what hangs on it, are larger than all others.
+/// Figure of estimated over true values. The moments of the trunk include bodies that are attached to it, and are larger than
+/// all other moments.
 fn parameters(beta: &DVector<f64>, truth: &DVector<f64>) -> Figure {
     let plot = |title: &str, kind: usize, is_shown: &dyn Fn(&str) -> bool| {
         let (start, name, unit) = KINDS[kind];

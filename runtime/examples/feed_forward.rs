@@ -1,9 +1,9 @@
-//! Feed-forward alone: the PowerCube along its published trajectory, with the exact model, and where it goes
-//! without feedback.
+//! Simulates the PowerCube along its published trajectory with feed-forward alone. The model is exact. The program shows how the
+//! arm drifts without feedback.
 //!
 //!     cargo run --release -p gelenk-runtime --example feed_forward [FOLDER]
 //!
-//! A page of plots goes to FOLDER, by default one in the folder for temporary files.
+//! The program writes a page of plots to FOLDER. The default is a folder for temporary files.
 
 use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::feed_forward::FeedForward;

@@ -1,11 +1,10 @@
-//! The loop in real time against a plant in the same process: 3 s at 200 Hz, with a log.
+//! Runs the control loop in real time with a simulated robot in the same process, for 3 s at 200 Hz with a log.
 //!
 //! ```text
 //! cargo run --release -p gelenk-runtime --example loop_in_process
 //! ```
 //!
-//! Ctrl-C stops the arm on its path and engages the brakes. `GELENK_EXAMPLE_SHORT` shortens the motion to 0.4
-//! s.
+//! Ctrl-C stops the arm on its path and engages the brakes. `GELENK_EXAMPLE_SHORT=1` shortens the motion to 0.4 s.
 
 use gelenk_runtime::control_loop::{
     ControlLoop, FeedForwardPd, JointGains, JointPd, LoopSettings, MonotonicClock, RealtimeRequest,
@@ -32,12 +31,12 @@ fn run() -> Outcome<()> {
     let short = std::env::var_os("GELENK_EXAMPLE_SHORT").is_some();
     let (start, end) = ([-0.2, 0.3], [0.2, 0.0]);
     let motion = RestToRest::new(start, end, 3.0)?;
-    // The short motion covers a seventh of the way, at the same speed.
+    // The short motion covers a seventh of the distance at the same speed.
     let motion = if short { RestToRest::new(start, [-0.14, 0.26], 0.4)? } else { motion };
 
     let settings = LoopSettings {
         position_limits: [[-1.0, 1.0]; 2],
-        // An ordinary machine that does other things as well.
+        // A machine without real-time scheduling misses more deadlines.
         hold_periods: 20,
         ..LoopSettings::for_robot(RATE, &PowerCube)
     };

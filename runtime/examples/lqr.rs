@@ -1,4 +1,5 @@
-//! LQR of the PowerCube's axis α in the control loop at 50 Hz, compared with joint PD: gains, stability margins, errors.
+//! Compares LQR and joint PD for the axis α of the PowerCube in the control loop at 50 Hz. Prints gains, stability margins and
+//! errors.
 //!
 //! ```text
 //! cargo run --release -p gelenk-runtime --example lqr
@@ -25,7 +26,7 @@ fn main() -> ExitCode {
 
 fn run() -> Outcome<()> {
     let period = LoopSettings::for_robot(50.0, &Alpha).period().as_secs_f64();
-    // 20 mrad, 0.2 rad/s and 0.2 N m cost the same.
+    // Deviations of 20 mrad, 0.2 rad/s and 0.2 N m have the same cost.
     let weights = LqrWeights::from_deviations([0.02], [0.2], [0.2]);
     let lqr = JointLqr::new(Alpha, &[0.0], period, weights)?;
     let [[position, velocity]] = lqr.regulator().gain;
@@ -38,7 +39,8 @@ fn run() -> Outcome<()> {
     Ok(())
 }
 
-/// The distance from the end of a motion (rad) that began 50 mrad off, with an encoder of 0.1 mrad.
+/// Returns the distance (rad) from the goal after a motion. The arm starts 50 mrad away from the start of the motion, and the
+/// encoder has a resolution of 0.1 mrad.
 fn follow(law: impl JointLaw<1, 1>, fallback: JointPd<Alpha, 1, 1>) -> Outcome<f64> {
     let motion = RestToRest::new([0.0], [0.8], 2.0)?;
     let settings = LoopSettings { settling_time: 1.0, ..LoopSettings::for_robot(50.0, &Alpha) };

@@ -1,21 +1,20 @@
-//! The QP solver as a shared library with a C interface, so that it can be compared with solvers in other
-//! languages.
+//! Builds the QP solver as a shared library with a C interface, for comparisons with solvers in other languages.
 //!
-//! Build it for the processor at hand, then hand `libmpc_plugin.so` to the benchmark:
+//! Build the library for the processor of this machine, and pass `libmpc_plugin.so` to the benchmark:
 //!
 //! ```sh
 //! RUSTFLAGS="-C target-cpu=native" cargo build --release -p gelenk-runtime --example mpc_plugin
 //! ```
 //!
-//! All matrices that cross the interface are column-major; sizes 2/1, 4/2, 12/6 and 14/7 (states/inputs) are
-//! compiled in.
+//! All matrices of the interface are column-major. The library contains solvers for 2, 4, 12 and 14 states with 1, 2, 6 and 7
+//! inputs.
 
 use gelenk_runtime::qp::{QpProblem, QpSettings, QpSolver, QpStage, QpStatus};
 use std::ffi::{c_int, c_void};
 use std::slice::from_raw_parts;
 
-/// One problem: `x_{k+1} = A_k x_k + B_k u_k`, weights Q, R and P (terminal), bounds of x_1 … x_N and u_0 …
-/// u_{N−1}.
+/// Data of one problem: dynamics `x_{k+1} = A_k x_k + B_k u_k`, weights Q, R and P (terminal), bounds of x_1 … x_N and
+/// u_0 … u_{N−1}.
 #[repr(C)]
 #[derive(Debug)]
 pub struct Problem {
@@ -34,15 +33,15 @@ pub struct Problem {
     umax: *const f64,
 }
 
-/// A solver whose sizes have been chosen.
+/// Interface to a solver for problems of one size.
 trait Contender {
-    /// Takes over the data.
+    /// Copies the data of a problem.
     ///
     /// # Safety
-    /// The pointers of `problem` must be valid for the sizes that the contender was created with.
+    /// The pointers of `problem` must be valid for the sizes for which the solver was created.
     unsafe fn prepare(&mut self, problem: &Problem);
 
-    /// Solves and writes `u`; returns 0 if solved, and the number of iterations.
+    /// Solves the problem and writes the inputs to `u`. Returns 0 if the problem is solved, and the number of iterations.
     ///
     /// # Safety
     /// `u` must be valid for all inputs of the horizon.
@@ -54,7 +53,7 @@ struct Pair<const NX: usize, const NU: usize> {
     solver: QpSolver<NX, NU>,
 }
 
-/// Rows of a column-major matrix.
+/// Converts a column-major matrix to rows.
 fn transpose<const R: usize, const C: usize>(from: &[f64], to: &mut [[f64; C]; R]) {
     for (i, row) in to.iter_mut().enumerate() {
         for (j, v) in row.iter_mut().enumerate() {
@@ -66,7 +65,7 @@ fn transpose<const R: usize, const C: usize>(from: &[f64], to: &mut [[f64; C]; R
 impl<const NX: usize, const NU: usize> Contender for Pair<NX, NU> {
     unsafe fn prepare(&mut self, problem: &Problem) {
         let n = self.problem.stages.len();
-        // SAFETY: the caller vouches for all of them.
+        // SAFETY: the caller ensures that all pointers are valid.
         let view = |p: *const f64, count: usize| unsafe { from_raw_parts(p, count) };
         transpose(view(problem.q, NX * NX), &mut self.problem.state_weight);
         transpose(view(problem.r, NU * NU), &mut self.problem.input_weight);
@@ -90,7 +89,7 @@ impl<const NX: usize, const NU: usize> Contender for Pair<NX, NU> {
         let report = self.solver.solve(&self.problem);
         for k in 0..self.problem.stages.len() {
             for (i, value) in self.solver.input(k).into_iter().enumerate() {
-                // SAFETY: within the horizon's inputs, for which the caller vouches.
+                // SAFETY: the index is within the inputs of the horizon, for which the caller ensures that `u` is valid.
                 unsafe { u.add(k * NU + i).write(value) };
             }
         }
@@ -104,13 +103,13 @@ fn contender<const NX: usize, const NU: usize>(horizon: usize, tolerance: f64) -
     Some(Box::new(Pair { problem: QpProblem::new(horizon), solver }))
 }
 
-/// A solver for problems of this size; null if the size is not compiled in.
+/// Creates a solver for problems of this size. Returns null if the library has no solver for the size.
 ///
 /// # Safety
 /// `problem` must point to a problem.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mpc_create(problem: *const Problem, tolerance: f64) -> *mut c_void {
-    // SAFETY: by this function's contract.
+    // SAFETY: the caller satisfies the conditions of this function.
     let problem = unsafe { &*problem };
     let horizon = usize::try_from(problem.horizon).unwrap_or(0);
     let contender = match (problem.nx, problem.nu) {
@@ -123,10 +122,10 @@ pub unsafe extern "C" fn mpc_create(problem: *const Problem, tolerance: f64) -> 
     contender.map_or(std::ptr::null_mut(), |c| Box::into_raw(Box::new(c)).cast())
 }
 
-/// Takes over new data; 0 on success.
+/// Copies the data of a new problem. Returns 0 on success.
 ///
 /// # Safety
-/// `solver` must come from [`mpc_create`], `problem` must have the size it was created with.
+/// `solver` must come from [`mpc_create`]. `problem` must have the size for which the solver was created.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mpc_prepare(solver: *mut c_void, problem: *const Problem) -> c_int {
     // SAFETY: by this function's contract.
@@ -134,11 +133,10 @@ pub unsafe extern "C" fn mpc_prepare(solver: *mut c_void, problem: *const Proble
     0
 }
 
-/// Solves from a cold start; 0 if solved.
+/// Solves the problem with a cold start. Returns 0 if the problem is solved.
 ///
 /// # Safety
-/// `solver` must come from [`mpc_create`], `u` must be valid for all inputs of the horizon, `iterations` for
-/// one number.
+/// `solver` must come from [`mpc_create`]. `u` must be valid for all inputs of the horizon, and `iterations` for one number.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mpc_solve(solver: *mut c_void, u: *mut f64, iterations: *mut c_int) -> c_int {
     // SAFETY: by this function's contract.
@@ -149,10 +147,10 @@ pub unsafe extern "C" fn mpc_solve(solver: *mut c_void, u: *mut f64, iterations:
     }
 }
 
-/// Ends a solver.
+/// Frees a solver.
 ///
 /// # Safety
-/// `solver` must come from [`mpc_create`] and not be used afterwards.
+/// `solver` must come from [`mpc_create`], and must not be used afterwards.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mpc_destroy(solver: *mut c_void) {
     // SAFETY: by this function's contract.

@@ -1,12 +1,12 @@
-//! A PowerCube in a process of its own: a plant that a controller drives over UDP.
+//! Simulates a PowerCube in a separate process. A controller drives it over UDP.
 //!
 //! ```text
 //! cargo run -p gelenk-runtime --example plant_process -- --port 4711
 //! cargo run -p gelenk-runtime --example remote_loop -- 127.0.0.1:4711
 //! ```
 //!
-//! Prints its address first. Begins with its brakes engaged, and engages them when inputs stay away. Ends
-//! when nobody spoke to it for `--idle` seconds.
+//! The process first prints its address. It starts with engaged brakes, and engages the brakes again if no inputs arrive. It
+//! ends if no datagram arrives for `--idle` seconds.
 
 use gelenk_runtime::plant::{Plant, PlantOptions};
 use gelenk_runtime::transport::{Pace, PlantServer, ServerOptions};

@@ -1,12 +1,12 @@
-//! A quadrotor by predictive control: it rolls once over its own axis on the way through a figure, and it recovers after it
-//! was thrown upside down. Positions hold a quaternion; errors are `y ⊖ y_d`.
+//! Simulates a quadrotor with predictive control. In the first flight it follows a figure of eight with a whole roll. In the second
+//! flight it recovers after it was thrown upside down. Positions contain a quaternion, and errors are `y ⊖ y_d`.
 //!
 //! ```sh
 //! cargo run --release -p gelenk-runtime --example quadrotor [FOLDER]
 //! ```
 //!
-//! Prints a table and writes a page of plots into FOLDER (the folder for temporary files). `GELENK_EXAMPLE_SHORT=1` flies the recovery
-//! alone.
+//! The program prints a table and writes a page of plots to FOLDER. The default is a folder for temporary files.
+//! `GELENK_EXAMPLE_SHORT=1` only simulates the recovery.
 
 use flight::{Motion, PERIOD, Quadrotor, figure, options, pose};
 use gelenk_report::Figure;
@@ -28,7 +28,7 @@ mod plots;
 #[path = "support/simulated.rs"]
 mod simulated;
 
-/// Thrown, turned by 170° about a tilted axis and spinning.
+/// State of the thrown quadrotor, which is rotated by 170° about a tilted axis and spins.
 fn thrown() -> ([f64; 7], [f64; 6]) {
     let (sine, cosine) = (170.0_f64.to_radians() / 2.0).sin_cos();
     ([0.0, 0.0, 1.0, 0.8 * sine, 0.6 * sine, 0.0, cosine], [0.5, -0.5, 1.0, 0.5, -1.0, 0.3])
@@ -37,7 +37,7 @@ fn thrown() -> ([f64; 7], [f64; 6]) {
 struct Flight {
     controller: &'static str,
     periods: Vec<simulated::Period<6, 4, 7>>,
-    /// Distance [m] and angle [rad] from where it should be.
+    /// Position error [m] and attitude error [rad] in each period.
     errors: Vec<[f64; 2]>,
 }
 
@@ -62,7 +62,7 @@ fn fly(
     Ok(Flight { controller: name, periods, errors })
 }
 
-/// Height of the body's own vertical axis: 1 level, −1 upside down.
+/// Vertical component of the vertical axis of the body: 1 if level, −1 if upside down.
 fn upright(y: &[f64; 7]) -> f64 {
     1.0 - 2.0 * (y[3] * y[3] + y[4] * y[4])
 }
@@ -85,7 +85,7 @@ fn both(
 /// Prints a row of the table.
 ///
 /// # Errors
-/// Where the flight is beyond its bounds.
+/// An error if the flight exceeds its bounds.
 fn report(what: &str, flight: &Flight, bounds: &Bounds) -> Outcome<()> {
     let worst = |k: usize| flight.errors.iter().fold(0.0_f64, |most, errors| most.max(errors[k]));
     let last = flight.errors.last().copied().unwrap_or_default();
@@ -101,7 +101,7 @@ fn report(what: &str, flight: &Flight, bounds: &Bounds) -> Outcome<()> {
     bounds.hold(what, flight)
 }
 
-/// Largest distances \[m\] and angles \[rad\] from where the quadrotor should be: on its way, and at its end.
+/// Largest allowed errors of position (m) and attitude (rad) during the flight and at its end.
 struct Bounds {
     on_the_way: [f64; 2],
     at_the_end: [f64; 2],
@@ -109,14 +109,16 @@ struct Bounds {
 
 const RECOVERY: Bounds = Bounds { on_the_way: [2.2, 3.0], at_the_end: [1e-3, 1e-2] };
 
-/// It is upright again, and still far from its place.
+/// Bounds of the short form, in which the quadrotor is upright again but still far from its goal.
 const SHORT_RECOVERY: Bounds = Bounds { at_the_end: [2.2, 1.0], ..RECOVERY };
 
 const FIGURE: Bounds = Bounds { on_the_way: [0.6, 0.7], at_the_end: [1e-2, 2e-3] };
 
 impl Bounds {
+    /// Checks the errors of a flight.
+    ///
     /// # Errors
-    /// Where a flight is further off, or not a number.
+    /// An error if the flight exceeds the bounds, or if a number is NaN.
     fn hold(&self, what: &str, flight: &Flight) -> Outcome<()> {
         let within = |errors: &[f64; 2], bounds: [f64; 2]| errors[0] <= bounds[0] && errors[1] <= bounds[1];
         if !flight.errors.iter().all(|errors| within(errors, self.on_the_way)) {

@@ -1,12 +1,12 @@
-//! The loop in real time, at 50 Hz, against a plant process over UDP.
+//! Runs the control loop in real time at 50 Hz, with a simulated robot in another process over UDP.
 //!
 //! ```text
 //! cargo run -p gelenk-runtime --example plant_process -- --port 4711
 //! cargo run -p gelenk-runtime --example remote_loop -- 127.0.0.1:4711
 //! ```
 //!
-//! Without an address it starts the plant process itself. Ctrl-C stops the arm on its path and engages the
-//! brakes. `GELENK_EXAMPLE_SHORT` shortens the motion to 0.4 s.
+//! Without an address, the program starts the plant process itself. Ctrl-C stops the arm on its path and engages the brakes.
+//! `GELENK_EXAMPLE_SHORT=1` shortens the motion to 0.4 s.
 
 use gelenk_runtime::control_loop::{
     ControlLoop, FeedForwardPd, JointGains, JointPd, LoopSettings, MonotonicClock, RealtimeRequest,
@@ -69,7 +69,7 @@ fn drive(address: &str) -> Outcome<()> {
     Ok(())
 }
 
-/// Starts the program next to this one.
+/// Starts the program `plant_process` in the folder of this program.
 fn start_plant() -> Outcome<(Child, String)> {
     let name = format!("plant_process{}", std::env::consts::EXE_SUFFIX);
     let program = std::env::current_exe()?.with_file_name(name);
@@ -91,7 +91,7 @@ fn start_plant() -> Outcome<(Child, String)> {
     Ok((plant, address.to_owned()))
 }
 
-/// `cargo run --example remote_loop` alone does not build its plant.
+/// Builds `plant_process`, because `cargo run --example remote_loop` does not build it.
 fn build_plant() -> Outcome<()> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut build = Command::new(cargo);

@@ -1,12 +1,13 @@
-//! A satellite with three reaction wheels slews by predictive control while a boom swings on a ball joint, and comes to
-//! rest after it tumbled. No input reaches its momentum: hull and wheels exchange it.
+//! Simulates a satellite with three reaction wheels and predictive control. In the first run it slews while a boom swings on a ball
+//! joint. In the second run it comes to rest after tumbling. No input can change the total momentum. Hull and wheels only exchange
+//! momentum.
 //!
 //! ```sh
 //! cargo run --release -p gelenk-runtime --example satellite [FOLDER]
 //! ```
 //!
-//! Prints a table and writes a page of plots into FOLDER (the folder for temporary files). `GELENK_EXAMPLE_SHORT=1` computes the first
-//! seconds alone.
+//! The program prints a table and writes a page of plots to FOLDER. The default is a folder for temporary files.
+//! `GELENK_EXAMPLE_SHORT=1` only simulates the first seconds.
 
 use gelenk_report::Figure;
 use gelenk_runtime::dynamics::Dynamics;
@@ -31,13 +32,13 @@ type Motion = GeodesicMotion<Satellite, 12, 3, 14>;
 
 const PERIOD: f64 = 0.1;
 const HORIZON: usize = 30;
-/// Indices of the velocities: those of the hull (linear, angular), then wheels and boom.
+/// First indices of groups of velocities. The order is linear velocity of the hull, angular velocity of the hull, wheels, boom.
 const TURN: usize = 3;
 const WHEELS: usize = 6;
 const BOOM: usize = 9;
 
-/// The motion of all joints while the hull turns about `axis`, with the boom at rest on it and without momentum: the
-/// base's six rows of `M d` are zero. The unknowns are the hull's linear velocity and the wheels' speeds.
+/// Velocities d of all joints while the hull rotates about `axis` without total momentum, with the boom at rest relative to the
+/// hull. The six rows of the base in `M d` are zero. The unknowns are the linear velocity of the hull and the wheel speeds.
 fn turning(axis: [f64; 3]) -> Outcome<[f64; 12]> {
     let m = Satellite.mass_matrix(&Satellite.neutral());
     let unknown = |k: usize| if k < TURN { k } else { WHEELS + k - TURN };
@@ -52,8 +53,8 @@ fn turning(axis: [f64; 3]) -> Outcome<[f64; 12]> {
     Ok(d)
 }
 
-/// Turn by 150° about an oblique axis. A floating joint moves on a screw, and M does not change while the
-/// boom rests on the hull, so the momentum is zero at any time.
+/// Slew of 150° about an oblique axis. The floating joint makes a screw motion, and M does not change while the boom is at rest
+/// relative to the hull. Therefore the momentum is zero at all times.
 fn slew() -> Outcome<Motion> {
     let angle = 150.0_f64.to_radians();
     let way = turning([0.48, -0.64, 0.6])?.map(|d| d * angle);
@@ -61,7 +62,7 @@ fn slew() -> Outcome<Motion> {
     Ok(Motion::between(Satellite, start, Satellite.integrate(&start, &way), 40.0)?)
 }
 
-/// Angular momentum [N m s] about the origin, in the axes of the world: that of the base's rows of `M v`, shifted.
+/// Angular momentum [N m s] about the origin in the axes of the world. It follows from the rows of the base in `M v`.
 fn angular_momentum(y: &[f64; 14], v: &[f64; 12]) -> [f64; 3] {
     let m = Satellite.mass_matrix(y);
     let row = |i: usize| m[i].iter().zip(v).map(|(m, v)| m * v).sum::<f64>();
@@ -70,7 +71,7 @@ fn angular_momentum(y: &[f64; 14], v: &[f64; 12]) -> [f64; 3] {
     (angular + Vector3::new(y[0], y[1], y[2]).cross(&linear)).into()
 }
 
-/// The end of a period.
+/// State at the end of a period.
 struct Row {
     time: f64,
     /// Angle between the hull and its desired attitude [rad].
@@ -88,8 +89,8 @@ fn length(of: &[f64]) -> f64 {
 
 fn options() -> MpcOptions<12, 3> {
     let mut options = MpcOptions {
-        // Only the hull's attitude and its rate are asked for, and that the boom swings little. All else follows
-        // from the momentum, which no input reaches.
+        // Only the attitude and angular velocity of the hull and the motion of the boom have weights. All other motions follow
+        // from the momentum, which no input can change.
         position_weight: [0.0; 12],
         velocity_weight: [0.0; 12],
         input_weight: [1.0; 3],
@@ -128,7 +129,7 @@ fn run(motion: &Motion, velocities: [f64; 12], duration: f64) -> Outcome<Vec<Row
 /// Prints the row of a run.
 ///
 /// # Errors
-/// Where it does not end at rest, or where the momentum changed.
+/// An error if the run does not end at rest, or if the momentum changed.
 fn report(what: &str, rows: &[Row], end: f64) -> Outcome<()> {
     let most =
         |value: &dyn Fn(&Row) -> f64| rows.iter().fold(0.0, |most: f64, row| most.max(value(row).abs()));

@@ -1,8 +1,8 @@
-//! Predictive controllers as a shared library with a C interface, so that whole control steps can be compared with
-//! solvers in other languages: `tests/bench/acados.sh` builds and loads it.
+//! Builds predictive controllers as a shared library with a C interface, so that whole control steps can be compared with solvers
+//! in other languages. `tests/bench/acados.sh` builds and loads the library.
 //!
-//! The problems are those of the bench `control_step`: PowerCube, UR5 and Panda from rest to rest, with limits of the
-//! inputs that are reached on the way. All arrays that cross the interface have their rows first.
+//! The problems are those of the benchmark `control_step`: motions of PowerCube, UR5 and Panda from rest to rest, in which input
+//! limits are active. All arrays of the interface are stored row by row.
 
 use gelenk_runtime::control_loop::{Controller, Cycle};
 use gelenk_runtime::dynamics::{Discretizable, Predictable};
@@ -21,14 +21,14 @@ gelenk_runtime::dynamics!(struct Ur5 = gelenk_generated::ur5: Discretizable []);
 
 const PERIOD: f64 = 0.02;
 const HORIZON: usize = 20;
-/// Terminal weights are computed at this number of intervals of the motion, as the controllers do.
+/// Number of intervals of the motion at whose ends terminal weights are computed, as in the controllers.
 const TERMINAL_INTERVALS: usize = 32;
 
-/// A controller whose sizes have been chosen.
+/// Interface to a controller of one robot.
 trait Contender {
-    /// Coordinates and inputs.
+    /// Number of coordinates and of inputs.
     fn sizes(&self) -> [usize; 2];
-    /// Runge–Kutta steps in a period, and the length of the motion (s).
+    /// Number of Runge–Kutta steps in a period, and duration of the motion (s).
     fn course(&self) -> [f64; 2];
     /// Weights of states and inputs, lowest and highest inputs and states, penalties.
     fn settings(&self) -> Vec<f64>;
@@ -36,7 +36,7 @@ trait Contender {
     fn reference(&self, time: f64) -> Vec<f64>;
     /// The state after a period.
     fn plant(&self, state: &[f64], inputs: &[f64]) -> Vec<f64>;
-    /// The inputs of a period, and the seconds that they took; none if the controller refuses.
+    /// The inputs of a period and the computing time (s); `None` if the controller fails.
     fn step(&mut self, time: f64, state: &[f64], last: &[f64]) -> Option<(Vec<f64>, f64)>;
 }
 
@@ -53,7 +53,7 @@ fn array<const L: usize>(from: &[f64]) -> [f64; L] {
     core::array::from_fn(|i| from[i])
 }
 
-/// Steps that a period needs, as in the controllers.
+/// Number of Runge–Kutta steps in a period, as in the controllers.
 fn substeps<D: Discretizable<N, M>, const N: usize, const M: usize>(
     model: &D,
     motion: &RestToRest<N>,
@@ -73,7 +73,7 @@ fn substeps<D: Discretizable<N, M>, const N: usize, const M: usize>(
     needed.fold(1.0, f64::max)
 }
 
-/// P at times evenly over the motion.
+/// Terminal weights P at equidistant times of the motion.
 fn terminal<D, const N: usize, const M: usize, const NX: usize>(
     model: &D,
     motion: &RestToRest<N>,
@@ -179,7 +179,7 @@ where
 {
     let mut options = MpcOptions::new(&model, PERIOD, HORIZON);
     options.input_limits = most.map(|u| [-u, u]);
-    // The other solvers have none.
+    // The other solvers do not estimate disturbances.
     options.observer.disturbance_noise = [0.0; M];
     let terminal = terminal::<D, N, M, NX>(&model, &motion, &options)?;
     let is_running = false;
@@ -212,7 +212,8 @@ fn contender(robot: c_int, is_nonlinear: bool) -> Result<Box<dyn Contender>, Box
     }
 }
 
-/// A controller of PowerCube (0), UR5 (1) or Panda (2), linear or nonlinear; null if there is none.
+/// Creates a linear or nonlinear controller of PowerCube (0), UR5 (1) or Panda (2). Returns null for other robots and after an
+/// error.
 #[unsafe(no_mangle)]
 pub extern "C" fn steps_create(robot: c_int, is_nonlinear: c_int) -> *mut c_void {
     match contender(robot, is_nonlinear != 0) {
@@ -238,10 +239,11 @@ unsafe fn write(numbers: &[f64], to: *mut f64) {
     unsafe { from_raw_parts_mut(to, numbers.len()) }.copy_from_slice(numbers);
 }
 
-/// Coordinates, inputs, periods of the horizon, length of a period (s), steps in a period, length of the motion (s).
+/// Writes number of coordinates, number of inputs, number of periods in the horizon, period (s), number of steps in a period, and
+/// duration of the motion (s).
 ///
 /// # Safety
-/// `contender` must come from [`steps_create`], `to` must be valid for six numbers.
+/// `contender` must come from [`steps_create`]. `to` must be valid for six numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn steps_sizes(contender: *mut c_void, to: *mut f64) {
     // SAFETY: by this function's contract.
@@ -252,30 +254,30 @@ pub unsafe extern "C" fn steps_sizes(contender: *mut c_void, to: *mut f64) {
     }
 }
 
-/// Weights of states and of inputs, lowest and highest inputs, lowest and highest states, penalties.
+/// Writes weights of states and inputs, lowest and highest inputs, lowest and highest states, and penalties.
 ///
 /// # Safety
-/// `contender` must come from [`steps_create`], `to` must be valid for 6 N + 3 M + 2 numbers.
+/// `contender` must come from [`steps_create`]. `to` must be valid for 6 N + 3 M + 2 numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn steps_settings(contender: *mut c_void, to: *mut f64) {
     // SAFETY: by this function's contract.
     unsafe { write(&of(contender).settings(), to) };
 }
 
-/// Desired states of the horizon and its end, desired inputs, and the weight at the end.
+/// Writes desired states of all nodes of the horizon, desired inputs, and the terminal weight.
 ///
 /// # Safety
-/// `contender` must come from [`steps_create`], `to` must be valid for all of these numbers.
+/// `contender` must come from [`steps_create`]. `to` must be valid for all these numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn steps_reference(contender: *mut c_void, time: f64, to: *mut f64) {
     // SAFETY: by this function's contract.
     unsafe { write(&of(contender).reference(time), to) };
 }
 
-/// The state after a period.
+/// Replaces `state` by the state of the plant after a period.
 ///
 /// # Safety
-/// `contender` must come from [`steps_create`]; the arrays must have its sizes.
+/// `contender` must come from [`steps_create`]. The arrays must have the sizes of this controller.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn steps_plant(contender: *mut c_void, state: *mut f64, inputs: *const f64) {
     // SAFETY: by this function's contract.
@@ -287,11 +289,10 @@ pub unsafe extern "C" fn steps_plant(contender: *mut c_void, state: *mut f64, in
     }
 }
 
-/// The inputs of the period that begins at `time`, from the last inputs; the seconds that they took, −1 if there are
-/// none.
+/// Computes the inputs of the period that begins at `time`. Returns the computing time (s), or −1 if the controller fails.
 ///
 /// # Safety
-/// `contender` must come from [`steps_create`]; the arrays must have its sizes.
+/// `contender` must come from [`steps_create`]. The arrays must have the sizes of this controller.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn steps_step(
     contender: *mut c_void,
@@ -312,10 +313,10 @@ pub unsafe extern "C" fn steps_step(
     }
 }
 
-/// Ends a controller.
+/// Frees a controller.
 ///
 /// # Safety
-/// `contender` must come from [`steps_create`] and not be used afterwards.
+/// `contender` must come from [`steps_create`], and must not be used afterwards.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn steps_destroy(contender: *mut c_void) {
     // SAFETY: by this function's contract.

@@ -1,12 +1,10 @@
-//! The PowerCube along its published trajectory at 50 Hz: feed-forward alone, linear time-varying MPC,
-//! nonlinear MPC.
+//! Compares feed-forward alone, linear time-varying MPC and nonlinear MPC for the PowerCube along its published trajectory at 50 Hz.
 //!
 //! ```sh
 //! cargo run --release -p gelenk-runtime --example track [FOLDER]
 //! ```
 //!
-//! Prints a table and writes a page of plots into FOLDER (`target/track`). `GELENK_EXAMPLE_SHORT=1` runs the first
-//! three seconds.
+//! The program prints a table and writes a page of plots to FOLDER. `GELENK_EXAMPLE_SHORT=1` only simulates the first three seconds.
 
 use gelenk_report::Plot;
 use gelenk_runtime::control_loop::{Command, Controller, ControllerFault, Cycle};
@@ -27,7 +25,7 @@ mod plots;
 mod simulated;
 
 gelenk_runtime::dynamics!(
-    /// The controllers' model, and the plant's.
+    /// Model of the controllers and of the plant.
     struct PowerCube = gelenk_generated::powercube: Discretizable []
 );
 
@@ -37,7 +35,7 @@ const HORIZON: usize = 20;
 const PEAK: f64 = 0.5;
 const JOINTS: [&str; 2] = ["beta", "gamma"];
 
-/// No feedback at all.
+/// Controller without feedback.
 struct FeedForwardAlone<'t> {
     feed_forward: FeedForward<PowerCube, 2, 2>,
     reference: &'t Sampled<2>,
@@ -161,7 +159,7 @@ fn compare() -> Outcome<()> {
     let mut options = MpcOptions::new(&PowerCube, PERIOD, HORIZON);
     options.velocity_weight = [5.0, 3.5];
     options.linearization = LinearizationPoint::Reference;
-    // As in the paper: no estimate of disturbances.
+    // As in the paper, disturbances are not estimated.
     options.observer.disturbance_noise = [0.0; 2];
     let mut runs = vec![];
     for reference in [("smoothed", &smoothed), ("file", &file)] {

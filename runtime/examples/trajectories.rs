@@ -1,9 +1,8 @@
-//! Desired motions for the PowerCube and the Puma 560, each checked against the model's limits, and their
-//! plots.
+//! Computes desired motions for the PowerCube and the Puma 560, checks each motion against the limits of the model, and plots them.
 //!
 //!     cargo run --release -p gelenk-runtime --example trajectories [FOLDER]
 //!
-//! A page of plots goes to FOLDER, by default one in the folder for temporary files.
+//! The program writes a page of plots to FOLDER. The default is a folder for temporary files.
 
 use gelenk_generated::puma560;
 use gelenk_report::Figure;
@@ -35,7 +34,7 @@ fn run() -> Outcome<()> {
     folder.write("Motions", vec![rest_to_rest()?, identification()?, stops, way, cartesian()?])
 }
 
-/// As fast as a motion within 60 % of 25 rpm, from leaning to leaning over the top.
+/// Fastest motion within 60 % of 25 rpm, from one leaning position over the upright position to another.
 fn rest_to_rest() -> Outcome<Figure> {
     let speeds = [0.6 * 2.618; 2];
     let motion = RestToRest::within([-0.6, -0.4], [0.7, 0.5], &speeds, &[4.0; 2], 0.1)?;
@@ -43,7 +42,7 @@ fn rest_to_rest() -> Outcome<Figure> {
     Ok(plots::motion("rest_to_rest", "PowerCube, rest to rest", &motion, JOINTS))
 }
 
-/// The identification sine on both joints, compensated: β = −γ.
+/// Identification sine at both joints with β = −γ (compensated motion).
 fn identification() -> Outcome<Figure> {
     let sine = IdentificationSine {
         center: [0.0],
@@ -69,7 +68,7 @@ fn points() -> Outcome<[Figure; 2]> {
     Ok([stops, plots::motion("via_points", "PowerCube, four points without a stop", &motion, JOINTS)])
 }
 
-/// The Puma's tool along two straight lines, by inverse kinematics.
+/// Motion of the Puma's tool along two straight lines, computed by inverse kinematics.
 fn cartesian() -> Outcome<Figure> {
     let arm = SphericalWrist::from_poses(puma560::frame_tool_pose)?;
     let start = [0.2, 0.5, -0.6, 0.1, 0.7, -0.2];

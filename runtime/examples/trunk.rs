@@ -1,20 +1,21 @@
-//! The trunk of a quadruped, Unitree's Go2, follows a motion while its feet stand, by inverse dynamics with given wrenches at
-//! the feet.
+//! Simulates a quadruped (Unitree Go2) whose trunk follows a motion while its feet stand. The controller uses inverse dynamics with
+//! given wrenches at the feet.
 //!
 //! ```sh
 //! cargo run --release -p gelenk-runtime --example trunk [FOLDER]
 //! ```
 //!
-//! There is no ground here: at each period the controller chooses the forces at the feet, and the simulated robot gets
-//! these, as if the ground had answered so. It holds while they press and lie within the friction cones, which is
-//! checked, as are the limits of the joints. In each period:
+//! The simulation has no ground. In each period the controller chooses the forces at the feet, and these forces act on the simulated
+//! robot. This represents a real ground if the forces press and are within the friction cones. The program checks this condition
+//! and the limits of the joints. In each period:
 //!
-//! 1. The trunk's acceleration is the desired one plus feedback of `y_d ⊖ y` and of the velocities; those of the legs
-//!    keep the feet where they are, `J v̇ + J̇ v = −k_p (p − p_0) − k_d ṗ`.
-//! 2. The base's six rows of the inverse dynamics are what the feet must exert: least norm over the twelve forces.
-//! 3. The other rows, with these wrenches, are the joint torques.
+//! 1. The acceleration of the trunk is the desired acceleration plus feedback of `y_d ⊖ y` and of the velocities. The accelerations
+//!    of the legs keep the feet in place, `J v̇ + J̇ v = −k_p (p − p_0) − k_d ṗ`, with the position p of a foot and its place p_0.
+//! 2. The feet must produce the six rows of the base in the inverse dynamics. Of the twelve forces, those with the smallest norm are
+//!    chosen.
+//! 3. The other rows of the inverse dynamics with these wrenches are the joint torques.
 //!
-//! Prints a table and writes a page of plots into FOLDER (the folder for temporary files).
+//! The program prints a table and writes a page of plots to FOLDER. The default is a folder for temporary files.
 
 use gelenk_generated::go2::{self as robot, M, N, NY, WRENCHES};
 use nalgebra::{Matrix3, Vector3};
@@ -33,15 +34,17 @@ mod plots;
 mod quadruped;
 
 const PERIOD: f64 = 0.001;
-/// Steps of the simulation in a period.
+/// Number of simulation steps in a period.
 const STEPS: u32 = 2;
+/// Duration of the motion [s].
 const DURATION: f64 = 6.0;
-/// Feedback of the trunk [1/s², 1/s].
+/// Feedback gains of the trunk for position and velocity [1/s², 1/s].
 const GAINS: [f64; 2] = [100.0, 20.0];
-/// Feedback of the feet, likewise: legs are light.
+/// Feedback gains of the feet for position and velocity [1/s², 1/s]. They are larger because legs are light.
 const STIFF: [f64; 2] = [1e4, 200.0];
-/// Sideways push on the trunk [N] in this interval [s], unknown to the controller.
+/// Lateral force that pushes the trunk [N]. The controller does not know the force.
 const PUSH: f64 = 15.0;
+/// Interval of the push [s].
 const PUSHED: std::ops::Range<f64> = 4.0..4.2;
 
 #[derive(Debug, Clone, Copy)]
@@ -50,7 +53,7 @@ struct State {
     v: [f64; N],
 }
 
-/// The desired pose of the trunk: it sways, dips, rolls, pitches and turns.
+/// Desired pose of the trunk, which moves in all six directions.
 fn desired(time: f64) -> [f64; NY] {
     let s = time.clamp(0.0, 1.0);
     let grown = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
@@ -67,7 +70,7 @@ fn desired(time: f64) -> [f64; NY] {
     robot::integrate(&standing(), &d)
 }
 
-/// Desired velocity and acceleration, by differences along ⊕ over a millisecond.
+/// Desired velocity and acceleration, computed by differences (⊖) over a millisecond.
 fn desired_rates(time: f64) -> [[f64; 6]; 2] {
     let h = 1e-3;
     let at = desired(time);
@@ -78,7 +81,7 @@ fn desired_rates(time: f64) -> [[f64; 6]; 2] {
     ]
 }
 
-/// The accelerations of trunk and legs, and the Jacobians of the feet's positions.
+/// Accelerations of trunk and legs, and Jacobians of the positions of the feet.
 fn accelerations(
     time: f64,
     State { y, v }: &State,
@@ -111,14 +114,14 @@ fn control(time: f64, state: &State, places: &[[f64; 3]; 4]) -> Outcome<([f64; M
     let inverse = |w| robot::inverse_dynamics_with_wrenches(&state.y, &state.v, &a, w);
     let wrenches = at_feet(&inverse(&[[0.0; 6]; WRENCHES]), &jacobians, [1.0; 4])?;
     let rows = inverse(&wrenches);
-    // Nothing else moves the base.
+    // Only the wrenches at the feet move the base, so the remaining rows must be zero.
     if rows[..6].iter().any(|row| row.abs() > 1e-9) {
         return Err("the wrenches at the feet do not move the trunk as wanted".into());
     }
     Ok((std::array::from_fn(|i| rows[6 + i]), wrenches))
 }
 
-/// The robot over a period with given torques and wrenches, by the midpoint rule along ⊕.
+/// Simulates the robot over a period with given torques and wrenches, by the midpoint rule with ⊕.
 fn advance(State { mut y, mut v }: State, u: &[f64; M], w: &Wrenches) -> State {
     let h = PERIOD / f64::from(STEPS);
     let add = |v: &[f64; N], a: &[f64; N], h: f64| std::array::from_fn(|i| v[i] + h * a[i]);
@@ -136,13 +139,13 @@ fn advance(State { mut y, mut v }: State, u: &[f64; M], w: &Wrenches) -> State {
 #[derive(Debug, Clone, Copy)]
 struct Record {
     time: f64,
-    /// Distance [m] and angle [rad] of the trunk from where it should be.
+    /// Position error [m] and attitude error [rad] of the trunk.
     errors: [f64; 2],
     /// Largest distance of a foot from its place [m].
     slip: f64,
     /// Vertical forces at the feet [N].
     pressing: [f64; 4],
-    /// Largest share of a foot's friction that is used.
+    /// Largest ratio of tangential force to available friction at a foot.
     friction: f64,
     torques: [f64; M],
 }
@@ -187,7 +190,7 @@ fn run() -> Outcome<Vec<Record>> {
 /// Prints a row of the table.
 ///
 /// # Errors
-/// Where the trunk is further off than `bound` [m and rad], or a foot would lift or slide.
+/// An error if an error of the trunk exceeds `bound` [m and rad], or if a foot would lift or slide.
 fn report(what: &str, records: &[Record], bound: f64) -> Outcome<()> {
     let most = |value: &dyn Fn(&Record) -> f64| records.iter().map(value).fold(0.0, f64::max);
     let [distance, angle] = [0, 1].map(|k| most(&|record| record.errors[k]));

@@ -1,4 +1,5 @@
-//! Coverage of the intervals of friction that drifts, and faults: seeded robots with Coulomb friction and stiction.
+//! Simulates seeded robots with Coulomb friction and stiction. Prints the coverage of the confidence intervals while friction drifts,
+//! and the errors of the acting law with faults of sensors and connection.
 //!
 //! ```text
 //! cargo run --release --example warming -- 1000 1

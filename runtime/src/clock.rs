@@ -4,18 +4,18 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-/// A clock that never goes back. Times are relative to a fixed moment in the past.
+/// A monotonic clock. Times are relative to a fixed moment in the past.
 pub trait Clock {
     /// Current time.
     fn now(&self) -> Duration;
 
-    /// Sleeps until the time `wake`. Returns immediately if this time is past. The time is absolute, so
+    /// Sleeps until the absolute time `wake`. Returns immediately if `wake` is in the past. With absolute times,
     /// delays do not accumulate.
     fn sleep_until(&self, wake: Duration);
 }
 
-/// The clock `CLOCK_MONOTONIC`, with `clock_nanosleep` to absolute times. On other systems than Linux it is
-/// the clock of the standard library.
+/// The monotonic clock of the system. On Linux it reads `CLOCK_MONOTONIC` and sleeps with `clock_nanosleep`
+/// until absolute times. On other systems it uses the clock of the standard library.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct MonotonicClock;
 
@@ -29,14 +29,14 @@ impl Clock for MonotonicClock {
 
     fn sleep_until(&self, wake: Duration) {
         let request = timespec(wake);
-        // A signal ends the sleep early; the time to wake at stays.
+        // A signal can end the sleep early. The sleep is then repeated with the same absolute time.
         while let Err(rustix::io::Errno::INTR) =
             rustix::thread::clock_nanosleep_absolute(rustix::thread::ClockId::Monotonic, &request)
         {}
     }
 }
 
-/// Converts a time. A time beyond the range of the system becomes the last time of the range.
+/// Converts a time for the system. A time beyond the range of the system becomes the last time of this range.
 #[cfg(target_os = "linux")]
 fn timespec(time: Duration) -> rustix::time::Timespec {
     rustix::time::Timespec {
@@ -45,7 +45,7 @@ fn timespec(time: Duration) -> rustix::time::Timespec {
     }
 }
 
-/// On other systems: the clock of the standard library, and a relative sleep until the absolute time.
+/// Clock for systems other than Linux. It converts the absolute time to a relative sleep of the standard library.
 #[cfg(not(target_os = "linux"))]
 impl Clock for MonotonicClock {
     fn now(&self) -> Duration {
@@ -58,8 +58,8 @@ impl Clock for MonotonicClock {
     }
 }
 
-/// A clock that advances only by [`sleep_until`](Clock::sleep_until) and [`advance`](VirtualClock::advance).
-/// A loop with this clock runs as fast as possible and is deterministic. Clones share the time.
+/// A simulated clock. Only [`sleep_until`](Clock::sleep_until) and [`advance`](VirtualClock::advance) advance
+/// its time. A loop with this clock runs as fast as possible and is deterministic. Clones share the time.
 #[derive(Debug, Clone, Default)]
 pub struct VirtualClock(Arc<AtomicU64>);
 
@@ -70,10 +70,10 @@ impl VirtualClock {
         Self::default()
     }
 
-    /// Advances the time, as a computation or a stall would.
+    /// Advances the time by `span`, to simulate a computation or a stall.
     pub fn advance(&self, span: Duration) {
         let later = |now: u64| Some(now.saturating_add(nanoseconds(span)));
-        // Never refused, as `later` always has an answer.
+        // This call cannot fail because `later` always returns a value.
         let _ = self.0.fetch_update(Ordering::Relaxed, Ordering::Relaxed, later);
     }
 }
@@ -88,7 +88,7 @@ impl Clock for VirtualClock {
     }
 }
 
-/// Converts a time to nanoseconds, at most 584 years.
+/// Converts a time to nanoseconds. Times above 584 years are clamped.
 fn nanoseconds(span: Duration) -> u64 {
     u64::try_from(span.as_nanos()).unwrap_or(u64::MAX)
 }

@@ -1,7 +1,8 @@
-//! Robots with driven joints over time: the equations of motion with a prescribed motion.
+//! Robots with driven joints, whose motion is prescribed as a function of time.
 //!
-//! A joint with `motion = "driven"` is not a coordinate. Its position, velocity and acceleration d(t), ḋ(t),
-//! d̈(t) are given, for example for a linear axis with its own controller, a ship's deck or a turntable:
+//! A joint with `motion = "driven"` is not a coordinate. Its position, velocity and acceleration d(t), ḋ(t), d̈(t)
+//! are given. Examples are a linear axis with a separate controller, a ship's deck and a turntable. The equations
+//! of motion of the coordinates y are
 //!
 //! ```text
 //!     M(y, d) ÿ + k(y, ẏ, d) = q(y, ẏ, d) + B u        k contains M_d d̈
@@ -9,9 +10,9 @@
 //!
 //! [`dynamics!`](crate::dynamics!) wraps a generated module as a robot at one time
 //! (`struct Arm { driven } = module`). [`DrivenRobot`] adds the motion d(t). Plants, feed-forward, control
-//! laws, predictive controllers and observers request d for the time of their computation
-//! ([`Dynamics::at_time`]), for example for the stages of an integration. Without a time d is unknown. Every
-//! result that depends on d is then NaN, and never the result for d = 0.
+//! laws, predictive controllers and observers set the time of each evaluation ([`Dynamics::at_time`]), for
+//! example for each stage of an integration. If the time is not set, d is unknown, and every result that
+//! depends on d is NaN.
 //!
 //! ```
 //! use gelenk_runtime::driven::DrivenRobot;
@@ -36,9 +37,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Controllers use the time of their trajectory, plants use their own time. If these times differ, for
-//! example in a loop that starts later than the plant, [`DrivenRobot::beginning_at`] sets the time at which
-//! the motion begins.
+//! Controllers use the time of their trajectory. Plants use the time since their construction. If the two times
+//! differ, for example because a loop starts later than the plant, [`DrivenRobot::beginning_at`] sets the time at
+//! which the motion begins.
 
 use crate::dynamics::{
     self, Differentiable, Discretizable, DrivenJoints, Dynamics, ForceDerivatives, ForceDerivativesAndMass,
@@ -46,14 +47,14 @@ use crate::dynamics::{
 };
 use crate::trajectory::Trajectory;
 
-/// A robot with the motion of its `K` driven joints, see the [module](self).
+/// A robot together with the prescribed motion of its `K` driven joints, see the [module](self).
 ///
 /// - `R`: robot at one time, made by [`dynamics!`](crate::dynamics!)
 /// - `T`: motion of the K joints, a [`Trajectory`] that is [`Copy`]. Pass a large motion by reference, so
 ///   that a copy is cheap.
 ///
-/// This type does not call [`begin_period`](Trajectory::begin_period) of `T`. The owner of a motion that
-/// changes at run time must call it.
+/// This type does not call [`begin_period`](Trajectory::begin_period) of `T`. If the motion changes at run time,
+/// its owner must call this method.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DrivenRobot<R, T, const K: usize> {
     /// The robot at `time`.
@@ -61,32 +62,32 @@ pub struct DrivenRobot<R, T, const K: usize> {
     motion: T,
     /// Time at which the motion begins (s).
     begins: f64,
-    /// Time of the robot (s); NaN if there is no time.
+    /// Time of the robot (s); NaN if the time is not set.
     time: f64,
 }
 
 impl<R: DrivenJoints<K>, T: Trajectory<K> + Copy, const K: usize> DrivenRobot<R, T, K> {
-    /// A robot with this motion of its driven joints [rad or m], in the order of `DRIVEN_NAMES` of the
-    /// module. The field `driven` of `robot` is ignored.
+    /// A robot whose driven joints move along `motion` [rad or m]. The order of the joints is that of
+    /// `DRIVEN_NAMES` in the generated module. The field `driven` of `robot` is ignored.
     pub fn new(robot: R, motion: T) -> Self {
         Self { robot, motion, begins: 0.0, time: f64::NAN }.at(f64::NAN)
     }
 
-    /// Sets the time on the caller's clock (s) at which the motion begins, instead of 0.
+    /// Sets the time (s) at which the motion begins. The default is 0.
     #[must_use]
     pub fn beginning_at(self, time: f64) -> Self {
         Self { begins: time, ..self }.at(self.time)
     }
 
-    /// The robot at `time` (s). For a time that is not finite, the motion is unknown.
+    /// The robot at `time` (s). If the time is not finite, the driven motion is unknown.
     #[inline]
     #[must_use]
     pub fn at(&self, time: f64) -> Self {
         Self { robot: self.robot.with_driven(&self.driven_at(time)), time, ..*self }
     }
 
-    /// Position, velocity and acceleration of each driven joint at `time` (s); NaN for a time that is not
-    /// finite.
+    /// Position, velocity and acceleration of each driven joint at `time` (s) in rad or m and seconds. The values
+    /// are NaN if the time is not finite.
     #[inline]
     #[must_use]
     pub fn driven_at(&self, time: f64) -> [[f64; 3]; K] {
@@ -105,7 +106,7 @@ impl<R: DrivenJoints<K>, T: Trajectory<K> + Copy, const K: usize> DrivenRobot<R,
     }
 }
 
-/// Implements methods by those of the robot at its time.
+/// Implements methods by calls of the same methods of the robot at the set time.
 macro_rules! of_the_robot {
     ($(fn $name:ident($($argument:ident: $type:ty),*) -> $result:ty;)*) => {
         $(
@@ -175,9 +176,9 @@ where
     }
 }
 
-/// `discretize` uses the linearization at the robot's time, which should be the middle of the period. `step`
-/// and `step_derivatives` begin at the robot's time, and each stage of the Runge–Kutta method has its own
-/// time.
+/// `discretize` uses the linearization at the set time, which should be the middle of the period. `step` and
+/// `step_derivatives` begin at the set time, and each stage of the Runge–Kutta method is evaluated at the time of
+/// the stage.
 impl<R, T, const K: usize, const N: usize, const M: usize> Discretizable<N, M> for DrivenRobot<R, T, K>
 where
     R: Differentiable<N, M> + DrivenJoints<K>,

@@ -1,14 +1,14 @@
-//! Feed-forward: inputs with which the model follows a trajectory exactly.
+//! Feed-forward inputs, with which the model follows a trajectory exactly.
 //!
 //! ```text
 //!     u_ff = B⁻¹ (M ÿ + k − q)        along y(t), ẏ(t), ÿ(t)
 //! ```
 //!
-//! This is the inverse dynamics of the model `M ÿ + k = q + B u`, also called computed torque (Craig,
-//! *Introduction to Robotics*, 2005, section 10.4). If B is not square or not regular, u_ff = B⁺ (M ÿ + k −
-//! q) is the least-squares solution with the smallest inputs. The residual r = (M ÿ + k − q) − B u_ff is the
-//! force that no input can produce. A trajectory with r ≠ 0 is not feasible. For robots with quaternions v
-//! and v̇ replace ẏ and ÿ.
+//! This is the inverse dynamics of the model `M ÿ + k = q + B u` (Craig, *Introduction to Robotics*, 2005,
+//! section 10.4). If B is not square or not regular, the pseudo-inverse B⁺ replaces B⁻¹, and u_ff is the
+//! least-squares solution with the smallest inputs. The residual r = (M ÿ + k − q) − B u_ff is the force that no
+//! input can produce. If r ≠ 0, the robot cannot follow the trajectory. For robots with quaternions, body
+//! velocities v and v̇ replace ẏ and ÿ.
 
 use crate::dynamics::{Dynamics, Named, plain_entries};
 #[cfg(not(feature = "std"))]
@@ -22,7 +22,7 @@ use thiserror::Error;
 pub struct FeedForwardInput<const N: usize, const M: usize> {
     /// Inputs u_ff [N m, N or A].
     pub inputs: [f64; M],
-    /// Residual r = M ÿ + k − q − B u_ff [N m or N], which is zero if B is regular.
+    /// Residual r = M ÿ + k − q − B u_ff [N m or N]. The residual is zero if B is regular.
     pub residual: [f64; N],
 }
 
@@ -32,11 +32,11 @@ pub enum FeedForwardError {
     /// An entry of B is NaN or infinite, or B is zero.
     #[error("the input matrix is zero or not finite, so no input acts on the robot")]
     InputMatrix,
-    /// The trajectory requires forces that no input produces.
+    /// The trajectory requires forces that no input can produce.
     #[error(
-        "the trajectory is not feasible: at {time} s joint {} requires {residual} N m (or N) that no input \
-         produces, above the tolerance of {tolerance}; plan a motion that satisfies the joint's equation of \
-         motion",
+        "the trajectory is not feasible: at {time} s joint {} requires a force of {residual} N m (or N) that no \
+         input can produce, above the tolerance of {tolerance}; plan a motion that satisfies the joint's \
+         equation of motion",
         Named(.name)
     )]
     Infeasible {
@@ -58,7 +58,7 @@ pub enum FeedForwardError {
         time: f64,
     },
     /// The sampling period is not positive and finite.
-    #[error("period is {0} s; it must be positive and finite")]
+    #[error("the period is {0} s; it must be positive and finite")]
     Period(f64),
     /// The trajectory is infinitely long, or has too many periods.
     #[error("a trajectory of {duration} s has more than {MAX_SAMPLES} periods of {period} s")]
@@ -68,12 +68,12 @@ pub enum FeedForwardError {
         /// Sampling period (s).
         period: f64,
     },
-    /// The tolerance is not a number.
+    /// The tolerance is NaN.
     #[error("the tolerance of the residual is {0}; it must be a number")]
     Tolerance(f64),
 }
 
-/// Feed-forward for a model.
+/// Feed-forward of a model, with `N` coordinates and `M` inputs.
 ///
 /// ```
 /// use gelenk_runtime::feed_forward::FeedForward;
@@ -102,12 +102,12 @@ struct Inverted<const N: usize, const M: usize> {
 }
 
 impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> FeedForward<D, N, M, NY> {
-    /// A feed-forward for `model`. A constant input matrix B is inverted once, otherwise B(y) is inverted at
-    /// each call without allocation.
+    /// A feed-forward for `model`. If the input matrix B is constant, its pseudo-inverse is computed once.
+    /// Otherwise the pseudo-inverse of B(y) is computed in each call, without allocation.
     ///
     /// # Errors
-    /// [`FeedForwardError::InputMatrix`] if B is zero or not finite. If B depends on y, it is checked at time
-    /// 0, at the positions within the limits that are closest to 0.
+    /// [`FeedForwardError::InputMatrix`] if B is zero or not finite. If B depends on y, B is checked at time 0 and
+    /// at the positions within the limits that are closest to 0.
     pub fn new(model: D) -> Result<Self, FeedForwardError> {
         let input_matrix = model.at_time(0.0, |model| model.input_matrix(&closest_to_neutral(model)));
         let inverse = pseudo_inverse(&input_matrix).ok_or(FeedForwardError::InputMatrix)?;
@@ -120,8 +120,8 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Fee
         &self.model
     }
 
-    /// Replaces the model, for example by a model with newly identified parameters. Allocates nothing if the
-    /// input matrix is the same.
+    /// Replaces the model, for example by a model with newly identified parameters. Does not allocate if the
+    /// input matrix is unchanged.
     ///
     /// # Errors
     /// [`FeedForwardError::InputMatrix`] if B is zero or not finite. The old model is then kept.
@@ -136,14 +136,15 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Fee
         Ok(())
     }
 
-    /// Inputs for one sample. Allocates nothing.
+    /// Inputs and residual for one sample of a trajectory. Does not allocate. For robots with driven joints, call
+    /// [`at_time`](Self::at_time).
     #[must_use]
     pub fn at(&self, sample: &Sample<N, NY>) -> FeedForwardInput<N, M> {
         self.by(&self.model, sample)
     }
 
-    /// Inputs for the sample of a trajectory at `time` (s). Robots with driven joints need the time
-    /// ([`Dynamics::at_time`]).
+    /// Inputs and residual for the sample of a trajectory at `time` (s). Only robots with driven joints depend on
+    /// the time ([`Dynamics::at_time`]).
     #[must_use]
     pub fn at_time(&self, time: f64, sample: &Sample<N, NY>) -> FeedForwardInput<N, M> {
         self.model.at_time(time, |model| self.by(model, sample))
@@ -156,8 +157,8 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Fee
         FeedForwardInput { inputs, residual: inverted.missed(&forces, &inputs) }
     }
 
-    /// The inputs B(y)⁺ f that produce the generalized forces f [N m or N] at the positions y, or the forces
-    /// closest to f. NaN if B is zero or not finite.
+    /// The inputs B(y)⁺ f that produce the generalized forces f [N m or N] at the positions y. If no inputs can
+    /// produce f, the result produces the forces closest to f. The result is NaN if B is zero or not finite.
     #[must_use]
     pub fn inputs_for(&self, positions: &[f64; NY], forces: &[f64; N]) -> [f64; M] {
         self.inverted(&self.model, positions).inputs(forces)
@@ -169,8 +170,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Fee
         self.model.at_time(time, |model| self.inverted(model, positions).inputs(forces))
     }
 
-    /// The part `f − B B⁺ f` [N m or N] of generalized forces f that no inputs can produce at the positions
-    /// y.
+    /// The part `f − B B⁺ f` [N m or N] of the generalized forces f that no inputs can produce at the positions y.
     #[must_use]
     pub fn missed(&self, positions: &[f64; NY], forces: &[f64; N]) -> [f64; N] {
         self.missed_by(&self.model, positions, forces)
@@ -194,14 +194,14 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Fee
         })
     }
 
-    /// Inputs at the times 0, `period`, 2 `period`, … (s) up to the end of `trajectory`. Each input is held
+    /// Inputs at the times 0, `period`, 2 `period`, … (s) up to the end of `trajectory`. Each input is constant
     /// for one period.
     ///
     /// # Errors
-    /// - [`FeedForwardError::Infeasible`] with the largest residual if it exceeds `tolerance` [N m or N].
+    /// - [`FeedForwardError::Infeasible`] if the largest residual exceeds `tolerance` [N m or N].
     /// - [`FeedForwardError::NotFinite`] for a sample or input that is not finite.
-    /// - [`FeedForwardError::Period`] for a period that is not positive and finite,
-    ///   [`FeedForwardError::Tolerance`] for a NaN tolerance.
+    /// - [`FeedForwardError::Period`] for a period that is not positive and finite.
+    /// - [`FeedForwardError::Tolerance`] for a tolerance that is NaN.
     /// - [`FeedForwardError::Duration`] for a trajectory of more than [`MAX_SAMPLES`] periods.
     pub fn along(
         &self,
@@ -246,7 +246,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Fee
     }
 }
 
-/// The positions within the limits that are closest to 0, with attitudes at the identity.
+/// The positions within the limits that are closest to 0. Quaternions are the identity.
 pub(crate) fn closest_to_neutral<const N: usize, const M: usize, const NY: usize>(
     model: &impl Dynamics<N, M, NY>,
 ) -> [f64; NY] {
@@ -257,8 +257,8 @@ pub(crate) fn closest_to_neutral<const N: usize, const M: usize, const NY: usize
     positions
 }
 
-/// The positions within the limits that are closest to 0. Outside of the limits, inputs at frames may have no
-/// direction.
+/// The positions within the limits that are closest to 0. Outside the limits, the direction of an input at a frame
+/// may be undefined.
 fn closest_to_zero<const N: usize>(limits: &[[f64; 2]; N]) -> [f64; N] {
     limits.map(|[low, high]| 0.0_f64.max(low).min(high))
 }

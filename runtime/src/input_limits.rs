@@ -2,11 +2,11 @@
 
 use crate::dynamics::TorqueSpeedLine;
 
-/// A requirement on the limits: its name, a value for each input, the allowed range as text, and the test of
-/// a value.
+/// A requirement on input limits. It consists of a name, a value for each input, the allowed range as text, and
+/// the test of a value.
 pub(crate) type Requirement<const M: usize> = (&'static str, [f64; M], &'static str, fn(f64) -> bool);
 
-/// Requirements that the lowest and highest inputs enclose 0 and differ.
+/// Requirements that 0 is between lowest and highest value of each input, and that the two values differ.
 pub(crate) fn requirements<const M: usize>(limits: &[[f64; 2]; M]) -> [Requirement<M>; 3] {
     [
         ("input_limits (lowest)", limits.map(|[low, _]| low), "not positive", |x| x <= 0.0),
@@ -17,13 +17,13 @@ pub(crate) fn requirements<const M: usize>(limits: &[[f64; 2]; M]) -> [Requireme
     ]
 }
 
-/// Tolerance relative to the limit for rounding, because a controller that keeps a line computes it
-/// differently.
+/// Tolerance for rounding, relative to the limit. A controller that keeps a torque–speed line computes the line in
+/// another way, so its inputs can exceed the line by rounding errors.
 const ROUNDING: f64 = 1e-9;
 
-/// Limits inputs to the torque–speed lines of their motors and to the limits of the inputs. Returns the
-/// number of changed inputs. Above its no-load speed a motor can brake at most with its input limit. Inputs
-/// must be finite. NaN speeds have no effect.
+/// Clamps inputs to the torque–speed lines of their motors and to the limits of the inputs. Returns the number of
+/// changed inputs. Above its no-load speed, a motor brakes with at most its input limit. Inputs must be finite.
+/// For NaN velocities, inputs do not change.
 pub(crate) fn limit_torques<const N: usize, const M: usize>(
     inputs: &mut [f64; M],
     lines: &[TorqueSpeedLine<N>],
@@ -57,7 +57,7 @@ mod tests {
         };
         assert_eq!(cut(0.8, 5.0, [-1.0, 1.0]), (0.5, 1));
         assert_eq!(cut(0.4, 5.0, [-1.0, 1.0]), (0.4, 0));
-        // −3 … −1 is left at twice the speed without load.
+        // At twice the no-load speed, the line allows inputs from −3 to −1.
         assert_eq!(cut(0.8, 20.0, [-2.0, 2.0]), (-1.0, 1));
         assert_eq!(cut(0.8, 20.0, [-0.5, 0.5]), (-0.5, 1));
         assert_eq!(cut(0.8, f64::INFINITY, [-0.5, 0.5]), (-0.5, 1));

@@ -1,8 +1,8 @@
-//! Control of robots whose equations of motion `gelenk` has generated.
+//! Control of robots with equations of motion that `gelenk` has generated.
 //!
-//! A generated module consists of functions on arrays: M, k, q, B of the equations of motion
-//! `M ÿ + k = q + B u`, and their derivatives. The macro [`dynamics!`] wraps the module as a type. The
-//! functions here are generic over the traits of this type.
+//! The equations of motion of the coordinates y with the inputs u are `M ÿ + k = q + B u`. A generated module has
+//! functions for M, k, q, B and their derivatives. The macro [`dynamics!`] wraps the module as a type with traits.
+//! The functions of this crate are generic over these traits.
 //!
 //! # A first example
 //!
@@ -19,23 +19,23 @@
 //! // 1. The robot: a generated module as a type. Yours comes from build.rs and `include_model!`.
 //! gelenk_runtime::dynamics!(pub struct PowerCube = gelenk_generated::powercube);
 //!
-//! // 2. What it shall do [rad, s].
+//! // 2. The motion [rad, s].
 //! let start = [0.1, 0.0];
 //! let motion = RestToRest::new(start, [0.4, -0.2], 1.5)?;
 //!
-//! // 3. How: 100 times a second, with gains from the mass matrix and limits from the description.
+//! // 3. Rate, limits and controller: 100 Hz, limits from the description, gains from the mass matrix.
 //! let settings = LoopSettings::for_robot(100.0, &PowerCube);
 //! let law = JointPd::new(PowerCube, JointGains::from_bandwidth(&PowerCube, &start, 12.0, 0.8))?;
 //! let controller = FeedForwardPd::new(law.clone(), motion, 0.01, 0.01)?;
 //!
-//! // 4. On what: a simulated robot with encoders of 0.1 mrad. A real one is another `Transport`.
+//! // 4. A simulated robot with encoders of 0.1 mrad. A real robot is another `Transport`.
 //! let options = PlantOptions { encoder_resolution: [1e-4; 2], ..PlantOptions::default() };
 //! let mut plant = Plant::new(PowerCube, options)?;
 //! plant.reset(start, [0.0; 2])?;
 //! let clock = VirtualClock::new();
 //! let robot = InProcess::new(plant, clock.clone(), settings.period());
 //!
-//! // 5. The loop, with the same law to fall back on.
+//! // 5. The loop, with the same law as fallback.
 //! let mut control = ControlLoop::new(settings, law, motion, controller, robot, clock)?;
 //! let report = control.run();
 //! assert_eq!(report.end, End::Finished, "{report}");
@@ -47,7 +47,7 @@
 //! # Modules
 //!
 //! ```text
-//!  trajectory, kinematics   what is wanted                     identification   log → friction, masses → description
+//!  trajectory, kinematics   desired motion                     identification   log → friction, masses → description
 //!         │                                                           ▲
 //!         ▼                                                           │ log
 //!  feed_forward, lqr, mpc  →  control_loop  →  transport  →  plant or hardware
@@ -64,32 +64,33 @@
 //! 2. [`trajectory`]: motions from rest to rest, through points with and without a stop, from recordings, for
 //!    identification, and between poses of robots that fly or have spherical joints
 //!    ([`GeodesicMotion`](trajectory::GeodesicMotion)). The feature `online-targets` adds targets that change
-//!    while the robot moves. [`kinematics`]: joint angles for poses of six-axis arms with a spherical wrist.
-//!    [`limits`]: check whether a motion keeps a model's limits. [`driven`]: robots with driven joints, whose
-//!    motion is prescribed.
+//!    while the robot moves. Related modules are [`kinematics`] (joint angles for poses of six-axis arms with a
+//!    spherical wrist), [`limits`] (check of a motion against the limits of a model) and [`driven`] (robots with
+//!    joints whose motion is prescribed).
 //! 3. [`feed_forward`]: the inputs with which the model follows a trajectory.
 //! 4. [`plant`]: a simulated robot with dry friction, brakes, encoders, delays and losses, for tests of
 //!    controllers.
-//! 5. [`control_loop`]: the loop at a fixed rate with its limits, guards, log and report, and joint PD and
-//!    computed torque. Its guide is [how to write a controller](control_loop::write_a_controller).
+//! 5. [`control_loop`]: the loop at a fixed rate with limits, plausibility checks, log and report, and the control
+//!    laws joint PD, computed torque and LQR. Its guide is
+//!    [how to write a controller](control_loop::write_a_controller).
 //! 6. [`transport`]: connections that read positions from a robot and write its inputs, in process, over UDP
 //!    or over CAN. Its guide is [how to attach hardware](transport::attaching_hardware).
 //! 7. [`mpc`]: linear time-varying and nonlinear predictive control with a disturbance observer, and a guide
-//!    to [its tuning](mpc::tune). It uses [`qp`], an interior-point solver without allocation, [`lqr`], and
-//!    [`lanes`], computations for many states at once.
-//! 8. The crate `gelenk-identification`: identification of friction and inertial parameters from a log, and a
-//!    description with the results that `gelenk generate` reads.
-//! 9. The crate `gelenk-report`: pages of results, which load nothing from a network.
+//!    to [its tuning](mpc::tune). It uses [`qp`] (an interior-point solver for quadratic programs), [`lqr`] and
+//!    [`lanes`] (computations for several states at once).
+//! 8. The crate `gelenk-identification`: identification of friction and inertial parameters from a log. It writes
+//!    the results as a description that `gelenk generate` reads.
+//! 9. The crate `gelenk-report`: HTML pages of results, which load nothing from a network.
 //!
 //! The guide [from a URDF to a moving robot](from_urdf) uses most of these modules in order. The examples in
 //! `runtime/examples` are complete programs. A page in this folder lists them.
 //!
 //! # Conventions
 //!
-//! All quantities are in SI units. `y`, `v`, `a`, `u` are coordinates, velocities, accelerations and inputs
-//! in the order of `JOINT_NAMES` and `INPUT_NAMES` of the module. Matrices have their rows first. For robots
-//! with spherical or floating joints, `y` has NY position entries in the order of `POSITION_NAMES`, and `v`
-//! and `a` have N entries in the order of `VELOCITY_NAMES`. The entries of joint j begin at
+//! All quantities are in SI units. `y`, `v` and `a` are coordinates, velocities and accelerations in the order of
+//! `JOINT_NAMES` of the module. `u` are inputs in the order of `INPUT_NAMES`. Matrices are stored row by row. For
+//! robots with spherical or floating joints, `y` has NY position entries in the order of `POSITION_NAMES`, and
+//! `v` and `a` have N entries in the order of `VELOCITY_NAMES`. The entries of joint j begin at
 //! `FIRST_POSITIONS[j]` and `FIRST_VELOCITIES[j]`.
 //!
 //! A function that can fail returns an error with the place, the fault and the allowed range. Errors name
@@ -98,15 +99,16 @@
 //!
 //! # Features
 //!
-//! The feature `socketcan` adds the transport over a CAN bus (Linux). The feature `online-targets` adds
-//! targets that change while the robot moves.
+//! - `std` (default): all modules. Without this feature the crate only needs an allocator and compiles for
+//!   microcontrollers, see below.
+//! - `socketcan`: the transport over a CAN bus (Linux).
+//! - `online-targets`: targets that change while the robot moves.
 //!
-//! Without the feature `std`, which is on by default, the crate only needs an allocator and compiles for
-//! microcontrollers. It then has [`feed_forward`] (with friction compensation if the model has friction),
-//! [`lqr`], [`qp`], the laws of [`control_loop`] ([`JointPd`](control_loop::JointPd),
+//! Without `std`, the crate has [`feed_forward`] (with friction compensation if the model has friction), [`lqr`],
+//! [`qp`], the laws of [`control_loop`] ([`JointPd`](control_loop::JointPd),
 //! [`ComputedTorque`](control_loop::ComputedTorque), [`LawController`](control_loop::LawController)), and
-//! [`trajectory`] except for recordings, poses and online targets. Numbers are f64 there too. Generated
-//! modules in f32 are used without this crate.
+//! [`trajectory`] except recordings, poses and online targets. All numbers are f64. Generated modules in f32 do
+//! not work with this crate; call their functions directly.
 
 #![cfg_attr(not(feature = "std"), no_std)]
 #![cfg_attr(

@@ -8,29 +8,30 @@ use crate::trajectory::{MAX_SAMPLES, Trajectory, TrajectoryError, require_positi
 use core::fmt;
 use thiserror::Error;
 
-/// Torque limits that are checked.
+/// Selects the torque limits for the check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Rating {
-    /// Continuous torques of the drives.
+    /// Nominal (continuous) torques of the drives.
     Nominal,
-    /// Short-time torques of the drives.
+    /// Peak (short-time) torques of the drives.
     Peak,
 }
 
-/// Limited quantity. A follower is a joint that follows coordinates.
+/// Quantity with a limit. A follower is a joint whose position is a function of coordinates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
     /// Position of a coordinate or follower [rad or m].
     Position,
     /// Speed of a coordinate or follower [rad/s or m/s].
     Velocity,
-    /// Force of the drive at its joint, (B u)_i [N m or N].
+    /// Drive force (B u)_i at a joint [N m or N].
     Effort,
     /// Input [N m, N or A].
     Input,
-    /// Sum `u + c ẏ` of a motor's torque–speed line, in the unit of the input.
+    /// Sum `u + c ẏ` of the torque–speed line `|u + c ẏ| ≤ U` of a motor, in the unit of the input u.
     TorqueSpeed,
-    /// Force on a coordinate that no input can produce [N m or N]. The trajectory is then not feasible.
+    /// Force that the trajectory requires at a coordinate, but that no input can produce [N m or N]. The robot
+    /// cannot follow such a trajectory.
     Unreachable,
 }
 
@@ -39,8 +40,8 @@ pub enum Quantity {
 pub struct Violation {
     /// Quantity that exceeds its limit.
     pub quantity: Quantity,
-    /// Index of the coordinate or input. For a follower, N plus its index in
-    /// [`Limits::dependent`](crate::dynamics::Limits).
+    /// Index of the coordinate or input. An index i ≥ N stands for the follower i − N in
+    /// [`Limits::dependent`](crate::dynamics::Limits::dependent).
     pub index: usize,
     /// Name of the coordinate, follower or input.
     pub name: &'static str,
@@ -50,9 +51,9 @@ pub struct Violation {
     pub to: f64,
     /// Time of the largest violation (s).
     pub worst_time: f64,
-    /// Value of the quantity at this time.
+    /// Value of the quantity at `worst_time`, in the unit of the quantity.
     pub value: f64,
-    /// Violated limit.
+    /// Violated limit, in the unit of the quantity.
     pub limit: f64,
 }
 
@@ -64,7 +65,7 @@ impl fmt::Display for Violation {
             Quantity::Effort => "joint effort",
             Quantity::Input => "input",
             Quantity::TorqueSpeed => "torque–speed sum",
-            Quantity::Unreachable => "force that no input produces",
+            Quantity::Unreachable => "force that no input can produce",
         };
         write!(
             f,
@@ -98,17 +99,16 @@ pub enum CheckError {
     },
 }
 
-/// Largest force on a coordinate without input that counts as zero [N m or N].
+/// Largest force that counts as zero in the check for forces that no input can produce [N m or N].
 const FEASIBLE: f64 = 1e-6;
 
-/// Intervals in which `trajectory`, sampled every `period` (s), violates position, speed or torque limits of
-/// `model`. The result is empty if the trajectory keeps all limits. Limits of joints that follow coordinates
-/// and torque–speed lines are included. Torques are those of the feed-forward. Joints with quaternions have
-/// no position limits.
+/// Returns the time intervals in which `trajectory` violates position, speed or torque limits of `model`. The
+/// trajectory is sampled every `period` (s). The result is empty if the trajectory keeps all limits. Limits of
+/// followers and torque–speed lines are included. Torques are those of the feed-forward. Joints with quaternions
+/// have no position limits. Numbers that are not finite count as violations.
 ///
 /// # Errors
 /// [`CheckError`] for an invalid period, a model without feed-forward, or a trajectory that is too long.
-/// Numbers that are not finite count as violations.
 pub fn violations<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize>(
     trajectory: &impl Trajectory<N, NY>,
     model: D,
@@ -159,7 +159,7 @@ pub fn violations<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const N
     Ok(watch.finish())
 }
 
-/// Collects violations. `open` has the violations that include the last sample.
+/// Collects violations. `open` contains the violations that last until the present sample.
 #[derive(Default)]
 struct Watch {
     time: f64,
@@ -172,8 +172,7 @@ const fn bound(most: f64) -> [f64; 2] {
 }
 
 impl Watch {
-    /// Checks joints that follow, from positions and velocities of the coordinates and the motion of driven
-    /// joints.
+    /// Checks followers, for positions and velocities of the coordinates and the motion of driven joints.
     fn see_dependent<const N: usize>(
         &mut self,
         joints: &[DependentJoint<N>],
@@ -201,7 +200,7 @@ impl Watch {
         [low, high]: [f64; 2],
     ) {
         let place = self.open.iter().position(|v| v.quantity == quantity && v.index == index);
-        // Rounding at a limit that is just touched is not a violation. NaN is.
+        // A rounding error at a limit is not a violation. NaN is a violation.
         let slack = 1e-9 * low.abs().min(high.abs()).min(1e9);
         let within = value >= low - slack && value <= high + slack;
         if within {

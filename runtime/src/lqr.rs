@@ -1,14 +1,17 @@
-//! Linear-quadratic regulators: infinite-horizon (discrete algebraic Riccati equation) and time-varying over
-//! a finite horizon.
+//! Discrete-time linear-quadratic regulators.
+//!
+//! [`Lqr`] is the infinite-horizon regulator of a time-invariant system. [`TimeVaryingLqr`] is the regulator of a
+//! time-varying system over a finite horizon. For the system `x⁺ = A x + B u` and the cost `Σ xᵀQx + uᵀRu`, the
+//! matrix P of the infinite horizon solves the discrete algebraic Riccati equation
 //!
 //! ```text
 //!     P = Q + AᵀPA − AᵀPB (R + BᵀPB)⁻¹ BᵀPA        K = −(R + BᵀPB)⁻¹ BᵀPA        u = K x
 //! ```
 //!
-//! A regulator has no limits. For bounds and rows use [`crate::mpc`].
+//! A regulator does not know limits of inputs and states. For limits use [`crate::mpc`].
 //!
 //! [`JointLqr`](crate::control_loop::JointLqr) is the regulator of a robot as a law of the control loop. For
-//! robots with quaternions, x is the deviation `(y ⊖ y_ref, v − v_ref)`. This example is a hovering
+//! robots with quaternions, x is the deviation `(y ⊖ y_ref, v − v_ref)`. This example stabilizes a hovering
 //! quadrotor:
 //!
 //! ```
@@ -31,11 +34,14 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! The structure-preserving doubling algorithm, which converges quadratically, computes the first gain. It
-//! loses too many digits if weights differ by many orders of magnitude. The Riccati recursion of the QP
-//! ([`crate::qp`]) then computes the first gain. Policy iteration refines the gain, also quadratically. It
-//! computes the cost of the gain as a sum of semidefinite terms without cancellation, and then the gain of
-//! this cost. The residual of the equation is the change in the last step.
+//! The Riccati equation is solved in two steps:
+//!
+//! 1. The structure-preserving doubling algorithm computes a first gain. It converges quadratically, but loses too
+//!    many digits if weights differ by many orders of magnitude. In this case the Riccati recursion of the QP
+//!    ([`crate::qp`]) computes the first gain.
+//! 2. Policy iteration refines the gain, also with quadratic convergence. Each iteration computes the cost of the
+//!    gain, as a sum of semidefinite terms without cancellation, and then the optimal gain for this cost. The
+//!    residual of the equation is the change of the cost in the last iteration.
 //!
 //! Sources: Anderson, Moore, *Optimal Control: Linear Quadratic Methods*, 1990, chapters 2 and 4. Doubling:
 //! Chu, Fan, Lin, Wang, *Structure-preserving algorithms for periodic discrete-time algebraic Riccati
@@ -54,21 +60,22 @@ use core::fmt;
 use nalgebra::SMatrix;
 use thiserror::Error;
 
-/// Largest number of doublings. A Riccati equation without a solution after them has no stabilizing solution,
-/// because each doubling squares the closed loop.
+/// Largest number of doublings. Each doubling squares the closed-loop matrix. If the doublings have not converged
+/// after this number, the Riccati equation has no stabilizing solution.
 const MAX_DOUBLINGS: usize = 60;
 /// Largest number of steps of the recursion that searches for a stabilizing gain.
 const MAX_RECURSIONS: usize = 4096;
 /// Largest number of steps of policy iteration. Each step doubles the number of correct digits.
 const MAX_REFINEMENTS: usize = 20;
-/// Number of squarings after which the trace of the power gives the largest eigenvalue to 1e-15 · ln(32).
+/// Number of squarings of a matrix. The trace of the resulting power then gives the largest eigenvalue with a
+/// relative error of 1e-15 · ln(32).
 const EIGENVALUE_DOUBLINGS: usize = 50;
-/// Largest residual of the Riccati equation relative to P, if its rounding error is smaller.
+/// Largest accepted residual of the Riccati equation relative to P, unless its rounding error is larger.
 const RESIDUAL: f64 = 1e-9;
-/// Largest residual relative to P, independently of the rounding error.
+/// Largest accepted residual relative to P, for every rounding error.
 const WORST_RESIDUAL: f64 = 1e-6;
 
-/// Error of a regulator.
+/// Reason why a regulator cannot be computed.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum LqrError {
     /// A size is not in 1..=32, or a horizon is not in 1..=100.
@@ -80,17 +87,19 @@ pub enum LqrError {
     /// `R + BᵀPB` is not positive definite.
     #[error("R + BᵀPB is not positive definite; choose a positive definite input weight")]
     NotPositive,
-    /// There is no stabilizing solution: (A, B) is not stabilizable, or a mode of A on or outside the unit
-    /// circle does not appear in the cost. The number is the relative residual at the end of the method.
+    /// The Riccati equation has no stabilizing solution. Either (A, B) is not stabilizable, or a mode of A on or
+    /// outside the unit circle does not appear in the cost. The number is the relative residual after the last
+    /// iteration.
     #[error(
         "the Riccati equation has no stabilizing solution (residual {0:.1e}): check that every unstable \
          mode is controllable and appears in the state weight"
     )]
     NotStabilizable(f64),
-    /// There is a stabilizing gain, but the residual of the equation exceeds its rounding error and 1e-9, or
-    /// exceeds 1e-6. The weights or units differ too much in size. The number is the relative residual.
+    /// A stabilizing gain was computed, but its residual is too large: above 1e-6, or above 1e-9 and above its
+    /// rounding error. The reason is usually that weights differ by many orders of magnitude. The number is the
+    /// relative residual.
     #[error(
-        "the Riccati equation was solved only to a residual of {0:.1e}: the weights or units differ too much in size"
+        "the Riccati equation was solved only to a residual of {0:.1e}: weights or units differ by too many orders of magnitude"
     )]
     Inaccurate(f64),
 }
@@ -98,20 +107,21 @@ pub enum LqrError {
 /// Infinite-horizon regulator `u = K x` of the system `x⁺ = A x + B u` with the cost `Σ xᵀQx + uᵀRu`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lqr<const NX: usize, const NU: usize> {
-    /// Gain K, rows first, with its sign: `u = K x`.
+    /// Gain K of `u = K x`, row by row. The minus sign of the feedback is included.
     pub gain: [[f64; NX]; NU],
     /// Stabilizing solution P of the Riccati equation. `xᵀPx` is the cost from the state x.
     pub cost_to_go: [[f64; NX]; NX],
-    /// Largest residual of the equation, relative to the largest entry of P.
+    /// Largest residual of the Riccati equation, relative to the largest entry of P.
     pub residual: f64,
-    /// Upper bound of the rounding error of this residual, also relative:
-    /// `2 NX ε (|Q| + |K|ᵀ|R||K| + Wᵀ|P|W)` with `W = |A| + |B||K|`.
+    /// Upper bound of the rounding error of `residual`, also relative to the largest entry of P. The bound is
+    /// `2 NX ε (|Q| + |K|ᵀ|R||K| + Wᵀ|P|W)` with `W = |A| + |B||K|` and the machine precision ε.
     pub rounding: f64,
     /// Lower bound α = 1/√λ_max(I + R⁻¹BᵀPB) of the return difference, see [`margins`](Self::margins).
     pub return_difference: f64,
 }
 
-/// Stability margins: common changes of all inputs for which the closed loop remains stable.
+/// Stability margins: changes of all inputs by a common factor or phase shift for which the closed loop remains
+/// stable.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Margins {
     /// Smallest and largest factor of the inputs.
@@ -132,9 +142,9 @@ impl fmt::Display for Margins {
 }
 
 impl<const NX: usize, const NU: usize> Lqr<NX, NU> {
-    /// Solves the discrete algebraic Riccati equation. Matrices have their rows first. Q must be positive
-    /// semidefinite, and R positive definite. The solution is accepted if its relative residual is below
-    /// 1e-9, or below 1e-6 and below its rounding error.
+    /// Computes the regulator by solving the discrete algebraic Riccati equation. Matrices are given row by row. Q
+    /// must be positive semidefinite, and R positive definite. The solution is accepted if its relative residual
+    /// is below 1e-9, or below 1e-6 and below its rounding error.
     ///
     /// # Errors
     /// [`LqrError`] for wrong sizes, numbers that are not finite, an R that is not positive definite, or an
@@ -149,8 +159,8 @@ impl<const NX: usize, const NU: usize> Lqr<NX, NU> {
         if lqr.is_accurate() { Ok(lqr) } else { Err(LqrError::Inaccurate(lqr.residual)) }
     }
 
-    /// The same as [`new`](Self::new) without a limit of the residual. P is the cost of a stabilizing gain,
-    /// and K is the gain of this P.
+    /// Computes the regulator like [`new`](Self::new), but without a limit of the residual. P is the cost of a
+    /// stabilizing gain, and K is the optimal gain for this P.
     pub(crate) fn stabilizing(
         state_matrix: &[[f64; NX]; NX],
         input_matrix: &[[f64; NU]; NX],
@@ -166,7 +176,7 @@ impl<const NX: usize, const NU: usize> Lqr<NX, NU> {
             };
             let next = equation.gain_of(&cost)?;
             let residual = equation.residual(&next, &cost);
-            // Written so that NaN ends it.
+            // This form ends the iteration if the residual is NaN.
             let better = residual < best.as_ref().map_or(f64::INFINITY, |best| 0.5 * best.residual);
             if !better || !equation.is_stable(&next) {
                 break;
@@ -188,20 +198,20 @@ impl<const NX: usize, const NU: usize> Lqr<NX, NU> {
         self.residual <= RESIDUAL.max(self.rounding).min(WORST_RESIDUAL)
     }
 
-    /// Stability margins that are guaranteed at the inputs:
+    /// Guaranteed stability margins at the inputs:
     ///
     /// ```text
     ///     gains from 1/(1 + α) to 1/(1 − α)        phases to ±2 arcsin(α/2)
     /// ```
     ///
-    /// The number α is a lower bound of the return difference I + L, with the loop gain
-    /// `L(z) = −K (z I − A)⁻¹ B`: the equation `(I + L)* (R + BᵀPB) (I + L) = R + G* Q G` with
+    /// The number α is [`return_difference`](Self::return_difference), a lower bound of the return difference I + L
+    /// with the loop gain `L(z) = −K (z I − A)⁻¹ B`. The equation `(I + L)* (R + BᵀPB) (I + L) = R + G* Q G` with
     /// `G = (z I − A)⁻¹ B` gives `σ_min(R^½ (I + L) R^−½) ≥ 1/√λ_max(I + R⁻¹BᵀPB) = α` on the unit circle
     /// (Shaked 1986). The margins follow from α (Lehtomaki, Sandell, Athans, *Robustness results in
     /// linear-quadratic Gaussian based multivariable control designs*, IEEE Trans. Automatic Control 26,
     /// 1981, theorem 1). They are valid for a change of either gain or phase that is the same for all inputs.
-    /// If R is diagonal, they are also valid for a different change of each input. The actual margins are at
-    /// least as large.
+    /// If R is diagonal, the margins are also valid for a different change of each input. The actual margins are at
+    /// least as large as the guaranteed margins.
     pub fn margins(&self) -> Margins {
         let alpha = self.return_difference;
         Margins { gain: [1.0 / (1.0 + alpha), 1.0 / (1.0 - alpha)], phase: 2.0 * (0.5 * alpha).asin() }
@@ -213,8 +223,8 @@ impl<const NX: usize, const NU: usize> Lqr<NX, NU> {
     }
 }
 
-/// Regulator of time-varying dynamics over a finite horizon, `u_k = K_k x_k`. It uses the Riccati recursion
-/// of the QP. Allocates only at construction.
+/// Regulator `u_k = K_k x_k` of the time-varying system `x_{k+1} = A_k x_k + B_k u_k` over a finite horizon. The
+/// gains are computed by the Riccati recursion of the QP solver. Memory is allocated only by [`new`](Self::new).
 #[derive(Debug, Clone)]
 pub struct TimeVaryingLqr<const NX: usize, const NU: usize> {
     horizon: usize,
@@ -222,7 +232,7 @@ pub struct TimeVaryingLqr<const NX: usize, const NU: usize> {
 }
 
 impl<const NX: usize, const NU: usize> TimeVaryingLqr<NX, NU> {
-    /// Memory for `horizon` stages.
+    /// Allocates the regulator for `horizon` stages. All `A_k` and `B_k` are initially zero.
     ///
     /// # Errors
     /// [`LqrError::Size`] if a size is not in 1..=32, or the horizon is not in 1..=100.
@@ -234,14 +244,14 @@ impl<const NX: usize, const NU: usize> TimeVaryingLqr<NX, NU> {
         Ok(Self { horizon, riccati: Riccati::new(horizon) })
     }
 
-    /// Sets `A_k` and `B_k`, rows first. Stages beyond the horizon are ignored.
+    /// Sets `A_k` and `B_k`, row by row. Stages beyond the horizon are ignored.
     pub fn set_stage(&mut self, k: usize, state_matrix: &[[f64; NX]; NX], input_matrix: &[[f64; NU]; NX]) {
         if k < self.horizon {
             self.riccati.set_stage(k, state_matrix, input_matrix);
         }
     }
 
-    /// Computes the gains by the recursion from `P_N = terminal_weight` to P_0.
+    /// Computes the gains by the backward recursion from `P_N = terminal_weight` to P_0.
     ///
     /// # Errors
     /// [`LqrError::NotPositive`] if `R + BᵀPB` is not positive definite. The gains are then undefined.
@@ -292,8 +302,8 @@ impl<const NX: usize, const NU: usize> Equation<NX, NU> {
         Ok(Self { a: matrix(a), b: matrix(b), q: matrix(q), r: matrix(r), recursion })
     }
 
-    /// A stabilizing gain, from the doubling algorithm or else from the recursion that starts at Q and
-    /// converges with the closed loop.
+    /// A stabilizing gain. The doubling algorithm computes it. If the doubling algorithm fails, the Riccati recursion
+    /// that starts at Q computes the gain.
     fn stabilizing_gain(&mut self) -> Result<SMatrix<f64, NU, NX>, LqrError> {
         if let Some(cost) = self.doubling()?
             && let Ok(gain) = self.gain_of(&cost)
@@ -304,7 +314,7 @@ impl<const NX: usize, const NU: usize> Equation<NX, NU> {
         let (mut cost, mut residual) = (self.q, f64::NAN);
         for step in 1..=MAX_RECURSIONS {
             let Ok(gain) = self.gain_of(&cost) else { break };
-            // Stability costs as much as many steps.
+            // The stability check takes as long as many steps, so it is made only after 1, 2, 4, 8, … steps.
             if step.is_power_of_two() && self.is_stable(&gain) {
                 return Ok(gain);
             }
@@ -331,7 +341,7 @@ impl<const NX: usize, const NU: usize> Equation<NX, NU> {
             if !sum.iter().all(|x| x.is_finite()) {
                 return None;
             }
-            // The terms are semidefinite: their diagonals bound them.
+            // The terms are semidefinite, so their diagonals bound all entries.
             if (0..NX).all(|i| added[(i, i)] <= f64::EPSILON * sum[(i, i)]) {
                 return Some(sum);
             }
@@ -340,8 +350,8 @@ impl<const NX: usize, const NU: usize> Equation<NX, NU> {
         None
     }
 
-    /// The right-hand side `Q + KᵀRK + (A + BK)ᵀ P (A + BK)` of the Riccati equation at its optimal gain. It
-    /// has no cancellation, in contrast to the usual form. An error of K contributes only in second order
+    /// The right-hand side `Q + KᵀRK + (A + BK)ᵀ P (A + BK)` of the Riccati equation for the optimal gain K. In
+    /// contrast to the usual form, this form has no cancellation. An error of K has only a second-order effect
     /// (Anderson, Moore 1990, section 3.3).
     fn closed_loop_cost(
         &self,
@@ -357,8 +367,8 @@ impl<const NX: usize, const NU: usize> Equation<NX, NU> {
         largest(&change) / largest(cost).max(f64::MIN_POSITIVE)
     }
 
-    /// Upper bound of the rounding error in [`residual`](Self::residual): the error of a product of n terms
-    /// is n ε times the product of the magnitudes.
+    /// Upper bound of the rounding error of [`residual`](Self::residual). The rounding error of a scalar product with
+    /// n terms is at most n ε times the scalar product of the magnitudes.
     fn rounding(&self, gain: &SMatrix<f64, NU, NX>, cost: &SMatrix<f64, NX, NX>) -> f64 {
         let (k, p) = (gain.abs(), cost.abs());
         let closed = self.a.abs() + self.b.abs() * k;
@@ -366,8 +376,8 @@ impl<const NX: usize, const NU: usize> Equation<NX, NU> {
         2.0 * NX as f64 * f64::EPSILON * largest(&size) / largest(cost).max(f64::MIN_POSITIVE)
     }
 
-    /// The bound 1/√λ_max(N) with N = I + R⁻¹BᵀPB. All eigenvalues of N are real and at least 1. The trace of
-    /// N^(2^k) to the power 2^−k is therefore an upper bound of the largest eigenvalue, and converges to it.
+    /// The bound 1/√λ_max(N) with N = I + R⁻¹BᵀPB. All eigenvalues of N are real and at least 1. Therefore the trace
+    /// of N^(2^k) to the power 2^−k is an upper bound of the largest eigenvalue, and converges to this eigenvalue.
     fn return_difference(&self, cost: &SMatrix<f64, NX, NX>) -> Result<f64, LqrError> {
         let r = self.r.cholesky().ok_or(LqrError::NotPositive)?;
         let mut power = SMatrix::identity() + r.solve(&(self.b.transpose() * cost * self.b));
@@ -398,8 +408,8 @@ impl<const NX: usize, const NU: usize> Equation<NX, NU> {
         false
     }
 
-    /// The doubling iteration: with `W = I + G H`, `A⁺ = A W⁻¹ A`, `G⁺ = G + A W⁻¹ G Aᵀ`,
-    /// `H⁺ = H + Aᵀ H W⁻¹ A`, from `G = B R⁻¹ Bᵀ`, `H = Q`. H converges to P. `None` if W is singular.
+    /// The solution P by the doubling iteration `A⁺ = A W⁻¹ A`, `G⁺ = G + A W⁻¹ G Aᵀ`, `H⁺ = H + Aᵀ H W⁻¹ A` with
+    /// `W = I + G H`. It starts at `G = B R⁻¹ Bᵀ`, `H = Q`. H converges to P. Returns `None` if W is singular.
     fn doubling(&self) -> Result<Option<SMatrix<f64, NX, NX>>, LqrError> {
         let (mut a, mut h) = (self.a, self.q);
         let cholesky = self.r.cholesky().ok_or(LqrError::NotPositive)?;
@@ -446,7 +456,7 @@ fn rows<const R: usize, const C: usize>(m: &SMatrix<f64, R, C>) -> [[f64; C]; R]
 mod tests {
     use super::*;
 
-    /// 1e-9, or what rounding explains, but never more than 1e-6; NaN is not accurate.
+    /// The limit of the residual is the larger of 1e-9 and the rounding error, but at most 1e-6. NaN is not accurate.
     #[test]
     fn residuals_are_judged_by_what_rounding_explains() {
         let accurate = |residual, rounding| {

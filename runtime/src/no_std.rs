@@ -1,4 +1,5 @@
-//! Items of the standard library's prelude: allocated types, and numeric functions from `libm`.
+//! Replacements for items of the standard library in builds without `std`: types from `alloc`, and numeric functions
+//! from `libm`.
 
 pub(crate) use alloc::borrow::ToOwned;
 pub(crate) use alloc::boxed::Box;

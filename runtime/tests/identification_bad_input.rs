@@ -63,7 +63,7 @@ fn wave(samples: u32) -> Vec<f64> {
 
 #[test]
 fn empty_logs() {
-    assert!(message(read("t,q1,u1\n")).starts_with("bad.csv: no rows of numbers are found"));
+    assert!(message(read("t,q1,u1\n")).starts_with("bad.csv: the file has no rows of numbers"));
     assert!(message(read("")).starts_with("bad.csv: the file is empty"));
     let friction = Library::friction().expect("a library");
     for method in methods() {
@@ -75,11 +75,11 @@ fn empty_logs() {
 #[test]
 fn one_sample() {
     let text = message(smoothed(&[0.0], &[1.0]));
-    assert_eq!(text, "differentiation needs at least 5 samples, there are 1");
+    assert_eq!(text, "differentiation needs at least 5 samples, but there are 1");
     let friction = Library::friction().expect("a library");
     for method in methods() {
         let text = message(identify(&friction, method, &[0.1], &[1.0]));
-        assert_eq!(text, "the friction of beta needs at least 2 samples, there are 1");
+        assert_eq!(text, "the friction of beta needs at least 2 samples, but there are 1");
     }
 }
 
@@ -98,7 +98,10 @@ fn channels_of_nan() {
     assert!(message(read(&log)).contains("column `q1` has no finite number"));
     let times: Vec<f64> = (0..100).map(|i| 0.01 * f64::from(i)).collect();
     let text = message(smoothed(&times, &[f64::NAN; 100]));
-    assert!(text.contains("is not finite (NaN) at row 0 (counted from 0), 100 such values of 100"), "{text}");
+    assert!(
+        text.contains("is not finite (NaN) at row 0 (counted from 0), and 100 of 100 values are not finite"),
+        "{text}"
+    );
     let friction = Library::friction().expect("a library");
     for method in methods() {
         let text = message(identify(&friction, method, &wave(40), &[f64::NAN; 40]));
@@ -128,8 +131,8 @@ fn more_terms_than_samples() {
     let v = [-0.5, -0.1, 0.2, 0.6];
     for method in methods() {
         let text = message(identify(&friction, method, &v, &v));
-        let needs = text.contains("needs at least 7 samples, there are 4")
-            || text.contains("needs at least 6 samples, there are 4");
+        let needs = text.contains("needs at least 7 samples, but there are 4")
+            || text.contains("needs at least 6 samples, but there are 4");
         assert!(needs, "{text}");
     }
 }
@@ -171,10 +174,10 @@ fn parameters_that_the_data_do_not_show() {
     let report = identify(&friction, FrictionMethod::LeastSquares, &v, &torque).expect("a law");
     let warnings = comment_lines(&report.result);
     assert!(
-        warnings.contains("sign(v), tanh(5*v), tanh(10*v), tanh(20*v), tanh(100*v) left out"),
+        warnings.contains("within a run: sign(v), tanh(5*v), tanh(10*v), tanh(20*v), tanh(100*v)"),
         "{warnings}"
     );
-    assert!(warnings.contains("move in both directions"), "{warnings}");
+    assert!(warnings.contains("motion in both directions"), "{warnings}");
     // Where offsets are friction, they have no unique answer.
     let settings = FrictionIdentification {
         library: friction,

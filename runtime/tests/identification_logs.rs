@@ -43,10 +43,7 @@ fn the_schunk_runs_are_runs_of_a_robot() {
     let found = sentences(&recording);
     assert_eq!(found.len(), 2, "{found:?}");
     assert!(found[0].contains("rows 938 to 19599: column `u1`, column `u2`"), "{found:?}");
-    assert!(
-        found.iter().any(|f| f.ends_with("28 rows are left out because they are not complete")),
-        "{found:?}"
-    );
+    assert!(found.iter().any(|f| f.ends_with("28 incomplete rows are left out")), "{found:?}");
     let guessed = runs(&[path], &robot, &ColumnOptions::default()).unwrap();
     assert_eq!(guessed.effort, Effort::Input);
 }

@@ -49,7 +49,7 @@ fn senseless_options_are_refused_by_name() {
         Ltv::new(PowerCube, motion(), options).unwrap_err().to_string()
     };
     assert_eq!(refuse(|o| o.period = 0.0), "period is 0; it must be positive and finite (s)");
-    assert_eq!(refuse(|o| o.horizon = 200), "horizon is 200 stages; it must be 1 to 100");
+    assert_eq!(refuse(|o| o.horizon = 200), "the horizon is 200 stages; it must be 1 to 100");
     assert!(refuse(|o| o.position_weight[1] = -1.0).contains("position_weight[1] is -1"));
     assert!(refuse(|o| o.input_weight = [0.0; 2]).contains("input_weight"));
     assert!(refuse(|o| o.velocity_limits[0] = f64::NAN).contains("velocity_limits"));
@@ -191,15 +191,15 @@ fn a_trajectory_beyond_the_soft_limits_is_noted() {
     assert_eq!(
         notes(|o| o.velocity_limits = [0.375, 0.4]),
         [
-            "at 1.000 s the trajectory moves joint gamma at 0.5625, beyond its soft limit of 0.4000: the controller will lag behind; \
-             slow the trajectory down, or raise `velocity_limits`"
+            "at 1.000 s the trajectory moves joint gamma at 0.5625 rad/s (or m/s), beyond its soft limit of 0.4000: the robot will lag \
+             behind the trajectory; slow the trajectory down, or raise `velocity_limits`"
         ]
     );
     assert_eq!(
         notes(|o| o.position_limits[0] = [0.2, 0.6]),
         [
-            "at 0.000 s the trajectory has joint beta at 0.1000, outside its soft limits of 0.2000 to 0.6000: the controller will stay \
-             behind; change the trajectory, or `position_limits`"
+            "at 0.000 s the trajectory has joint beta at 0.1000 rad (or m), outside its soft limits of 0.2000 to 0.6000: the controller \
+             will stop the joint near the limit; change the trajectory, or `position_limits`"
         ]
     );
 }
@@ -212,8 +212,8 @@ fn friction_that_jumps_is_noted() {
     assert_eq!(
         notes,
         [
-            "friction of joint gamma jumps by 0.984 N m (or N) at rest, which linear predictions do not see: the joint may stop short of \
-             its goal; generate a smooth model for the controller (`--control-model`)"
+            "the friction of joint gamma jumps by 0.984 N m (or N) at rest, which linear predictions cannot represent: the joint may stop \
+             before its goal; generate a smooth model for the controller (`--control-model`)"
         ]
     );
     let smooth = LightWrist { viscous: [1e3; 2] };

@@ -138,7 +138,7 @@ fn limits_must_be_numbers() {
     let narrow = MotionLimits { positions: [[0.5, 1.0]], ..limits(1.0, 1.0, 1.0) };
     assert_eq!(
         OnlineTarget::new([0.0], &narrow).unwrap_err().to_string(),
-        "point 1 has joint 1 at 0, outside its limits 0.5 to 1"
+        "point 1 has joint 1 at 0 rad (or m), outside its limits 0.5 to 1"
     );
 }
 

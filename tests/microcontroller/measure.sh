@@ -142,3 +142,65 @@ for robot in ${*:-ur5 powercube}; do
     row "$robot" "$language" mps2-an500 cortex-m7
   done
 done
+
+[ "$languages" = c ] && exit
+
+# The online estimator in double precision, which the Cortex-M4F computes in software.
+folder=$work/online
+mkdir -p "$folder"
+cp "$root/Cargo.lock" "$here/online.rs" "$folder"
+"$gelenk" generate "$root/models/powercube.toml" --output "$folder/robot.rs" >"$folder/generate.txt" 2>&1
+cat >"$folder/Cargo.toml" <<END
+[package]
+name = "online"
+version = "0.1.0"
+edition = "2024"
+[lib]
+path = "online.rs"
+crate-type = ["staticlib"]
+[dependencies]
+gelenk-adaptation = { path = "$root/runtime/adaptation" }
+gelenk-dynamics = { path = "$root/runtime/dynamics" }
+gelenk-kernels = { path = "$root/codegen/kernels" }
+[profile.release]
+panic = "abort"
+lto = true
+codegen-units = 1
+[workspace]
+END
+
+# library FOR OPTIONS: the estimator for a target, in the folder of that target.
+library() {
+  (cd "$folder" && CARGO_TARGET_DIR="$folder/target" RUSTC_WRAPPER='' RUSTFLAGS="$2" cargo build --quiet --release --target "$1")
+}
+
+host=$(rustc -vV | sed -n 's/^host: //p')
+library "$host" ""
+# shellcheck disable=SC2086
+(cd "$folder" && cc $warnings -O2 -DHOST -I "$here" -o host "$here/online.c" "target/$host/release/libonline.a" && ./host >host.txt)
+
+echo
+echo "| instructions per period | estimator | robot's forces | bytes of stack |"
+echo "|---|---|---|---|"
+for board in "mps2-an386 cortex-m4 fpv4-sp-d16" "mps2-an500 cortex-m7 fpv5-d16"; do
+  # shellcheck disable=SC2086
+  set -- $board
+  library "$target" "-C target-cpu=$2"
+  options="-mcpu=$2 -mfpu=$3 -mthumb -mfloat-abi=hard -O2 -ffunction-sections -fno-math-errno"
+  (
+    cd "$folder"
+    # shellcheck disable=SC2086
+    arm-none-eabi-gcc $options $warnings -isystem "$here/include" -I "$here" -c "$here/online.c"
+    # shellcheck disable=SC2086
+    arm-none-eabi-gcc $options $warnings -isystem "$here/include" -I "$here" -fno-strict-aliasing \
+      -fno-tree-loop-distribute-patterns -c "$here/cortex_m.c"
+    # shellcheck disable=SC2086
+    arm-none-eabi-gcc $options -nostdlib -Wl,--gc-sections -Wl,-z,noexecstack -Wl,-T,"$here/boards.ld" -o image.elf online.o \
+      cortex_m.o "target/$target/release/libonline.a" -lgcc
+  )
+  run "$folder" "$1" >"$folder/$1.txt"
+  grep '^result' "$folder/$1.txt" | cmp - "$folder/host.txt"
+  forces=$(value "$folder/$1.txt" instructions described)
+  estimator=$(($(value "$folder/$1.txt" instructions update) - forces))
+  echo "| powercube, $2 | $estimator | $forces | $(value "$folder/$1.txt" stack update) |"
+done

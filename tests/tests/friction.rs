@@ -71,7 +71,7 @@ fn sign_is_exact_and_its_derivative_zero() {
         assert!((linear[3][0] - (accelerations[0] + VISCOUS / 5.0 * rate)).abs() < 1e-14);
     }
     let notes = &robot.function("linearize").notes;
-    assert!(notes.iter().any(|note| note.contains("derivative is taken as zero")));
+    assert!(notes.iter().any(|note| note.contains("derivative is set to zero")));
 }
 
 #[test]
@@ -100,7 +100,7 @@ fn smooth_sign_is_a_tanh_with_its_derivative() {
             close(slopes[3], (0.4 + 0.2 * smooth + 0.7) * edge);
         }
         let notes = &robot.function("linearize").notes;
-        assert!(!notes.iter().any(|note| note.contains("derivative is taken as zero")));
+        assert!(!notes.iter().any(|note| note.contains("derivative is set to zero")));
     }
 }
 

@@ -144,7 +144,7 @@ const CASES: [Case; 8] = [
         findings: &[(
             NOT_HELD,
             Severity::Note,
-            "counts the positions of floating joints in the base frame: `hull`",
+            "has floating joints with positions in the base frame; the positions differ at: `hull`",
         )],
         answer: Answer::Agrees,
     },

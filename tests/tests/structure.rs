@@ -154,6 +154,6 @@ fn the_cheaper_forward_dynamics_is_kept() {
         let robot = Robot::of_model(model, &["forward_dynamics"]);
         robot.function("forward_dynamics").notes[0].clone()
     };
-    assert!(note(6).starts_with("M = Lᵀ D L"), "{}", note(6));
+    assert!(note(6).starts_with("The factorization M = Lᵀ D L"), "{}", note(6));
     assert!(note(30).starts_with("Articulated bodies"), "{}", note(30));
 }

@@ -1,4 +1,4 @@
-//! Atomic writes: if the disk is full or the program is killed, the old file stays unchanged.
+//! Writes files atomically: if the disk is full or the program is killed, the old file stays unchanged.
 
 use std::fs::{self, OpenOptions};
 use std::io::{self, Write};
@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
-/// Writes a file atomically, through a temporary file in the same folder. Missing folders are created. If the
-/// path is a link, its target is replaced.
+/// Writes a file atomically: a temporary file in the same folder replaces the old file. Missing folders are
+/// created. If the path is a link, its target is replaced.
 ///
 /// ```
 /// # let folder = tempfile::tempdir()?;
@@ -17,13 +17,12 @@ use tempfile::NamedTempFile;
 /// # Ok::<(), std::io::Error>(())
 /// ```
 ///
-/// # Errors
-/// Errors of the system. Folders, devices, dangling links and read-only files cannot be replaced.
+/// Returns errors of the file system. Folders, devices, dangling links and read-only files cannot be replaced.
 pub fn write_whole(path: &Path, content: impl AsRef<[u8]>) -> io::Result<()> {
     Prepared::new(path, content.as_ref())?.put()
 }
 
-/// A file written next to its target, ready to be renamed. Until the renaming the old file stays unchanged.
+/// A temporary file next to its target, ready to replace the target. The old file stays unchanged until then.
 #[derive(Debug)]
 pub struct Prepared {
     file: NamedTempFile,
@@ -34,8 +33,7 @@ impl Prepared {
     /// Writes the content to a temporary file in the folder of `path`. The folder is created if it is
     /// missing. If the path is a link, [`Self::put`] keeps the link and replaces its target.
     ///
-    /// # Errors
-    /// Errors of the system, and paths that [`target`] rejects.
+    /// Returns errors of the file system, and errors for paths that [`target`] rejects.
     pub fn new(path: &Path, content: &[u8]) -> io::Result<Self> {
         let target = target(path)?;
         let folder = match target.parent() {
@@ -47,23 +45,22 @@ impl Prepared {
         if let Ok(old) = fs::metadata(&target) {
             file.as_file().set_permissions(old.permissions())?;
         }
-        // By the file itself: the wrapper's messages name a file that nobody knows.
+        // `write_all` is called on the inner file, because errors of the wrapper would name the temporary file.
         file.as_file_mut().write_all(content)?;
         file.as_file().sync_data()?;
         Ok(Self { file, target })
     }
 
-    /// Renames the file to its target.
+    /// Renames the temporary file to its target.
     ///
-    /// # Errors
-    /// Errors of the system. The old file then stays unchanged.
+    /// Returns errors of the file system. The old file then stays unchanged.
     pub fn put(self) -> io::Result<()> {
         self.file.persist(self.target).map_err(|error| error.error)?;
         Ok(())
     }
 }
 
-/// Target of a path after following its links. The target need not exist.
+/// Returns the target of a path after following its links. The target need not exist.
 ///
 /// # Errors
 /// Folders, devices, pipes, dangling links and read-only files cannot be replaced.
@@ -74,12 +71,13 @@ pub fn target(path: &Path) -> io::Result<PathBuf> {
         Ok(found) if !found.is_file() => {
             refused(io::ErrorKind::InvalidInput, "it is a device or a pipe, not a file")
         }
-        // Asked for by itself: the superuser may write what is meant to stay.
+        // Read-only files are checked separately, because the superuser could write them.
         Ok(found) if found.permissions().readonly() => {
             refused(io::ErrorKind::PermissionDenied, "it is read-only")
         }
         Ok(_) => {
-            // Where the folder may be changed and the file may not, renaming would go around its rights.
+            // Renaming needs only write permission for the folder. Opening the file checks the permission for
+            // the file.
             OpenOptions::new().append(true).open(path)?;
             fs::canonicalize(path)
         }
@@ -90,7 +88,7 @@ pub fn target(path: &Path) -> io::Result<PathBuf> {
     }
 }
 
-/// Whether both paths lead to the same file, also through symbolic or hard links.
+/// Whether both paths lead to the same file. Symbolic and hard links are followed.
 pub fn is_same_file(one: &Path, other: &Path) -> bool {
     match (identity(one), identity(other)) {
         (Ok(one), Ok(other)) => one == other,
@@ -98,7 +96,7 @@ pub fn is_same_file(one: &Path, other: &Path) -> bool {
     }
 }
 
-/// Identity of a file, which its hard links share: device and inode.
+/// Identity of a file, which is the same for all its hard links: device and inode.
 #[cfg(unix)]
 fn identity(path: &Path) -> io::Result<(u64, u64)> {
     use std::os::unix::fs::MetadataExt;
@@ -111,7 +109,8 @@ fn identity(path: &Path) -> io::Result<PathBuf> {
     fs::canonicalize(path)
 }
 
-/// A temporary file with the rights of an ordinary new one (by itself it would be for its owner alone).
+/// Creates a temporary file with the permissions of an ordinary new file. Without this setting, only its owner
+/// could read it.
 fn temporary_file(folder: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     #[cfg(unix)]

@@ -22,7 +22,7 @@ impl Formula {
         self.as_number() == Some(0.0)
     }
 
-    /// Value of the formula.
+    /// Evaluates the formula.
     ///
     /// - `parameters`: values in the order of `Model::parameters`; an index beyond them gives NaN
     /// - `position`, `velocity`: position and velocity of the joint with the force law
@@ -43,8 +43,8 @@ impl Formula {
         }
     }
 
-    /// Value for these parameters; `None` if the formula depends on other parameters, on position or on
-    /// velocity.
+    /// Value of the formula for these parameters. `None` if the formula depends on other parameters, on
+    /// position or on velocity.
     pub fn value(&self, parameters: &[f64]) -> Option<f64> {
         let is_open = |part: &Self| match part {
             Self::Position | Self::Velocity => true,
@@ -86,7 +86,7 @@ impl Formula {
         !self.any(&|node| matches!(node, Self::Number(value) if !value.is_finite()))
     }
 
-    /// Whether a number in the formula is beyond [`LARGEST_NUMBER`].
+    /// Whether the magnitude of a number in the formula exceeds [`LARGEST_NUMBER`].
     pub fn is_too_large(&self) -> bool {
         self.any(&|node| matches!(node, Self::Number(value) if value.abs() > LARGEST_NUMBER))
     }
@@ -152,8 +152,8 @@ impl Formula {
         }
     }
 
-    /// The formula with each part replaced for which `other` returns a formula. Constants in the rest are
-    /// folded again.
+    /// Returns the formula with replaced parts: if `other` returns a formula for a part, this formula replaces
+    /// the part. Constants are folded again.
     pub fn substituted(&self, other: &dyn Fn(&Self) -> Option<Self>) -> Self {
         if let Some(other) = other(self) {
             return other;
@@ -188,7 +188,7 @@ impl Formula {
         })
     }
 
-    /// The formula with position and velocity multiplied by `ratio`.
+    /// The formula with position and velocity multiplied by `ratio`, for example the gear ratio.
     pub fn geared(&self, ratio: &Self) -> Self {
         self.substituted(&|part| {
             let is_motion = matches!(part, Self::Position | Self::Velocity);

@@ -2,7 +2,7 @@
 
 use super::formula::Formula;
 
-/// How tightly an operator binds.
+/// Precedence of the outermost operator, which decides about brackets.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Binding {
     Sum,
@@ -12,13 +12,14 @@ enum Binding {
 }
 
 impl Formula {
-    /// The formula in the syntax of descriptions. `parameters` has the names of all free parameters.
+    /// Writes the formula in the syntax of descriptions. `parameters` contains the names of all free
+    /// parameters.
     pub fn text(&self, parameters: &[&str]) -> String {
         self.bound(parameters, ["y", "v"]).0
     }
 
-    /// The formula of a force between two frames, as text. The position is the distance `l`, the velocity its
-    /// rate `dl`.
+    /// Writes the formula of a force between two frames. The position is the distance `l` of the frames, and
+    /// the velocity is its rate `dl`.
     pub fn distance_text(&self, parameters: &[&str]) -> String {
         self.bound(parameters, ["l", "dl"]).0
     }

@@ -2,16 +2,16 @@
 
 use super::formula::Formula;
 
-/// Polynomials of a higher degree are not expanded.
+/// Highest degree of polynomials that are expanded.
 const HIGHEST_DEGREE: usize = 32;
 
 impl Formula {
-    /// Antiderivative of the force law at standstill with respect to the position, `∫ f(y, v = 0) dy`. `None`
-    /// if the law at standstill is not a polynomial of the position.
+    /// Antiderivative of the force law `f` at velocity 0 with respect to the position, `∫ f(y, 0) dy`. `None`
+    /// if the law at velocity 0 is not a polynomial of the position.
     ///
-    /// A summand `c (s y + d)ⁿ` with a number s has the energy `c (s y + d)ⁿ⁺¹ / (s (n + 1))`, so its energy
-    /// is 0 at the position where its force is 0. All other summands are expanded, also those in which s is a
-    /// parameter. Their energy is 0 at y = 0.
+    /// A summand `c (s y + d)ⁿ` with a number s has the energy `c (s y + d)ⁿ⁺¹ / (s (n + 1))`. This energy is 0
+    /// at the position at which the summand's force is 0. All other summands are expanded, for example if s is
+    /// a parameter. Their energy is 0 at y = 0.
     pub fn energy(&self) -> Option<Self> {
         let terms = self.at_standstill().linear_terms();
         terms.into_iter().try_fold(Self::ZERO, |sum, (coefficient, basis)| {
@@ -19,13 +19,13 @@ impl Formula {
         })
     }
 
-    /// The formula with 0 for the velocity.
+    /// The formula at velocity 0.
     fn at_standstill(&self) -> Self {
         self.substituted(&|part| (*part == Self::Velocity).then_some(Self::ZERO))
     }
 
-    /// Coefficients of the polynomial in the position, the constant first. `None` if the formula is not a
-    /// polynomial.
+    /// Coefficients of the polynomial in the position, in ascending order of the powers. `None` if the formula
+    /// is not a polynomial.
     fn coefficients(&self) -> Option<Vec<Self>> {
         if !self.depends_on_motion() {
             return Some(vec![self.clone()]);

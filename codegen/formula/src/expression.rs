@@ -5,7 +5,7 @@ use std::ops::Range;
 
 /// A parsed text. Names are not resolved, and constants are not folded.
 ///
-/// Truth values and numbers are never mixed: each operand has the kind that its operation requires.
+/// Each operand has the kind that its operation requires: a number or a truth value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Expression {
     /// The outermost operation.
@@ -87,7 +87,7 @@ pub enum Kind {
 }
 
 impl Expression {
-    /// Kind of the expression's value.
+    /// Kind of the expression's value: number or truth value.
     pub fn kind(&self) -> Kind {
         match &self.node {
             Node::Truth(_) => Kind::Truth,

@@ -2,20 +2,20 @@
 
 use super::function::Function;
 
-/// Largest number of a description. It is far beyond any robot, and products of ten such numbers are finite.
+/// Largest magnitude of a number in a description. Products of ten such numbers do not overflow.
 pub const LARGEST_NUMBER: f64 = 1e30;
 
-/// Message for a number beyond [`LARGEST_NUMBER`].
+/// Message for a number that exceeds [`LARGEST_NUMBER`].
 pub fn too_large(what: &str) -> String {
-    format!("{what} is beyond {LARGEST_NUMBER:e}, where the equations overflow")
+    format!("{what} exceeds the largest number {LARGEST_NUMBER:e}; the equations would overflow")
 }
 
 /// A scalar expression over parameters and, in force laws, the joint's position `y` and velocity `v`.
 ///
-/// A formula is a tree of plain data, without shared parts. In a model, numbers that may depend on free
-/// parameters are formulas (`mass = "m1"`, `xyz = ["l1/2", 0, 0]`). Force laws are formulas, too
-/// (`a1*v + a2*tanh(a3*v)`). The derivation of the dynamics converts formulas to nodes of the expression
-/// graph. The graph folds, shares and differentiates them.
+/// Numbers of a model that may depend on free parameters are formulas (`mass = "m1"`, `xyz = ["l1/2", 0, 0]`).
+/// Force laws are formulas, too (`a1*v + a2*tanh(a3*v)`). A formula is a tree without shared parts. The
+/// derivation of the dynamics converts formulas to nodes of the expression graph, which folds, shares and
+/// differentiates them.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Formula {
     /// A finite number.

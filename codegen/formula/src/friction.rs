@@ -1,11 +1,11 @@
-//! Friction laws: values of the key `friction` of a joint. The generator reads them, and identification
+//! Friction laws: values of the key `friction` of a joint. The generator reads these values, and identification
 //! writes them.
 
 use super::formula::Formula;
 use super::function::Function;
 use std::fmt::Display;
 
-/// One term of a friction law, linear in its coefficient.
+/// One term of a friction law: a coefficient times a basis function.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrictionTerm<C = Formula> {
     /// Coefficient. If it is a formula, it depends only on parameters.
@@ -14,17 +14,19 @@ pub struct FrictionTerm<C = Formula> {
     pub basis: Formula,
 }
 
-/// Function that makes a term from its coefficient: [`FrictionTerm::viscous`] or [`FrictionTerm::coulomb`].
+/// Function that makes a friction term from its coefficient: [`FrictionTerm::viscous`] or
+/// [`FrictionTerm::coulomb`].
 pub type TermOf = fn(Formula) -> FrictionTerm;
 
-/// Friction of a joint: the sum of several laws, and friction proportional to the load.
+/// Friction of a joint: the sum of several laws, plus load-dependent friction.
 ///
-/// Coefficients are formulas after reading a description, and numbers or texts before writing one.
+/// The coefficients are formulas in a law that was read, and numbers or texts in a law that is written.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrictionLaw<C = Formula> {
     /// Friction laws. The friction of the joint is their sum.
     pub parts: Vec<FrictionPart<C>>,
-    /// Terms of the friction per unit of load; empty if friction does not depend on the load.
+    /// Terms of the load-dependent friction per unit of load, without unit; empty if the friction does not
+    /// depend on the load.
     pub load: Vec<FrictionTerm<C>>,
 }
 
@@ -69,13 +71,13 @@ impl FrictionTerm {
 }
 
 impl<C> FrictionTerm<C> {
-    /// Whether the basis jumps at zero velocity: its limits from the two sides differ.
+    /// Whether the basis function is discontinuous at zero velocity.
     pub fn basis_jumps(&self) -> bool {
         beside_rest(&self.basis, -1.0) != beside_rest(&self.basis, 1.0)
     }
 }
 
-/// The limit of a law as the velocity goes to zero from one side.
+/// Limit of a law as the velocity goes to zero. `direction` is the sign of the velocity.
 fn beside_rest(law: &Formula, direction: f64) -> Formula {
     law.substituted(&|part| match part {
         Formula::Velocity => Some(Formula::ZERO),
@@ -90,10 +92,10 @@ fn beside_rest(law: &Formula, direction: f64) -> Formula {
 impl FrictionPart {
     /// The keys of the coefficients of the Stribeck law.
     pub const STRIBECK_KEYS: [&str; 5] = ["a1", "a2", "a3", "a4", "a5"];
-    /// The equation of the Stribeck law.
+    /// The Stribeck law: friction τ as a function of the velocity v, with coefficients a1 … a5.
     pub const STRIBECK: &str = "τ = a1 v + a2 tanh(a3 v) + a4 exp(−a5 |v|) tanh(3 a3 v)";
 
-    /// The law as a sum of terms.
+    /// Returns the law as a list of terms whose sum is the friction.
     pub fn terms(self) -> Vec<FrictionTerm> {
         match self {
             Self::Viscous(coefficient) => vec![FrictionTerm::viscous(coefficient)],
@@ -108,7 +110,8 @@ impl FrictionPart {
 }
 
 impl<C: Display> FrictionLaw<C> {
-    /// The friction as TOML, for the key `friction` of a joint. Bases are functions of `v` and `y`.
+    /// Writes the friction in TOML, as the value of the key `friction` of a joint. Basis functions depend on
+    /// `v` and `y`.
     pub fn toml(&self) -> String {
         let mut keys: Vec<String> = self.parts.iter().map(FrictionPart::toml).collect();
         if !self.load.is_empty() {
@@ -139,13 +142,13 @@ impl<C: Display> FrictionPart<C> {
     }
 }
 
-/// The terms as a list of a description, for example `[["v", 76.556], ["tanh(5*v)", 3.924]]`.
+/// Writes the terms as a list in TOML, for example `[["v", 76.556], ["tanh(5*v)", 3.924]]`.
 fn weighted<C: Display>(terms: &[FrictionTerm<C>]) -> String {
     let pair = |term: &FrictionTerm<C>| format!("[\"{}\", {}]", term.basis.text(&[]), term.coefficient);
     format!("[{}]", terms.iter().map(pair).collect::<Vec<_>>().join(", "))
 }
 
-/// The sign of the velocity, or tanh(s v), which is differentiable at rest.
+/// The sign of the velocity v, or tanh(s v) with the slope s, which is differentiable at v = 0.
 fn direction(slope: Option<f64>) -> Formula {
     match slope {
         None => Formula::call(Function::Sign, Formula::Velocity),
@@ -155,7 +158,8 @@ fn direction(slope: Option<f64>) -> Formula {
     }
 }
 
-/// `(T₊ − T₋)/2 · sign(v) + (T₊ + T₋)/2 · |sign(v)|`; with a slope tanh(s v) and its square, which is smooth too.
+/// The terms `(T₊ − T₋)/2 · sign(v)` and `(T₊ + T₋)/2 · |sign(v)|`. With a slope s, tanh(s v) and its square
+/// replace both factors, so that the law is smooth.
 fn asymmetric(positive: Formula, negative: Formula, slope: Option<f64>) -> Vec<FrictionTerm> {
     let half = |sum: Formula| Formula::quotient(sum, Formula::Number(2.0));
     let difference = half(Formula::difference(positive.clone(), negative.clone()));

@@ -15,7 +15,7 @@ pub enum Function {
     Exp,
     /// Absolute value. Its derivative is `sign`.
     Abs,
-    /// Sign: −1, 0 or 1. Its derivative is taken as 0, also at the jump.
+    /// Sign: −1, 0 or 1. Its derivative is set to 0, also at the jump.
     Sign,
     /// Square root. It is NaN for negative numbers.
     Sqrt,

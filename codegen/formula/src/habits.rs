@@ -1,4 +1,5 @@
-//! Texts that look like numbers but are not: with a unit, a decimal comma, or a factor without `*`.
+//! Detects texts that look like numbers but are not: with a unit, with a decimal comma, or with a factor
+//! without `*`.
 
 use super::error::FormulaError;
 
@@ -12,7 +13,8 @@ impl FormulaError {
     }
 }
 
-/// Units as [`spelled`], and their values in the units of descriptions.
+/// Each row has a unit as written by [`spelled`], its value in the unit of descriptions, and the unit of
+/// descriptions.
 const UNITS: [(&str, &str, &str); 28] = [
     ("kg", "1", "kg"),
     ("g", "1e-3", "kg"),
@@ -44,7 +46,7 @@ const UNITS: [(&str, &str, &str); 28] = [
     ("A", "1", "A"),
 ];
 
-/// The unit without spaces and with one spelling of signs that mean the same.
+/// Returns the unit without spaces and in one spelling, for example `Nm` for `N·m`.
 fn spelled(unit: &str) -> String {
     let unit: String = unit.chars().filter(|c| !c.is_whitespace()).collect();
     let unit = unit.replace(['·', '⋅', '.'], "*").replace('²', "^2");
@@ -103,7 +105,7 @@ fn with_comma(text: &str, number: &str, decimals: &str) -> Result<(), FormulaErr
     Err(error(COMMA, message, help, 0..text.len()))
 }
 
-/// The error of a ratio that is not a number, for example `1:80`, as gear ratios are printed.
+/// Returns the error for a gear ratio such as `1:80`, which is not a number.
 fn ratio(text: &str, one: &str, other: &str) -> FormulaError {
     let message = format!("`{}` is not a number; a ratio is one number or a quotient of two", text.trim());
     let quotients = match one {
@@ -118,7 +120,8 @@ fn error(code: &'static str, message: String, help: String, range: std::ops::Ran
     FormulaError::new(code, message, range).with_help(help)
 }
 
-/// Length of the number that a text begins with, with its sign; 0 if it begins with none.
+/// Length in bytes of the number at the beginning of the text, including its sign; 0 if the text does not begin
+/// with a number.
 fn number_length(text: &str) -> usize {
     let bytes = text.as_bytes();
     let digits = |from: usize| bytes[from..].iter().take_while(|c| c.is_ascii_digit()).count();
@@ -127,7 +130,7 @@ fn number_length(text: &str) -> usize {
     end += whole;
     if bytes.get(end) == Some(&b'.') {
         let decimals = digits(end + 1);
-        // `1.sin()` calls a function.
+        // In `1.sin()`, the point belongs to a method call.
         if whole + decimals == 0 || decimals == 0 && text[end + 1..].starts_with(char::is_alphabetic) {
             return 0;
         }

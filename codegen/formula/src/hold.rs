@@ -1,4 +1,4 @@
-//! Held joints, given by name patterns.
+//! Name patterns of joints that are held at a position.
 
 /// A name pattern of joints that are held, and the position at which they are held.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,7 +17,7 @@ impl Hold {
     pub fn parse(text: &str) -> Result<Self, String> {
         let (pattern, value) = text.rsplit_once('=').unwrap_or((text, "0"));
         let value = value.trim().parse().ok().filter(|value: &f64| value.is_finite());
-        let position = value.ok_or("the value is not a number (rad or m)")?;
+        let position = value.ok_or("the value must be a finite number (rad or m)")?;
         Ok(Self { pattern: pattern.trim().to_owned(), position })
     }
 

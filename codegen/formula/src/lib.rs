@@ -1,11 +1,11 @@
-//! The formula language of gelenk: force laws and numbers of descriptions, terms of libraries, and selections from
-//! logs.
+//! The formula language of gelenk. Formulas are force laws and numbers of descriptions, terms of libraries, and
+//! selections of rows of logs.
 //!
 //! An [`Expression`] is a parsed text: names, numbers, operators and functions with their positions in the
 //! text. A [`Formula`] is an expression with resolved names (parameters, position, velocity) and folded
-//! constants. [`parse`] makes a formula, and [`Formula::text`] writes it. Selections
-//! (`abs(v) > 0.05 && y < 1`) are expressions with truth values. They are never formulas. The generator reads
-//! a [`FrictionLaw`] from a description, and identification writes one.
+//! constants. [`parse`] reads a formula, and [`Formula::text`] writes it. Selections (`abs(v) > 0.05 && y < 1`)
+//! are expressions with truth values, which cannot become formulas. A [`FrictionLaw`] is read by the generator
+//! and written by identification.
 
 // Constants reach the generated text, so they may not depend on the platform's library. Tests compare with it.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]

@@ -1,12 +1,17 @@
 //! Suggestions for unknown names.
 
-/// Fewest letters of a name that is looked for within others, and most names that hold it.
+/// `PART` is the least number of letters of a name that is searched within other names. `MOST` is the largest
+/// number of suggested names that contain it.
 const PART: usize = 3;
 const MOST: usize = 4;
 
-/// `did you mean …?` with the nearest known name, or with the known names that contain the given name
-/// (`left_knee` contains `knee`). If there is no near name and no containing name, the text lists known
-/// names. `None` if no name is known.
+/// Suggests known names for an unknown name.
+///
+/// - If a known name is similar, the text is `did you mean …?` with the nearest name.
+/// - Otherwise it suggests the known names that contain the given name (`left_knee` contains `knee`).
+/// - Otherwise it lists known names.
+///
+/// Returns `None` if there are no known names.
 pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
     let known: Vec<&str> = known.into_iter().collect();
     let lower = name.chars().take(64).collect::<String>().to_lowercase();

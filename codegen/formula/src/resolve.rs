@@ -1,4 +1,5 @@
-//! Conversion of expressions to formulas: resolves names, and rejects functions that generated code lacks.
+//! Converts expressions to formulas: resolves names, and rejects functions that are not available in generated
+//! code.
 
 use super::error::FormulaError;
 use super::expression::{Expression, Kind, Node, Operator, Unary};
@@ -19,7 +20,7 @@ pub enum Allowed {
     Velocity,
     /// Parameters, and the joint's position `y` and velocity `v`.
     Motion,
-    /// Parameters, and the distance `l` of two frames and its rate `dl`.
+    /// Parameters, the distance `l` of two frames, and its rate `dl`.
     Distance,
 }
 
@@ -45,18 +46,21 @@ impl Allowed {
 
 type Parsed = Result<Formula, FormulaError>;
 
-/// Reads a formula. `parameters` has the index of each parameter name.
+/// Reads a formula. `parameters` maps each parameter name to its index.
 ///
-/// # Errors
-/// The text is not an [`Expression`], contains a forbidden name, is a truth value, calls a function that
-/// generated code lacks, divides by zero or overflows.
+/// Returns an error if the text
+///
+/// - is not an [`Expression`], or is a truth value
+/// - contains a name that is not allowed
+/// - calls a function that is not available in generated code
+/// - divides by zero or overflows
 pub fn parse(text: &str, allowed: Allowed, parameters: &BTreeMap<String, usize>) -> Parsed {
     let expression = Expression::parse(text)?;
     let whole = 0..text.len();
     if expression.kind() == Kind::Truth {
         let message = format!("`{text}` is a truth value, not a number");
-        let help =
-            "comparisons select rows of a log; descriptions have only numbers and force laws".to_owned();
+        let help = "comparisons only select rows of a log; write a number or a force law in a description"
+            .to_owned();
         return Err(FormulaError::new("formula-kind", message, whole).with_help(help));
     }
     let formula = Scope { allowed, parameters }.formula(&expression)?;
@@ -124,7 +128,7 @@ impl Scope<'_> {
         }
     }
 
-    /// Names of the motion.
+    /// Names of velocity and position.
     fn own(&self) -> impl Iterator<Item = &'static str> + use<> {
         [self.allowed.velocity(), self.allowed.position()].into_iter().flatten()
     }
@@ -134,7 +138,7 @@ impl Scope<'_> {
         let parameters = self.parameters.keys().filter(|_| visible);
         let mut known: Vec<&str> = self.own().chain(["pi"]).collect();
         known.extend(parameters.map(String::as_str));
-        // The names at a joint, written in a law over a distance.
+        // `v` and `y` are the names at a joint. This law depends on a distance instead.
         let is_distance = self.allowed.position() == Some("l");
         let help = match name {
             "v" if is_distance => Some("did you mean `dl`, the rate of the distance?".to_owned()),
@@ -152,7 +156,7 @@ fn has_two_meanings(name: &str, place: Range<usize>) -> FormulaError {
     FormulaError::new("ambiguous-name", message, place).with_help(help)
 }
 
-/// Help for a law over the time.
+/// Help for a force law that contains the time.
 fn timeless(own: impl Iterator<Item = &'static str>) -> String {
     let own: Vec<String> = own.map(|name| format!("`{name}`")).collect();
     format!(
@@ -164,7 +168,7 @@ fn timeless(own: impl Iterator<Item = &'static str>) -> String {
 
 fn not_generated(function: &str, place: Range<usize>) -> FormulaError {
     let message = format!("the function `{function}` is not available in descriptions");
-    let help = format!("generated code has {}", known_functions());
+    let help = format!("formulas may call {}", known_functions());
     FormulaError::new("unknown-function", message, place).with_help(help)
 }
 
@@ -246,7 +250,7 @@ mod tests {
         assert!(message("v + max(v, 1)").starts_with("the function `max` is not available in descriptions"));
         assert!(message("v + (v < 1)").contains("a number is needed here, not a truth value"));
         assert!(message("|v|").contains("write |v| as `abs(v)`"));
-        assert!(message("v & y").contains("selections have `&&`"));
+        assert!(message("v & y").contains("`&&` is an operator of selections"));
         assert_eq!(parse("a1*ln(v)", Allowed::Motion, &names()).unwrap_err().range, 3..8);
         assert_eq!(parse("sgn(v)", Allowed::Motion, &names()), parse("sign(v)", Allowed::Motion, &names()));
     }

@@ -1,7 +1,7 @@
 //! Parser of expressions, based on syn. Operators have the same precedence as in Rust.
 //!
-//! syn is a recursive-descent parser, so length, nesting and runs of operators are limited before it is
-//! called.
+//! syn is a recursive-descent parser. Therefore the length of the text, the nesting of brackets and the number
+//! of consecutive operators are limited before syn is called.
 
 use super::error::FormulaError;
 use super::expression::{Expression, Kind, Node, Operator, Unary};
@@ -16,13 +16,13 @@ use syn::{BinOp, Expr, Ident, UnOp};
 const LONGEST: usize = 1000;
 /// Deepest nesting of brackets.
 const DEEPEST: usize = 24;
-/// Longest run of operators without an operand between them.
+/// Largest number of consecutive operators without an operand between them.
 const OPERATORS: usize = 4;
-/// Most operators; a sum of n terms nests n deep.
+/// Largest number of operators. A sum of n terms is nested n deep.
 const MOST_OPERATORS: usize = 200;
 /// Largest exponent.
 const LARGEST_EXPONENT: u32 = 16;
-/// The signs that operators consist of.
+/// Characters of operators.
 const SIGNS: [char; 10] = ['+', '-', '*', '/', '<', '>', '=', '!', '&', '|'];
 
 type Parsed<T = Expression> = Result<T, FormulaError>;
@@ -30,21 +30,25 @@ type Parsed<T = Expression> = Result<T, FormulaError>;
 impl Expression {
     /// Reads an expression.
     ///
-    /// # Errors
-    /// The text is not an expression, is too long or too deeply nested, calls an unknown function, or has a
-    /// truth value instead of a number or a number instead of a truth value.
+    /// Returns an error if the text
+    ///
+    /// - is not an expression
+    /// - is too long or too deeply nested
+    /// - calls an unknown function
+    /// - contains a truth value instead of a number, or a number instead of a truth value
     pub fn parse(text: &str) -> Result<Self, FormulaError> {
         habits::check(text)?;
         check_text(text)?;
         let tree: Expr = syn::parse_str(text).map_err(|wrong| {
             let range = whole_if_empty(wrong.span().byte_range(), text);
-            FormulaError::new("formula-syntax", format!("not a formula: {wrong}"), range)
+            FormulaError::new("formula-syntax", format!("this text is not a formula: {wrong}"), range)
         })?;
         Reader { text }.expression(&tree)
     }
 }
 
-/// syn reports what is missing at the end of the text as an empty or foreign range.
+/// If something is missing at the end of the text, syn reports an empty or invalid range. The whole text is
+/// then returned as the range.
 fn whole_if_empty(range: Range<usize>, text: &str) -> Range<usize> {
     match text.get(range.clone()) {
         Some(part) if !part.is_empty() => range,
@@ -52,7 +56,7 @@ fn whole_if_empty(range: Range<usize>, text: &str) -> Range<usize> {
     }
 }
 
-/// Bounds that keep syn's recursion shallow.
+/// Checks limits that keep syn's recursion shallow.
 fn check_text(text: &str) -> Parsed<()> {
     let too_long = |what: String| Err(FormulaError::new("formula-too-long", what, 0..text.len()));
     if text.len() > LONGEST {
@@ -79,14 +83,14 @@ fn check_text(text: &str) -> Parsed<()> {
         }
         run += usize::from(SIGNS.contains(&c));
         if depth > DEEPEST || run > OPERATORS {
-            let message = "brackets or signs are nested too deeply";
+            let message = "brackets are nested more than 24 deep, or more than 4 signs follow each other";
             return Err(FormulaError::new("formula-too-deep", message, here));
         }
     }
     Ok(())
 }
 
-/// Refuses `^`, and `|` and `&` that stand alone.
+/// Rejects `^`, and single `|` and `&`.
 fn check_sign(text: &str, range: Range<usize>) -> Parsed<()> {
     let sign = &text[range.clone()];
     let is_pair = text[range.end..].starts_with(sign) || text[..range.start].ends_with(sign);
@@ -94,7 +98,7 @@ fn check_sign(text: &str, range: Range<usize>) -> Parsed<()> {
         "^" => ("formula-power", "write a power as `v.powi(2)` or `pow(v, 2)`"),
         _ if is_pair => return Ok(()),
         "|" => ("formula-syntax", "write |v| as `abs(v)`; `||` is an operator of selections"),
-        _ => ("formula-syntax", "selections have `&&`"),
+        _ => ("formula-syntax", "`&&` is an operator of selections"),
     };
     let message = format!("`{sign}` is not an operator here");
     Err(FormulaError::new(code, message, range).with_help(help.to_owned()))
@@ -148,8 +152,10 @@ impl Reader<'_> {
     fn refuse(&self, node: &impl Spanned) -> FormulaError {
         let range = self.range(node);
         let message = format!("`{}` is not allowed in a formula", &self.text[range.clone()]);
-        let help =
-            format!("a formula consists of numbers, names, + - * /, brackets and {}", known_functions());
+        let help = format!(
+            "a formula consists of numbers, names, + - * /, brackets and the functions {}",
+            known_functions()
+        );
         FormulaError::new("formula-syntax", message, range).with_help(help)
     }
 
@@ -166,7 +172,7 @@ impl Reader<'_> {
         }
     }
 
-    /// An operand of the kind that is needed.
+    /// Reads an operand. It is an error if the operand is not of this kind.
     fn operand(&self, kind: Kind, tree: &Expr) -> Parsed {
         let operand = self.expression(tree)?;
         if operand.kind() == kind {
@@ -207,11 +213,11 @@ impl Reader<'_> {
             Node::Number(value)
                 if value.fract() == 0.0 && (0.0..=f64::from(LARGEST_EXPONENT)).contains(&value) =>
             {
-                // Exact: an integer from 0 to 16.
+                // The conversion is exact, because the value is an integer from 0 to 16.
                 Ok(value as u32)
             }
             _ => {
-                let message = format!("an exponent is a whole number from 0 to {LARGEST_EXPONENT}");
+                let message = format!("an exponent must be a whole number from 0 to {LARGEST_EXPONENT}");
                 let help = "write a negative power as 1/pow(x, n)".to_owned();
                 Err(FormulaError::new("formula-exponent", message, exponent.range).with_help(help))
             }
@@ -255,7 +261,7 @@ fn unknown_function(name: &str, given: usize, range: Range<usize>) -> FormulaErr
         }
         "signum" => (
             "`signum` is not a function of formulas".to_owned(),
-            Some("write `sign(v)`; it is 0 at 0".to_owned()),
+            Some("write `sign(v)`, which is 0 at v = 0".to_owned()),
         ),
         _ => {
             let known = Function::ALL.map(Function::name).into_iter().chain(["pow"]);

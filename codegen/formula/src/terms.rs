@@ -1,12 +1,11 @@
-//! Splitting a force law into terms that are linear in their coefficients.
+//! Splits a force law into terms that are linear in their coefficients.
 
 use super::formula::Formula;
 
 impl Formula {
-    /// The summands of the formula, each as (coefficient, basis).
+    /// Splits the formula into summands (coefficient, basis): `f(v) = Σ cᵢ φᵢ(v)`. Factors without position and
+    /// velocity form the coefficient cᵢ, all other factors form the basis φᵢ.
     ///
-    /// `f(v) = Σ cᵢ φᵢ(v)`: factors without position and velocity form the coefficient, all other factors
-    /// form the basis.
     /// Products are not distributed over sums: `a*(v + tanh(v))` is one term.
     pub fn linear_terms(self) -> Vec<(Self, Self)> {
         let mut summands = Vec::new();

@@ -1,7 +1,9 @@
-//! Elementary functions and discrete time, once: as code, and as the text that the generator pastes into modules.
+//! Elementary functions, discrete time and positions with quaternions. Each is available as code, and as text
+//! that the generator pastes into modules.
 //!
-//! The interpreter of the generator and the runtime call the code; generated modules hold the text ([`math::Kernel::source`],
-//! [`discrete_time::Text::source`], [`manifold::Text::source`]). All three therefore agree bit for bit.
+//! The interpreter of the generator and the runtime call the code. Generated modules contain the text
+//! ([`math::Kernel::source`], [`discrete_time::Text::source`], [`manifold::Text::source`]). Therefore all
+//! three agree bit for bit.
 
 #![no_std]
 

@@ -1,8 +1,8 @@
-"""What a call from Python costs: one state, as a multiple of what a state costs in a batch.
+"""Measures the time of a call from Python for one state, as a multiple of the time per state in a batch.
 
     GELENK_PROGRAM=target/release/gelenk PYTHONPATH=codegen/python/src python codegen/python/benches/calls.py
 
-The smallest of several times counts. On a machine that does other work the numbers say nothing.
+The printed time is the smallest of several measurements. On a machine that runs other programs the times are meaningless.
 """
 
 from __future__ import annotations

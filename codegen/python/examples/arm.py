@@ -1,4 +1,4 @@
-"""An arm in three pictures: its weight over all positions, swings with many loads, and feed-forward.
+"""Draws three figures of an arm: its gravity torque over all positions, swings with nine loads, and tracking with feed-forward.
 
     pip install './codegen/python[plots]'
     python codegen/python/examples/arm.py arm.png
@@ -16,14 +16,14 @@ PERIOD = 0.002
 
 
 def weight(robot: gelenk.Robot) -> tuple[np.ndarray, np.ndarray]:
-    """The torque that holds the shoulder, over a grid of positions: one call."""
+    """Returns the torque that holds the shoulder against gravity, over a grid of positions. One call computes all of them."""
     angles = np.linspace(-np.pi, np.pi, 301)
     grid = np.stack(np.meshgrid(angles, angles, indexing="ij"), axis=-1)
     return angles, -robot.gravity_forces(grid)[..., 0]
 
 
 def swings(robot: gelenk.Robot, loads: np.ndarray, steps: int) -> np.ndarray:
-    """Angles of the shoulder from rest at 1 rad without torques, a row for each load."""
+    """Returns the angles of the shoulder without motor torques, one row per load. The motion starts at rest at 1 rad."""
     parameters = robot.pack_parameters(load=loads)
     y, v = np.broadcast_to([1.0, 0.5], (len(loads), 2)), np.zeros((len(loads), 2))
     angles = np.empty((len(loads), steps))
@@ -34,7 +34,7 @@ def swings(robot: gelenk.Robot, loads: np.ndarray, steps: int) -> np.ndarray:
 
 
 def tracking(robot: gelenk.Robot, with_model: bool, steps: int) -> np.ndarray:
-    """Errors of the shoulder along a motion under a PD law, with feed-forward or without."""
+    """Returns the tracking errors of the shoulder under a PD law, with or without feed-forward."""
     time = PERIOD * np.arange(steps)
     swing, rate = np.array([0.8, -0.5]), 2 * np.pi * 0.5
     wanted = swing * np.sin(rate * time)[:, None]
@@ -46,7 +46,7 @@ def tracking(robot: gelenk.Robot, with_model: bool, steps: int) -> np.ndarray:
         errors[step] = y[0] - wanted[step, 0]
         feedback = -400 * (y - wanted[step]) - 40 * (v - velocities[step])
         u = (torques[step] + feedback) / robot.GEAR_RATIOS
-        # The true load is 20 % heavier than the model's.
+        # The true load is 20 % heavier than the load of the model.
         y, v = robot.step(y, v, u, PERIOD, load=1.2)
     return errors
 
@@ -56,7 +56,7 @@ def load() -> gelenk.Robot:
 
 
 def draw(robot: gelenk.Robot, file: str) -> None:
-    """All three pictures."""
+    """Draws all three figures to a file."""
     import matplotlib
 
     matplotlib.use("Agg")

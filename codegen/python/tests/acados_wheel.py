@@ -1,5 +1,4 @@
-"""Finds acados, also where it comes from the wheel of a third party (`comma-deps-acados`), which holds it and its template in one
-package."""
+"""Finds acados, also in the wheel of a third party (`comma-deps-acados`), which contains acados and its template in one package."""
 
 from __future__ import annotations
 
@@ -7,5 +6,5 @@ import importlib.util
 
 
 def find() -> bool:
-    """Whether there is an acados, for which the generated files look by themselves."""
+    """Returns whether acados is installed. The generated files find it without help."""
     return any(importlib.util.find_spec(name) is not None for name in ("acados_template", "acados"))

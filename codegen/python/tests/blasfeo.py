@@ -1,4 +1,4 @@
-"""Functions of a solver of acados, called as acados does: with parts of BLASFEO's vectors and matrices."""
+"""Calls functions of an acados solver as acados does, with parts of BLASFEO vectors and matrices."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class Vector(ctypes.Structure):
 
 
 class Matrix(ctypes.Structure):
-    """BLASFEO's matrix, whose storage its own functions know."""
+    """BLASFEO's matrix. Only functions of BLASFEO know its storage order."""
 
     _fields_ = [("all", ctypes.c_void_p * 16)]
 
@@ -43,7 +43,7 @@ def pointers(*parts: Any) -> Any:
 
 
 class Externals:
-    """The functions of a compiled solver, called as acados does."""
+    """Calls the functions of a compiled solver as acados does."""
 
     def __init__(self, solver: Any):
         self.library = ctypes.CDLL(solver.shared_lib_name)

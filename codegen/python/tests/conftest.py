@@ -1,4 +1,4 @@
-"""What several tests need. `GELENK_PROGRAM` names the program where it is not installed with the package."""
+"""Fixtures of several tests. `GELENK_PROGRAM` names the program if it is not installed with the package."""
 
 from __future__ import annotations
 
@@ -49,14 +49,14 @@ frames = [{ name = "tool", link = "j7", origin = { xyz = [0, 0, 0.12] } }]
 
 @pytest.fixture(scope="session", autouse=True)
 def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A cache of its own for each run."""
+    """Uses a separate cache for each run."""
     folder = tmp_path_factory.mktemp("cache")
     os.environ["GELENK_CACHE"] = str(folder)
     return folder
 
 
 def write(file: Path, text: str) -> Path:
-    """Writes a file as somebody did a while ago: what was written just now is not yet cached."""
+    """Writes a file with an older time, because files that were written just now are not cached yet."""
     file.write_text(text, "utf-8")
     os.utime(file, (1_700_000_000, 1_700_000_000))
     return file
@@ -85,5 +85,5 @@ def powercube(cache: Path) -> gelenk.Robot:
 
 @pytest.fixture(scope="session")
 def reference() -> Path:
-    """The folder of values that nobody here computed."""
+    """Returns the folder of reference values from other programs."""
     return MODELS.parent / "tests" / "reference"

@@ -15,7 +15,7 @@ TYPES = {
 
 
 def quaternion(r: np.ndarray) -> np.ndarray:
-    """Of a rotation matrix, x y z w: the eigenvector of Bar-Itzhack's matrix."""
+    """Returns the quaternion x y z w of a rotation matrix: an eigenvector of Bar-Itzhack's matrix."""
     k = np.zeros((4, 4))
     k[:3, :3] = r + r.T - np.trace(r) * np.eye(3)
     k[3, :3] = k[:3, 3] = [r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]]
@@ -48,7 +48,7 @@ def samples(file: Path) -> list[dict[str, Any]]:
 
 
 def small_motions(joints: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """The rates of the entries of positions by the velocities, NY x N: T(y) of ẏ = T(y) v."""
+    """Returns T(y) in ẏ = T(y) v, of shape NY x N: rates of the position entries per velocity."""
     ny, n = joints.sum(), sum(entries - (entries > 1) for entries in joints)
     rates = np.zeros((ny, n))
     row = column = 0
@@ -69,13 +69,13 @@ def small_motions(joints: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 def planar_joints(file: Path) -> list[tuple[int, int]]:
-    """First position and velocity of each in Pinocchio's coordinates."""
+    """Returns the first position and the first velocity of each joint in Pinocchio's coordinates."""
     joints = json.loads(file.read_text())["joints"]
     return [(joint["idx_q"], joint["idx_v"]) for joint in joints if joint["type"] == "Planar"]
 
 
 class Planar:
-    """A planar joint, whose velocities are in the body's frame in Pinocchio and in the parent's frame here."""
+    """A planar joint, whose velocities are in the body's frame in Pinocchio and in the parent's frame in gelenk."""
 
     def __init__(self, sample: dict[str, Any], position: int, velocity: int):
         self.position, self.velocity = position, velocity
@@ -83,18 +83,18 @@ class Planar:
         self.speeds = sample["v"][velocity : velocity + 3]
 
     def place(self, turn: np.ndarray, rate: np.ndarray, by_d: np.ndarray) -> None:
-        """Its blocks of v = turn v', of d(turn)/dt, and of the derivative of ⊕, which is that of a sum here."""
+        """Returns the blocks of v = turn v', of d(turn)/dt, and of the derivative of ⊕, which is a sum for this joint."""
         first = self.velocity
         turn[first : first + 2, first : first + 2] = [[self.cosine, -self.sine], [self.sine, self.cosine]]
         rate[first : first + 2, first : first + 2] = self.speeds[2] * self.slope()
         by_d[first : first + 3, first : first + 3] = np.eye(3)
 
     def slope(self) -> np.ndarray:
-        """The derivative of its turn by the angle."""
+        """Returns the derivative of the matrix `turn` with respect to the angle."""
         return np.array([[-self.sine, -self.cosine], [self.cosine, -self.sine]])
 
     def by_speed(self, n: int) -> np.ndarray:
-        """What d(turn)/dt v' gains with the angular velocity."""
+        """Returns the derivative of d(turn)/dt v' with respect to the angular velocity."""
         column = np.zeros(n)
         column[self.velocity : self.velocity + 2] = self.slope() @ self.speeds[:2]
         return column

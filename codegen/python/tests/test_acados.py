@@ -47,12 +47,12 @@ PERIOD, INTERVALS = 0.02, 15
 
 
 class Problem:
-    """Tracking of a reference, compiled: soft bounds of states, weights for errors that vanish in tenths of a second."""
+    """Returns a compiled solver that tracks a reference, with soft bounds of the states. Errors vanish in tenths of a second."""
 
     def __init__(self, robot: str, description: Path, folder: Path):
         description = description if robot == "arm" else MODELS / f"{robot}.toml"
         functions = ["step", "step_derivatives", "inverse_dynamics"]
-        # The module once more, compiled by itself.
+        # The same module, compiled separately.
         self.casadi = gelenk.casadi(description, functions=functions, smooth_sign=50)
         self.module = module = gelenk.acados(description, smooth_sign=50)
         self.ocp = module.ocp(INTERVALS, PERIOD, compile_flags="-O1")
@@ -71,7 +71,7 @@ def problem(request: Any, arm_with_parameters: Path, tmp_path_factory: pytest.Te
 
 
 def runge_kutta(dynamics: Any, x: Any, u: Any, period: float, steps: int, p: list[Any]) -> Any:
-    """The classical method in CasADi, which differentiates it by itself."""
+    """Runge–Kutta step in CasADi, which differentiates the step."""
     h = period / steps
     for _ in range(steps):
         a = dynamics(x, u, *p)
@@ -83,7 +83,7 @@ def runge_kutta(dynamics: Any, x: Any, u: Any, period: float, steps: int, p: lis
 
 @pytest.mark.parametrize("problem", ["arm", "powercube", "ur5", "panda"], indirect=True)
 def test_values_have_the_bits_of_step_and_jacobians_are_those_of_casadi(problem: Problem) -> None:
-    """CasADi integrates the accelerations by itself, and differentiates what it does."""
+    """CasADi integrates the accelerations and differentiates the integration."""
     module, robot = problem.module, problem.casadi
     externals, n, m = Externals(problem.solver), module.N, module.M
     x, u = ca.MX.sym("x", 2 * n), ca.MX.sym("u", m)
@@ -109,7 +109,7 @@ def test_values_have_the_bits_of_step_and_jacobians_are_those_of_casadi(problem:
 
 
 def wrist(folder: Path) -> Path:
-    """Two motors move both joints of the wrist, one of which bears little."""
+    """Two motors move both joints of the wrist. One motor has a small torque limit."""
     text = (MODELS / "differential_wrist.toml").read_text("utf-8")
     without = "limits = { position = [-1.8, 1.8], velocity = 4 }"
     assert without in text
@@ -124,7 +124,7 @@ def test_limits_of_motors_and_joints_are_bounds_of_inputs(tmp_path: Path) -> Non
         limits = module.ocp(5, 0.01, peak=peak).constraints
         assert np.array_equal(limits.idxbu, range(4))
         assert np.allclose(limits.ubu, most, rtol=1e-15) and np.array_equal(limits.lbu, -limits.ubu)
-        # The lines of the motors have speeds beside the inputs.
+        # The torque–speed lines of the motors contain speeds in addition to the inputs.
         forces = np.flatnonzero(~limits.C.any(axis=1))
         assert np.array_equal(limits.D[forces], [[0, 0, 80, 80]])
         assert np.array_equal(np.stack([limits.lg, limits.ug])[:, forces], [[-10], [10]])
@@ -152,7 +152,7 @@ def test_limits_of_joints_that_follow_others_are_rows(tmp_path: Path) -> None:
 
 
 def weak_at_speed(folder: Path) -> Path:
-    """The wrist, whose two motors move both of its joints and are weak at speed, with an elbow that is weak at speed too."""
+    """A wrist whose two motors move both joints, and an elbow. The torque of all motors falls with speed."""
     text = (MODELS / "differential_wrist.toml").read_text("utf-8")
     drive = "torque = { nominal = 0.35, peak = 0.7 } }"
     assert text.count(drive) == 1
@@ -162,7 +162,7 @@ def weak_at_speed(folder: Path) -> Path:
 
 
 def test_torque_speed_lines_are_hard_rows_of_speeds_and_inputs(tmp_path: Path) -> None:
-    """|u + C v| <= limit, with the numbers of the data sheets: what a motor loses by its speed, gear and weights of its joints."""
+    """Rows |u + C v| <= limit from the data sheets: C is the loss of torque per speed, with the gear and the weights of the joints."""
     module = gelenk.acados(weak_at_speed(tmp_path))
     assert module.LEFT_OUT == ()
     ocp = module.ocp(5, 0.01)
@@ -178,7 +178,7 @@ def test_torque_speed_lines_are_hard_rows_of_speeds_and_inputs(tmp_path: Path) -
 
 
 def test_acados_keeps_torque_speed_lines(tmp_path: Path) -> None:
-    """A turn of the elbow and the wrist that is too fast for their motors: the rows are kept to the end, and bind."""
+    """A motion of elbow and wrist that is too fast for their motors: the rows hold at all stages, and some are active."""
     module = gelenk.acados(weak_at_speed(tmp_path), smooth_sign=50)
     ocp, n, intervals = module.ocp(20, 0.02, compile_flags="-O1"), module.N, 20
     module.track(ocp, [1e3] * n + [1.0] * n, [1e-2] * module.M)
@@ -195,7 +195,7 @@ def test_acados_keeps_torque_speed_lines(tmp_path: Path) -> None:
     x, u = (np.array([solver.get(stage, name) for stage in range(intervals)]) for name in "xu")
     taken = (u + x[:, n:] @ module.TORQUE_SPEED_SLOPES.T) / module.TORQUE_SPEED_LIMITS
     assert np.abs(taken).max() <= 1 + 1e-6
-    # Without their rows these motors would be asked for torques beyond the lines, yet within their peaks.
+    # Without the rows, the solver would command torques above the lines but below the peak torques.
     assert np.abs(taken[:, 1]).max() > 1 - 1e-3 and np.abs(x[:, n + 1]).max() > 0.5
 
 
@@ -235,7 +235,7 @@ MOTIONS = {
 
 @pytest.mark.parametrize("problem", list(MOTIONS), indirect=True)
 def test_robots_are_tracked_by_real_time_iterations(problem: Problem) -> None:
-    """From 0.02 off the reference; the plant is the model, with shorter steps."""
+    """The motion starts 0.02 away from the reference. The plant is the model with shorter steps."""
     module, solver, most = problem.module, problem.solver, problem.most
     start, end, seconds = MOTIONS[module.NAME]
     robot, n = problem.casadi, module.N
@@ -264,7 +264,7 @@ def test_robots_are_tracked_by_real_time_iterations(problem: Problem) -> None:
 
 
 def test_the_height_of_a_tool_is_limited(seven_file: Path, tmp_path: Path) -> None:
-    """The same inputs as those of CasADi's solver, for a robot that `models/` does not have."""
+    """The inputs are those of CasADi's solver, for a robot that is not in `models/`."""
     module = gelenk.acados(seven_file)
     count, period, height = 20, 0.05, 1.16
     q, r = np.repeat([100.0, 1.0], 7), np.full(7, 1e-4)
@@ -292,7 +292,7 @@ def test_the_height_of_a_tool_is_limited(seven_file: Path, tmp_path: Path) -> No
         lambda x, u, p: robot.step(x, u, period), lambda x, u, p: ca.vertcat(x - p, u), lambda x, p: x - p,
         states=14, inputs=7, parameters=14, intervals=count, weights=np.concatenate([q, r]), terminal_weights=100 * q,
         rows=lambda x, u, p: robot.frame_tool(x[:7])[0][2], row_limits=[[height], [np.inf]],
-        # CasADi's HPIPM would be that of acados here: libraries of the same name.
+        # CasADi would load the HPIPM of acados in this process, because both libraries have the same name.
         options={"qpsol": "qrqp", "qpsol_options": {"print_iter": False, "print_header": False, "print_info": False}},
     )
     inputs = np.array([solver.get(stage, "u") for stage in range(count)])

@@ -53,7 +53,7 @@ class Problem:
 
 
 class Listener:
-    """Takes what a solver is told."""
+    """Records the values that are set in a solver."""
 
     def __init__(self) -> None:
         self.told: dict[int, dict[str, np.ndarray]] = {}
@@ -110,7 +110,7 @@ def test_differences_are_those_of_the_module(walker: Problem) -> None:
         d = rng.uniform(-1, 1, module.N) * size
         other = robot.integrate(y, d)
         assert np.abs(module.difference(y, other) - d).max() <= 1e-14 * max(1, size)
-    # Both signs of a quaternion are one attitude, and its length says nothing.
+    # Both signs of a quaternion are the same attitude, and its length has no effect.
     other[3:7] *= -2
     assert np.abs(module.difference(y, other) - d).max() <= 1e-14 * size
     other[3:7] = 0
@@ -148,7 +148,7 @@ def test_limits_move_with_references(walker: Problem) -> None:
 
 
 def test_a_quadrotor_follows_turning_references(quadrotor: Problem) -> None:
-    """It climbs and turns by two rounds about the vertical, from 0.4 rad off; the plant is the model, with shorter steps."""
+    """The robot climbs and makes two turns about the vertical. It starts 0.4 rad away; the plant is the model with shorter steps."""
     module, robot, solver = quadrotor.module, quadrotor.robot, quadrotor.solver
     n, hover, count = module.N, np.full(module.M, 1.52 * 9.81 / 4), 150
     turned = 4 * np.pi / count * np.arange(count + INTERVALS + 1)

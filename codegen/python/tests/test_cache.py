@@ -1,4 +1,4 @@
-"""The cache: what is used again, what makes it stale, and two processes at once."""
+"""Tests of the cache: reuse of entries, changes that need new entries, and two processes at once."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def empty(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def runs(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """What was run since."""
+    """Returns the programs that have run since the last call."""
     seen: list[str] = []
     program, compiler = gelenk._program.run, gelenk._robot._compiler.compile
     monkeypatch.setattr(
@@ -37,7 +37,7 @@ def runs(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 
 def for_acados(file: Path) -> Path:
-    """The folder with what `gelenk.acados` executes, where acados need not be installed."""
+    """Returns the folder with the file that `gelenk.acados` executes. acados need not be installed."""
     return gelenk._robot.generated(file, [], "acados")
 
 
@@ -54,14 +54,14 @@ def test_a_robot_is_made_once(empty: Path, runs: list[str], tmp_path: Path) -> N
     assert runs == ["program", "compiler"]
     gelenk.load(str(file), functions=FEW)
     assert runs == ["program", "compiler"]
-    # Another option is another module.
+    # Another option needs another module.
     gelenk.load(file, functions=FEW, fused_multiply_add=True)
     assert runs == ["program", "compiler"] * 2
     # A file that the description reads.
     write(base, ARM.replace("mass = 2.0", "mass = 4.0"))
     second = gelenk.load(file, functions=FEW).gravity_forces(y)
     assert runs == ["program", "compiler"] * 3 and not np.array_equal(first, second)
-    # A comment makes no other module, and the old content finds the old one.
+    # A comment does not change the module. The old content finds the old module.
     write(base, ARM + "# a comment\n")
     assert np.array_equal(gelenk.load(file, functions=FEW).gravity_forces(y), first)
     assert runs == [*["program", "compiler"] * 3, "program"]
@@ -79,7 +79,7 @@ def test_a_robot_is_made_once(empty: Path, runs: list[str], tmp_path: Path) -> N
 
 
 def test_what_is_written_meanwhile_is_read_again(empty: Path, runs: list[str], tmp_path: Path) -> None:
-    """The program may have read another content than that which is found afterwards."""
+    """A file that changes while the program reads it is not cached."""
     file = write(tmp_path / "arm.toml", ARM)
     file.touch()
     gelenk.load(file, functions=FEW)
@@ -90,7 +90,7 @@ def test_what_is_written_meanwhile_is_read_again(empty: Path, runs: list[str], t
 def test_a_robot_elsewhere_is_the_same_robot(
     empty: Path, runs: list[str], tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    """Its warnings are about the files that are read now."""
+    """Warnings of a cached module name the files of the current call."""
     told = []
     for name in ("here", "there"):
         (tmp_path / name).mkdir()
@@ -104,7 +104,7 @@ def test_a_robot_elsewhere_is_the_same_robot(
     [(folder, compiling), (other, nothing)] = told
     assert folder == other and nothing == ""
     assert compiling.startswith("gelenk: compiling arm.c") and compiling.count("\n") == 1
-    # The same words that extend another robot.
+    # The same text extends another robot.
     write(tmp_path / "there/base.toml", ARM)
     gelenk.load(tmp_path / "there/arm.toml", functions=FEW)
     gelenk.load(tmp_path / "there/arm.toml", functions=FEW)
@@ -122,14 +122,14 @@ def test_what_was_removed_is_made_again(empty: Path, arm_file: Path) -> None:
 
 
 def test_what_a_crash_left_half_written_is_made_again(empty: Path, arm_file: Path) -> None:
-    """Every other file is emptied, the others have another content."""
+    """Damages the files: every second file is emptied, and all other files get another content."""
     gelenk.load(arm_file, functions=FEW)
     for_acados(arm_file)
     files = [file for kind in ("libraries", "modules") for entry in (empty / kind).iterdir() for file in entry.iterdir()]
     assert len(files) > 12
     for index, file in enumerate(files):
         text = ["", "raise SystemExit('executed')"][index % 2]
-        # Another file in its place: that of a library may be in use.
+        # A new file replaces the old file, because a library may be in use.
         file.unlink()
         file.write_text(text)
         assert gelenk.load(arm_file, functions=FEW).N == 2
@@ -143,7 +143,7 @@ def test_folders_of_other_users_are_refused(empty: Path, arm_file: Path, monkeyp
     entries = [next((empty / kind).iterdir()) for kind in ("libraries", "modules")]
     for folder in [empty, empty / "modules", empty / "asked", *entries]:
         folder.chmod(0o777)
-        with pytest.raises(gelenk.CacheError, match="name a folder of your own in GELENK_CACHE"):
+        with pytest.raises(gelenk.CacheError, match="set GELENK_CACHE to a folder of your own"):
             gelenk.load(arm_file, functions=FEW)
             for_acados(arm_file)
         folder.chmod(0o700)

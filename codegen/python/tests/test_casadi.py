@@ -62,7 +62,7 @@ def test_values_and_jacobians_agree_with_pinocchio(reference: Path, tmp_path: Pa
 
 
 def test_entries_that_are_always_zero_are_not_there(arm: Any) -> None:
-    """Where the cart stands matters to nothing; the hand moves in a plane by its first joint."""
+    """The position of the cart has no effect on the dynamics. The first joint moves the hand in a plane."""
     functions = ["linearize", "forward_dynamics"]
     robot = gelenk.casadi(MODELS / "cart_pole.toml", functions=functions, smooth_sign=50)
     module = gelenk.load(MODELS / "cart_pole.toml", functions=functions, smooth_sign=50)
@@ -155,7 +155,7 @@ def test_second_derivatives_are_those_of_the_module(seven_file: Path) -> None:
 
 
 def test_all_inputs_have_their_second_derivatives(arm: Any) -> None:
-    """Differences of blocks by another step, and zero for the outputs, which derivatives do not read."""
+    """Compares blocks with differences of another step, and with zero for the outputs, which derivatives do not read."""
     robot, _ = arm
     rng = np.random.default_rng(19)
     for name in robot:
@@ -187,7 +187,7 @@ def test_the_functions_are_those_of_the_module(arm: Any) -> None:
     assert np.array_equal(found[0].full().ravel(), position) and np.array_equal(found[1].full(), rotation)
     # An argument that CasADi leaves out is zero.
     assert np.array_equal(robot.dynamics(x=x, p=p)["xdot"].full().ravel()[2:], module.forward_dynamics(y, v, 0 * u, **packed))
-    with pytest.raises(AttributeError, match="there is no function `frame_foot` for CasADi; there are dynamics, inverse_dynamics"):
+    with pytest.raises(AttributeError, match="there is no function `frame_foot` for CasADi; the functions are dynamics, inverse_dynamics"):
         robot.frame_foot
 
 
@@ -202,7 +202,7 @@ def test_what_the_module_lacks_is_not_differentiated(tmp_path: Path) -> None:
 
 
 def test_ipopt_solves_an_optimal_control_problem(arm: Any) -> None:
-    """From rest to rest in a second with the least torque, multiple shooting; the load is a parameter of the problem."""
+    """Multiple shooting from rest to rest in one second with the least torque. The load is a parameter of the problem."""
     robot, module = arm
     count, period, most = 40, 0.025, 40.0
     x, u, p = ca.MX.sym("x", 4, count + 1), ca.MX.sym("u", 2, count), ca.MX.sym("p", 4)
@@ -218,7 +218,7 @@ def test_ipopt_solves_an_optimal_control_problem(arm: Any) -> None:
     assert solver.stats()["return_status"] == "Solve_Succeeded"
     inputs = found["x"].full().ravel()[4 * (count + 1) :].reshape(count, 2)
     assert np.abs(inputs).max() <= most + 1e-6
-    # The module by itself ends where the solution says.
+    # A simulation with the module ends at the state of the solution.
     y, v = start[:2], start[2:]
     for each in inputs:
         y, v = module.step(y, v, each, period, parameters=module.pack_parameters(**dict(zip(robot.parameters, parameters))))
@@ -231,7 +231,7 @@ def test_ipopt_solves_an_optimal_control_problem(arm: Any) -> None:
 
 
 def test_gauss_newton_finds_what_exact_hessians_find(seven_file: Path) -> None:
-    """A motion in a second under limits that bind, and above a plane; IPOPT differentiates the same problem twice."""
+    """A motion of one second with active limits, above a plane. IPOPT differentiates the same problem twice."""
     robot = gelenk.casadi(seven_file)
     module = gelenk.load(seven_file, functions=["step"])
     count, period, height = 20, 0.05, 1.16
@@ -272,7 +272,7 @@ def test_gauss_newton_finds_what_exact_hessians_find(seven_file: Path) -> None:
     assert exact.stats()["return_status"] == "Solve_Succeeded"
     assert found.cost == pytest.approx(float(other["f"]), rel=1e-6)
     assert np.abs(found.u.ravel() - other["x"].full().ravel()[14 * (count + 1) :]).max() < 1e-3 * effort.max()
-    # The solution is where the next one begins.
+    # The solution is the start of the next solution.
     assert problem.solve(start, goal, found).cost == pytest.approx(found.cost)
     assert problem.solver.stats()["iter_count"] <= iterations / 2
     with pytest.raises(ValueError, match=r"`x0` has the shape \(7,\), expected \(14,\)"):

@@ -40,7 +40,7 @@ def loaded(name: str, reference: Path, folder: Path, functions: list[str]) -> tu
 
 @pytest.mark.parametrize("name", ["go2_floating", "iris_floating"])
 def test_values_and_jacobians_agree_with_pinocchio(name: str, reference: Path, tmp_path: Path) -> None:
-    """About a reference that is d = 0.1 v away, since Pinocchio's values have the derivatives of ⊕ for this d."""
+    """The reference is d = 0.1 v away, because Pinocchio's values have the derivatives of ⊕ for this d."""
     robot, module, values = loaded(name, reference, tmp_path, FUNCTIONS)
     assert list(robot) == ["dynamics", "inverse_dynamics", "frame_last"]
     for sample in mechanisms.samples(values):
@@ -48,7 +48,7 @@ def test_values_and_jacobians_agree_with_pinocchio(name: str, reference: Path, t
         d, n = 0.1 * v, v.size
         y_ref, x = module.integrate(y, -d), np.concatenate([d, v])
         by_d, by_y = sample["qplus_by_d"], sample["qplus_by_q"]
-        # Small motions of the reference as changes of its entries.
+        # Converts small motions of the reference to changes of its entries.
         rates = mechanisms.small_motions(module.JOINT_POSITIONS, y_ref)
 
         rate, acceleration = np.split(robot.dynamics(x, u, y_ref).full().ravel(), 2)
@@ -59,7 +59,7 @@ def test_values_and_jacobians_agree_with_pinocchio(name: str, reference: Path, t
         assert_close(by_x[n:], np.hstack([sample["dfd_dq"] @ by_d, sample["dfd_dv"]]))
         assert_close(by_ref[n:] @ rates, sample["dfd_dq"] @ by_y)
         assert not by_u[:n].any() and not by_ref[:n].any()
-        # Lengths of quaternions change nothing.
+        # Lengths of quaternions have no effect.
         assert_close(by_ref @ rates @ np.linalg.pinv(rates), by_ref)
 
         assert_close(robot.inverse_dynamics(d, v, a, y_ref).full().ravel(), sample["id"])
@@ -83,7 +83,7 @@ def test_values_and_jacobians_agree_with_pinocchio(name: str, reference: Path, t
 
 @pytest.mark.parametrize("name", ["zoo_1", "zoo_2", "zoo_3", "zoo_4"])
 def test_joints_of_every_kind_agree_with_pinocchio(name: str, reference: Path, tmp_path: Path) -> None:
-    """Velocities of a planar joint are in the body's frame in Pinocchio, and in the parent's frame here."""
+    """Velocities of a planar joint are in the body's frame in Pinocchio, and in the parent's frame in gelenk."""
     functions = ["inverse_dynamics_derivatives_and_mass_matrix", "inverse_dynamics", "forward_dynamics"]
     robot, module, values = loaded(name, reference, tmp_path, functions)
     planar = mechanisms.planar_joints(values)
@@ -109,7 +109,7 @@ def test_joints_of_every_kind_agree_with_pinocchio(name: str, reference: Path, t
         assert_close(turn.T @ (of_v @ turn + of_a @ of_rate), sample["did_dv"])
         expected = sample["did_dq"].copy()
         found = turn.T @ of_d @ np.linalg.inv(by_d) @ turn
-        # Where a planar joint turns, Pinocchio's velocities turn with it: their columns are another derivative.
+        # Pinocchio's velocities of a planar joint rotate with the joint, so their columns are another derivative.
         kept = np.ones(n, bool)
         for each in planars:
             kept[each.velocity + 2] = False
@@ -138,7 +138,7 @@ parameters = { load = 1.5 }
 
 @pytest.fixture(scope="module")
 def floating(tmp_path_factory: pytest.TempPathFactory, cache: Path) -> tuple[Any, Any]:
-    """Joints of every number of position entries, a free parameter, two steps in a period."""
+    """A robot with joints of all numbers of position entries, a free parameter, and two steps per period."""
     file = tmp_path_factory.mktemp("floating") / "floating.toml"
     file.write_text(FLOATING, "utf-8")
     robot = gelenk.casadi(file, functions=[*FUNCTIONS, "step", "step_derivatives"])
@@ -146,7 +146,10 @@ def floating(tmp_path_factory: pytest.TempPathFactory, cache: Path) -> tuple[Any
 
 
 def arguments_of(function: Any, module: Any, size: float, rng: Any) -> list[np.ndarray]:
-    """- `size`: of the rotations and ways in d"""
+    """Returns random arguments of a function.
+
+    - `size`: size of the rotations and displacements in d
+    """
     arguments: list[np.ndarray] = []
     for index in range(function.n_in()):
         name, count = function.name_in(index), function.numel_in(index)
@@ -163,7 +166,7 @@ def arguments_of(function: Any, module: Any, size: float, rng: Any) -> list[np.n
 
 
 def differences(function: Any, arguments: list[np.ndarray], index: int) -> np.ndarray:
-    """Of fourth order."""
+    """Returns a central difference of fourth order."""
     columns, step = [], 1e-3
 
     def moved(entry: int, by: float) -> np.ndarray:
@@ -181,7 +184,7 @@ def differences(function: Any, arguments: list[np.ndarray], index: int) -> np.nd
 
 @pytest.mark.parametrize("size", [0.0, 0.3, 1.3])
 def test_all_inputs_have_their_derivatives(floating: tuple[Any, Any], size: float) -> None:
-    """Those by a reference are by its entries, also where its quaternions are not of unit length."""
+    """Derivatives with respect to a reference are with respect to its entries, also if its quaternions have other lengths than 1."""
     robot, module = floating
     assert list(robot) == ["dynamics", "inverse_dynamics", "step", "frame_tip"]
     rng = np.random.default_rng(18)
@@ -208,10 +211,10 @@ def test_the_functions_are_those_of_the_module(floating: tuple[Any, Any]) -> Non
     assert_close(found[: module.N], module.difference(y, y_next), 1e-14)
     found = robot.inverse_dynamics(d, v, v, module.NEUTRAL, 1.3).full().ravel()
     assert np.array_equal(found, module.inverse_dynamics(y, v, v, load=1.3))
-    # A reference without an attitude is none.
+    # A quaternion of length 0 is not a reference.
     with pytest.raises(RuntimeError):
         robot.inverse_dynamics(d, v, v, 0 * y, 1.3)
-    # From a whole turn on, small motions of the attitude have no rate.
+    # For rotations of a whole turn and more, the rate of d does not exist.
     x[3:6] = [0, 0, 2 * np.pi - 1e-3]
     assert np.isfinite(robot.dynamics(x, u, module.NEUTRAL, 1.3).full()).all()
     x[3:6] = [0, 0, 2 * np.pi + 1e-3]
@@ -219,25 +222,25 @@ def test_the_functions_are_those_of_the_module(floating: tuple[Any, Any]) -> Non
 
 
 def test_entries_that_are_always_zero_are_not_there() -> None:
-    """Where a quadrotor is matters to none of its accelerations, and its rotation alone turns the rate of d."""
+    """The position of a quadrotor has no effect on its accelerations. Only its rotation rotates the rate of d."""
     robot = gelenk.casadi(MODELS / "quadrotor.toml", functions=["linearize", "forward_dynamics"])
     patterns = [robot.dynamics.jacobian().sparsity_out(index) for index in range(3)]
     by_x, by_u, by_ref = (np.array(ca.DM(each, 1).full(), bool) for each in patterns)
     assert not by_x[3:6, :3].any() and not by_x[6:, :3].any() and by_x[:3, :6].all()
     assert not by_u[:6].any() and not by_ref[:6].any() and not by_ref[6:, :3].any()
-    # Gravity turns in the axes of the body, the moments do not.
+    # Gravity rotates in the axes of the body, but the moments do not.
     assert by_ref[6:9, 3:].all() and not by_ref[9:].any()
 
 
 def test_ipopt_flies_a_quadrotor_between_two_attitudes() -> None:
-    """From hovering over a flip about x to hovering upright again, a metre to the side, under the limits of its propellers."""
+    """A flip about x from hovering to hovering, one metre to the side, within the limits of the propellers."""
     functions = ["linearize", "step", "step_derivatives"]
     robot, module = (load(MODELS / "quadrotor.toml", functions=functions) for load in (gelenk.casadi, gelenk.load))
     count, period, n = 40, 0.03, module.N
     start = module.NEUTRAL
     end = module.integrate(np.concatenate([[0, 1.0, 0.2], start[3:]]), np.array([0, 0, 0, 0, 0, 1.2]))
     first = module.integrate(start, np.array([0, 0, 0, 0.9, 0, 0]))
-    # References on the way: d stays small beside them.
+    # The references lie on the path, so that d stays small.
     way = module.difference(start, end)
     references = np.stack([module.integrate(start, way * k / count) for k in range(count + 1)])
     x, u = ca.MX.sym("x", 2 * n, count + 1), ca.MX.sym("u", module.M, count)
@@ -255,7 +258,7 @@ def test_ipopt_flies_a_quadrotor_between_two_attitudes() -> None:
     assert solver.stats()["return_status"] == "Solve_Succeeded"
     inputs = found["x"].full().ravel()[free.size :].reshape(count, module.M)
     assert inputs.min() >= -1e-6 and inputs.max() <= 8 + 1e-6
-    # The module by itself ends where the solution says.
+    # A simulation with the module ends at the state of the solution.
     y, v = first, np.zeros(n)
     for each in inputs:
         y, v = module.step(y, v, each, period)

@@ -29,7 +29,7 @@ def test_generate_and_report_return_what_they_wrote(arm_file: Path, tmp_path: Pa
     assert "<html" in page.read_text("utf-8")
 
 
-# Switches that are functions of their own or belong to others, and those of the command line alone.
+# Options that are separate functions, options of other functions, and options of the command line only.
 ALONE = {"format", "help"}
 OF_PLANS = {"seconds", "rate", "acceleration", "position_share", "speed_share", "effort_share", "harmonics", "seed",
             "start", "turn"}
@@ -63,7 +63,7 @@ def test_every_switch_of_the_program_is_a_keyword(function: str) -> None:
 
 
 def test_moments_are_reduced_merged_and_identified(tmp_path: Path) -> None:
-    """Two logs, each reduced alone, tell what both tell together."""
+    """Two logs that are reduced separately give the results of both logs together."""
     arm = _described(tmp_path / "arm.toml", friction=0.2)
     logs = [_simulated_log(tmp_path, friction=0.7, seed=seed) for seed in (1, 2)]
     moments = [gelenk.reduce(arm, log, log.with_suffix(".moments"), effort="joint", bandwidth=10, delay=0) for log in logs]
@@ -79,7 +79,7 @@ def test_moments_are_reduced_merged_and_identified(tmp_path: Path) -> None:
 
 
 def test_poor_logs_are_reduced_where_they_are_accepted(tmp_path: Path) -> None:
-    """Torques in mN m are far beyond the described limits."""
+    """Torques in mN m exceed the described limits by far."""
     arm = _described(tmp_path / "arm.toml", friction=0.2)
     log = _simulated_log(tmp_path, friction=0.7, seed=3)
     header, *rows = log.read_text().splitlines()
@@ -92,7 +92,7 @@ def test_poor_logs_are_reduced_where_they_are_accepted(tmp_path: Path) -> None:
 
 
 def test_what_was_identified_is_loaded_again(tmp_path: Path) -> None:
-    """A plan, a simulated log with the robot's true friction, and the description that comes back."""
+    """Identifies a description from a plan and a simulated log with the true friction of the robot."""
     guess = _described(tmp_path / "arm.toml", friction=0.2)
     log = _simulated_log(tmp_path, friction=0.7, seed=9)
     found = gelenk.identify(guess, log, tmp_path / "found.toml", effort="joint")
@@ -106,7 +106,7 @@ def test_what_was_identified_is_loaded_again(tmp_path: Path) -> None:
 
 
 def test_friction_is_learned_online(tmp_path: Path) -> None:
-    """The true friction is 0.7 N m s/rad at the elbow, the described one 0.6."""
+    """The true friction is 0.7 N m s/rad at the elbow, the described friction is 0.6."""
     guess = _described(tmp_path / "arm.toml", friction=0.6)
     log = _simulated_log(tmp_path, friction=0.7, seed=9)
     elbow = gelenk.online(guess, log, effort="joint")["joints"][1]
@@ -133,7 +133,7 @@ def test_joints_that_a_log_leaves_out_are_held(tmp_path: Path) -> None:
 
 
 def _simulated_log(folder: Path, friction: float, seed: int) -> Path:
-    """A plan that a robot with this friction follows, with noise on its torques."""
+    """Writes the log of a robot with this friction that follows a plan, with noise on its torques."""
     truth = gelenk.load(_described(folder / "truth.toml", friction), functions=["inverse_dynamics"])
     plan = gelenk.plan(folder / "truth.toml", folder / "plan.csv", seconds=10, rate=200)
     time = np.loadtxt(plan, delimiter=",", skiprows=1)[:, 0]
@@ -146,7 +146,7 @@ def _simulated_log(folder: Path, friction: float, seed: int) -> Path:
 
 
 def _planned(plan: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Positions of a plan, with their differences as velocities and accelerations."""
+    """Returns the positions of a plan, with their differences as velocities and accelerations."""
     names = [name.strip() for name in plan.read_text().splitlines()[0].split(",")]
     rows = np.loadtxt(plan, delimiter=",", skiprows=1)
     time, y = rows[:, 0], rows[:, [names.index(f"q_{each}") for each in ("shoulder", "elbow")]]

@@ -1,4 +1,4 @@
-"""What is refused, and whether the message says what is expected."""
+"""Tests of errors: rejected arguments, and messages with the expected arguments."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ ZERO = np.zeros(2)
     [
         ((ZERO, ZERO, np.zeros(3)), ValueError, r"`a` has the shape \(3,\), expected \(\.\.\., 2\): accelerations ÿ: shoulder, elbow in rad/s²"),
         ((ZERO, 0.0, ZERO), ValueError, r"`v` has the shape \(\), expected \(\.\.\., 2\)"),
-        ((np.zeros((3, 2)), np.zeros((4, 2)), ZERO), ValueError, r"axes in front do not broadcast: \(3,\) of `y`, \(4,\) of `v`, \(\) of `a`"),
+        ((np.zeros((3, 2)), np.zeros((4, 2)), ZERO), ValueError, r"leading axes do not broadcast: \(3,\) of `y`, \(4,\) of `v`, \(\) of `a`"),
         ((ZERO, ZERO, 1j * ZERO), TypeError, "`a` holds complex128, which float64 does not hold exactly"),
         ((ZERO, ZERO.astype(np.longdouble), ZERO), TypeError, "`v` holds float128, which float64"),
         ((["0", "1"], ZERO, ZERO), TypeError, "`y` holds <U1"),
         (([None, 1], ZERO, ZERO), TypeError, "`y` holds object"),
-        (([[1], [1, 2]], ZERO, ZERO), TypeError, "`y` is no array of numbers"),
+        (([[1], [1, 2]], ZERO, ZERO), TypeError, "`y` is not an array of numbers"),
         ((ZERO, ZERO), TypeError, "missing 1 required positional argument: 'a'"),
     ],
 )
@@ -83,7 +83,7 @@ def test_a_missing_compiler_and_a_missing_program_are_named(
     monkeypatch.delenv("CC")
     program = os.environ.get("GELENK_PROGRAM")
     monkeypatch.setenv("GELENK_PROGRAM", str(tmp_path / "gelenk"))
-    with pytest.raises(gelenk.ProgramError, match="GELENK_PROGRAM names .*, which is no file"):
+    with pytest.raises(gelenk.ProgramError, match="GELENK_PROGRAM names .*, which is not a file"):
         gelenk.load(arm_file)
     if program is not None:
         monkeypatch.setenv("GELENK_PROGRAM", program)
@@ -97,7 +97,7 @@ def test_a_missing_compiler_and_a_missing_program_are_named(
 def test_what_a_compiler_says_is_told(arm_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("GELENK_CACHE", str(tmp_path))
     monkeypatch.setenv("CC", "cc -include nothing.h")
-    with pytest.raises(gelenk.CompilerError, match=r"refused the module:\n[^$]*nothing.h"):
+    with pytest.raises(gelenk.CompilerError, match=r"rejected the module:\n[^$]*nothing.h"):
         gelenk.load(arm_file, functions=["gravity_forces"])
     assert not list((tmp_path / "libraries").iterdir()), "nothing half-made is kept"
 
@@ -113,6 +113,6 @@ def test_a_warning_of_a_description_is_a_warning(tmp_path: Path) -> None:
     with pytest.warns(gelenk.DescriptionWarning, match="unphysical-bodies"):
         robot = gelenk.load(file, functions=["gravity_forces"])
     assert [note.severity for note in robot.notes] == ["warning"]
-    # It is said again where the robot comes out of the cache.
+    # The warning is repeated if the robot comes from the cache.
     with pytest.warns(gelenk.DescriptionWarning, match="unphysical-bodies"):
         gelenk.load(file, functions=["gravity_forces"])

@@ -1,4 +1,4 @@
-"""What the example shows, without its pictures."""
+"""Tests the numbers of the example without its figures."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def test_the_example_shows_what_it_says(cache: Path) -> None:
     robot = example["load"]()
     angles, torque = example["weight"](robot)
     assert torque.shape == (301, 301)
-    # Stretched to the side the arm weighs m g c: links, and the load in the hand.
+    # The gravity torque of the horizontal arm is Σ m g c over the links and the load.
     side, straight = np.argmin(np.abs(angles - np.pi / 2)), 150
     expected = 9.81 * (3 * 0.2 + 2 * 0.55 + 1 * 0.7) * np.sin(angles[side])
     assert abs(torque[side, straight] - expected) < 1e-9

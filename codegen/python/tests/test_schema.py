@@ -1,4 +1,4 @@
-"""The JSON Schema of descriptions accepts what the program reads and refuses keys and types that the program refuses."""
+"""The JSON Schema of descriptions accepts and rejects the same keys and types as the program."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The numbers, against Pinocchio's and against the Rust modules of the same robots."""
+"""Compares results with Pinocchio's values and with the Rust modules of the same robots."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def test_a_base_is_freed_by_a_keyword(arm_file: Path) -> None:
     robot = gelenk.load(arm_file, base="floating", functions=["mass_matrix"])
     mass = robot.mass_matrix(robot.NEUTRAL)
     assert mass.shape == (8, 8)
-    # The base comes first, with its linear velocity: all masses are along it.
+    # The base is first, with its linear velocity, which moves all masses.
     assert_close(mass[:3, :3], 5.0 * np.eye(3))
 
 
@@ -93,14 +93,14 @@ def test_batches_are_the_single_calls(ur5: gelenk.Robot) -> None:
 
 
 def bits(numbers: np.ndarray) -> bytes:
-    """All bits, but those of numbers that are none: IEEE 754 leaves their sign open."""
+    """Returns all bits, except those of NaN, because IEEE 754 does not define the sign of NaN."""
     copy = np.array(numbers, ndmin=1)
     copy[np.isnan(copy)] = np.nan
     return copy.tobytes()
 
 
 def assert_batch_is_single_calls(function: Callable[..., Any], *arguments: np.ndarray, **keywords: Any) -> None:
-    """The same bits for each state of a batch as alone."""
+    """Each state of a batch has the same bits as a single call."""
     batch = function(*arguments, **keywords)
     for state in range(len(arguments[0])):
         one = function(*(each[state] for each in arguments), **keywords)
@@ -110,7 +110,7 @@ def assert_batch_is_single_calls(function: Callable[..., Any], *arguments: np.nd
 
 @pytest.mark.parametrize("count", [1, 7, 8, 9, 16, 27])
 def test_batches_of_any_size_have_the_bits_of_single_calls(ur5: gelenk.Robot, count: int) -> None:
-    # Some angles beyond the fast path of sine and cosine, and some that are no numbers.
+    # Some angles are beyond the fast path of sine and cosine, and some are NaN.
     y, v, a = np.random.default_rng(count).uniform(-3, 3, (3, count, 6))
     y[count // 2, 1], y[count // 3, 4], v[count // 3, 2] = 3e5, np.inf, np.nan
     for function in (ur5.inverse_dynamics, ur5.linearize, ur5.inverse_dynamics_derivatives):
@@ -289,13 +289,13 @@ def test_results_are_written_to_given_arrays(powercube: gelenk.Robot, tmp_path: 
     found = powercube.linearize(y, v, a, g=1.62, out=arrays)
     assert type(found) is type(expected) and all(one is other for one, other in zip(found, arrays))
     assert all(np.array_equal(one, other) for one, other in zip(arrays, expected))
-    # The result may take the place of an argument.
+    # The result may overwrite an argument.
     expected, place = powercube.inverse_dynamics(y, v, a), y.copy()
     powercube.inverse_dynamics(place, v, a, out=place)
     assert np.array_equal(place, expected)
     with pytest.raises(TypeError, match="`out` for `m` holds float32, expected float64"):
         powercube.mass_matrix(y, out=np.zeros((4, 2, 2), np.float32))
-    with pytest.raises(TypeError, match="linearize: `out` is not 4 arrays of NumPy: a_y, a_v, b_x, c"):
+    with pytest.raises(TypeError, match="linearize: `out` must be 4 arrays of NumPy: a_y, a_v, b_x, c"):
         powercube.linearize(y, v, a, out=place)
     with pytest.raises(ValueError):
         powercube.mass_matrix(y, out=np.zeros((3, 2, 2)))

@@ -15,7 +15,7 @@ use crate::model::{
 use gelenk_formula::Formula;
 use std::collections::BTreeMap;
 
-/// Gravity if the description has none [m/s²].
+/// Default gravity in m/s², for descriptions without `gravity`.
 const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
 pub(super) struct Builder<'d, 'r> {
@@ -24,7 +24,7 @@ pub(super) struct Builder<'d, 'r> {
     pub(super) identifiers: Identifiers,
     pub(super) defaults: Vec<f64>,
     pub(super) tree: Tree,
-    /// For each link the pose of the description's frame in the frame of the model. They differ for standard
+    /// Pose of each link's described frame in the link frame of the model. The two frames differ for standard
     /// Denavit–Hartenberg rows.
     pub(super) offsets: Vec<Pose>,
 }
@@ -73,9 +73,12 @@ impl Builder<'_, '_> {
         })
     }
 
-    /// Links of the independent joints, in the order of the coordinates. This is the order of the key
-    /// `coordinates`. Without this key it is the order of the tree if `sort_joints` is set, otherwise the
-    /// order of the description.
+    /// Returns the links of the independent joints, in the order of the coordinates. The order is, in this
+    /// priority:
+    ///
+    /// - the order of the key `coordinates`
+    /// - the order of the tree, if `sort_joints` is set
+    /// - the order of the description
     fn coordinates(&mut self) -> Option<Vec<usize>> {
         let mut moving: Vec<(usize, usize)> = Vec::new();
         for (link, joint) in self.tree.joints.iter().enumerate() {
@@ -84,15 +87,15 @@ impl Builder<'_, '_> {
             );
         }
         if moving.is_empty() && self.robot.floating_base.is_some() && self.report.has_errors() {
-            // What keeps the base from floating was said.
+            // The reason why the base cannot float was already reported.
             return None;
         }
         if moving.is_empty() {
             self.report.error(self.robot.name.span, "no-moving-joint", "no joint of the robot moves");
             self.report.help(
-                "a model needs at least one moving joint (for example revolute, prismatic, spherical \
-                       or floating) that is not held, not driven and follows no other joint; or a floating \
-                       base: `base = { link = \"…\", type = \"floating\" }`, for a URDF `--base floating`",
+                "describe a moving joint (for example revolute, prismatic, spherical or floating) that is \
+                 not held, not driven and follows no other joint; or make the base floating: `base = { link = \
+                 \"…\", type = \"floating\" }`, or `--base floating` for a URDF",
             );
             return None;
         }
@@ -143,7 +146,7 @@ impl Builder<'_, '_> {
                 "missing-coordinate",
                 format!("`coordinates` lacks the moving joint `{name}`"),
             );
-            self.report.help("add the joint to `coordinates`, or hold it");
+            self.report.help("add the joint to `coordinates`, or hold it at a position with `held`");
         }
         (self.report.error_count() == before).then_some(result)
     }
@@ -202,8 +205,8 @@ impl Builder<'_, '_> {
         }
     }
 
-    /// Terms of the friction that grows with the load. There is an error if the joint has no input of its
-    /// own.
+    /// Returns the terms of the load-dependent friction. Reports an error if joints or drives are coupled, or if
+    /// the joint has no drive.
     fn load_friction(&mut self, joint: &JointDescription, motion: Motion) -> Vec<FrictionTerm> {
         let Some(load) = joint.friction.as_ref().and_then(|friction| friction.value.load.as_ref()) else {
             return Vec::new();

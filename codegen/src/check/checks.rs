@@ -13,7 +13,7 @@ pub(super) fn joint(joint: &JointDescription, report: &mut Report) {
         if joint.kind == Some(JointKind::Continuous) && joint.part_of.is_none() {
             let message = format!("joint `{}` is continuous but has position limits", name.value);
             report.error(position.span, "conflicting-keys", message);
-            report.help("a joint with position limits has type \"revolute\"");
+            report.help("use type \"revolute\" for a joint with position limits, or remove the limits");
         }
         if low == high && joint.part_of.is_none() {
             let only = as_written(low);
@@ -57,7 +57,7 @@ pub(super) fn joint(joint: &JointDescription, report: &mut Report) {
         let message = format!("joint `{}` has an `offset` but follows no joint", name.value);
         report.error(offset.span, "conflicting-keys", message);
         report
-            .help("an offset is the position of a follower when its followed joints are at 0: add `follows`");
+            .help("`offset` is the position of a follower if the followed joints are at 0: add `follows`, or remove `offset`");
     }
 }
 
@@ -107,7 +107,8 @@ fn fixed(joint: &JointDescription, report: &mut Report) {
     report.help("remove this entry, or give the joint a type that moves");
 }
 
-/// A joint may have been fixed on top of a description that limits it.
+/// Notes limits of a fixed joint. They are not an error, because a second file may fix a joint of a
+/// description that limits it.
 fn note_limits_of_fixed(joint: &JointDescription, report: &mut Report) {
     let limits = &joint.limits;
     let amounts = limits.amounts().into_iter().filter_map(|(_, limit)| limit.as_ref());

@@ -16,8 +16,8 @@ pub(super) struct Row {
     pub(super) offset: f64,
 }
 
-/// Largest ratio to a coordinate that counts as 0, relative to the sum of the magnitudes of the added
-/// products.
+/// A ratio to a coordinate counts as 0 up to this magnitude, relative to the sum of the magnitudes of the
+/// added products.
 const CANCELLED: f64 = 1e-12;
 const ADDED_UP: &str = "ratios are multiplied along each path of followed joints, and the paths are added";
 
@@ -171,7 +171,7 @@ impl Resolver<'_, '_> {
         let described = &self.robot.joints[joint];
         let follows = described.follows.as_ref()?;
         if follows.value.is_empty() {
-            // What could not be read was reported.
+            // The faulty entry was already reported.
             return None;
         }
         let mut combined = self.combined(&follows.value)?;

@@ -6,7 +6,7 @@ use crate::diagnostic::Report;
 use crate::model::Follower;
 use crate::wording::{as_written, list, three_digits};
 
-/// Relative rounding of a quotient of two numbers in the description.
+/// Relative tolerance for the rounding error of a quotient of two described numbers.
 const ROUNDING: f64 = 1e-12;
 
 /// A robot whose followers are checked.
@@ -23,7 +23,7 @@ pub(super) struct Limited<'d> {
 
 impl<'d> Limited<'d> {
     /// Reports an error if no position satisfies the limits of a follower. Adds notes and warnings about
-    /// limits that a follower can exceed, and names the parts of the runtime that keep them.
+    /// limits that a follower can exceed, and names the parts of the runtime that enforce these limits.
     pub(super) fn check(&self, followers: &[Follower], report: &mut Report) {
         for follower in followers {
             let joint = self.joint(follower.link);
@@ -45,7 +45,7 @@ impl<'d> Limited<'d> {
         &self.robot.joints[joint.unwrap_or_else(|| unreachable!("what moves has a joint"))]
     }
 
-    /// Each ratio of a follower, with the limits of the joint that is followed.
+    /// Returns each ratio of a follower with the limits of the followed joint.
     fn terms(&self, follower: &Follower) -> impl Iterator<Item = (f64, &'d LimitsDescription)> {
         follower.follows.iter().map(|term| {
             let followed = self.joint(self.coordinates[term.coordinate]);
@@ -78,7 +78,7 @@ impl<'d> Limited<'d> {
             report.help("no position satisfies all limits: correct the limits, the ratios or the `offset`");
         } else if (reach[0] < low || reach[1] > high) && !is_free(follower) {
             let message = format!(
-                "joint `{}` can exceed its limits while the joints that it follows stay within theirs",
+                "joint `{}` can exceed its limits while the joints that it follows stay within their limits",
                 joint.name.value
             );
             report.note(Some(limits.span), "dependent-limits", message);
@@ -86,7 +86,7 @@ impl<'d> Limited<'d> {
         }
     }
 
-    /// Names the parts of the runtime that keep the limits of the follower.
+    /// Adds a help that names the parts of the runtime that enforce the limits of the follower.
     fn say_who_keeps(&self, follower: &Follower, report: &mut Report) {
         let driven = self.coordinates.len() - self.driven;
         report.help(match &follower.follows[..] {
@@ -143,7 +143,7 @@ impl<'d> Limited<'d> {
                 highest = Some((high, Some(joint)));
             }
         }
-        // What one joint excludes with the coordinate's own limits is said of that joint.
+        // `check_positions` reports a follower whose limits contradict the limits of the coordinate.
         let (Some((low, Some(a))), Some((high, Some(b)))) = (lowest, highest) else { return };
         let Some(limits) = &b.limits.position else { return };
         if low <= high + ROUNDING * (low.abs() + high.abs()) || std::ptr::eq(a, b) {
@@ -151,8 +151,8 @@ impl<'d> Limited<'d> {
         }
         let followed = &self.joint(self.coordinates[coordinate]).name.value;
         let message = format!(
-            "joints `{}` and `{}` follow `{followed}`; the first requires at least {} of it, the second at \
-             most {}",
+            "joints `{0}` and `{1}` follow `{followed}` with contradictory limits: `{0}` requires \
+             `{followed}` ≥ {2}, and `{1}` requires `{followed}` ≤ {3}",
             a.name.value,
             b.name.value,
             as_written(low),
@@ -184,7 +184,7 @@ impl<'d> Limited<'d> {
         // A product of two written numbers is rounded.
         if fastest.sum::<f64>() > limit.value * (1.0 + 1e-12) && !is_free(follower) {
             let message = format!(
-                "joint `{}` can exceed its speed limit while the joints that it follows stay within theirs",
+                "joint `{}` can exceed its speed limit while the joints that it follows stay within their limits",
                 joint.name.value
             );
             report.note(Some(limit.span), "dependent-limits", message);

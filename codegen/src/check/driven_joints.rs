@@ -22,8 +22,11 @@ pub(super) fn check(robot: &RobotDescription, report: &mut Report) {
     let first = &first.name.value;
     for joint in &robot.joints {
         if let Some(part) = &joint.part_of {
-            let message =
-                format!("`{}` is {}, and joint `{first}` is driven", part.joint.value, part.kind.name());
+            let message = format!(
+                "joint `{}` is {}, and joint `{first}` is driven",
+                part.joint.value,
+                part.kind.name()
+            );
             report.error(joint.name.span, CODE, message);
             report.help(
                 "a robot cannot have both driven joints and quaternions: describe the motion with \
@@ -82,7 +85,7 @@ fn check_drive(joint: &JointDescription, report: &mut Report) {
             format!("the motion and effort limits of driven joint `{name}` have no effect"),
         );
         report.help(
-            "only position limits have an effect: seeded states of checks and self-tests stay within them",
+            "only position limits have an effect: the states of checks and self-tests stay within these limits",
         );
     }
 }

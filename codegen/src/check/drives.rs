@@ -37,9 +37,11 @@ impl Builder<'_, '_> {
         }
     }
 
-    /// All drives of the model. Drives of joints come first, in the order of their coordinates. Drives under
-    /// `[[drives]]` follow in the order of the description, those that act only on held joints last. The
-    /// motors of held joints are at the end.
+    /// Returns all drives of the model in this order:
+    ///
+    /// 1. drives of joints, in the order of their coordinates
+    /// 2. drives under `[[drives]]`, in the order of the description, but those that act only on held joints last
+    /// 3. motors of held joints
     pub(super) fn drives(&mut self, links: &[Link], couplings: &Couplings) -> Vec<Drive> {
         let mut drives: Vec<Drive> =
             (0..links.len()).filter_map(|link| self.drive(link, &links[link])).collect();
@@ -69,7 +71,7 @@ impl Builder<'_, '_> {
         }
         self.check_motor(&described.name.value, &described.motor, None);
         let (acts_on, gear_ratio) = match &row.terms[..] {
-            // One number says what gear and weight do together.
+            // One number combines the gear ratio and the weight.
             [only] => (
                 vec![FollowedCoordinate::itself(only.coordinate)],
                 Formula::product(described.motor.gear_ratio.value.clone(), only.ratio.clone()),
@@ -160,7 +162,7 @@ impl Builder<'_, '_> {
         }
         let robot = self.robot;
         if robot.joints[index].is_driven() {
-            // A described drive was refused; the ideal ones of a URDF are no inputs there.
+            // A described drive was already rejected. The ideal drives of a URDF are not inputs of driven joints.
             return None;
         }
         let choice = robot.drive_of(&robot.joints[index]);
@@ -226,7 +228,7 @@ impl Builder<'_, '_> {
             self.report.error(
                 motor.gear_ratio.span,
                 "gear-ratio",
-                format!("the gear ratio is {}", as_written(ratio)),
+                format!("the gear ratio of drive `{name}` is {}", as_written(ratio)),
             );
             self.report
                 .help("the gear ratio is motor angle divided by joint angle; it must be finite and non-zero");
@@ -238,13 +240,13 @@ impl Builder<'_, '_> {
         }
         let rotor = value(&motor.rotor_inertia.value);
         if !rotor.is_finite() || rotor < 0.0 {
-            let message = format!("the rotor inertia is {}", as_written(rotor));
+            let message = format!("the rotor inertia of drive `{name}` is {}", as_written(rotor));
             self.report.error(motor.rotor_inertia.span, "rotor-inertia", message);
             self.report.help("the rotor inertia must be finite and at least 0, in kg m²");
         }
         let Input::Current(constant) = &motor.input else { return };
         let constant = value(constant);
-        let message = format!("the motor constant is {}", as_written(constant));
+        let message = format!("the motor constant of drive `{name}` is {}", as_written(constant));
         if !constant.is_finite() || constant == 0.0 {
             self.report.error(motor.input_span, "motor-constant", message);
             self.report.help(
@@ -259,7 +261,7 @@ impl Builder<'_, '_> {
         }
     }
 
-    /// A drive without motor: its input is the torque or force at the joint.
+    /// Returns a drive without motor, whose input is the torque or force at the joint.
     fn ideal_drive(&self, joint: &Joint, index: usize, acts_on: Vec<FollowedCoordinate>) -> Drive {
         Drive {
             stands_apart: false,

@@ -16,14 +16,14 @@ use gelenk_formula::Formula;
 const SPEED: f64 = 10.0;
 /// Largest motor speed of the grid if the joint has no speed limit [rad/s].
 const MOTOR_SPEED: f64 = 1000.0;
-/// Number of speeds in each direction. Neighbours have the same ratio, because force laws are steep near
-/// standstill.
+/// Number of speeds in each direction. Neighbouring speeds have a constant ratio, because force laws are steep
+/// near standstill.
 const SPEEDS: i32 = 61;
 /// Ratio of neighbouring speeds, 10^(−1/15). The smallest speed is 1e-4 of the largest.
 const FACTOR: f64 = 0.857_695_898_590_894_1;
 /// Number of positions, both limits included.
 const POSITIONS: i32 = 21;
-/// Friction below this part of the largest friction counts as rounding.
+/// Friction below this fraction of the largest friction counts as a rounding error.
 const ROUNDING: f64 = 1e-9;
 
 /// Reports springs and friction of a joint whose value is not finite, friction that accelerates the joint,
@@ -37,7 +37,7 @@ pub(super) fn check(joint: &JointDescription, defaults: &[f64], report: &mut Rep
     }
     if let Some(friction) = &joint.friction {
         let law = Law::of("friction", &friction.value.terms, defaults);
-        // A velocity of a joint with a quaternion has no law of the position, which is reported.
+        // `quaternion_joints` reports laws of the position at a joint with a quaternion.
         let is_refused = joint.part_of.is_some() && law.depends_on_position();
         if is_finite(&law, &grid, friction.span, report) && !is_refused {
             brakes(&law, &grid, friction.span, report);
@@ -75,7 +75,7 @@ pub(super) fn check_shaft(
 }
 
 /// Name of the load-dependent friction in messages.
-const OF_THE_LOAD: &str = "friction under load";
+const OF_THE_LOAD: &str = "load-dependent friction";
 
 /// Whether the magnitude of the load-dependent friction s₁ is below 1. If limits keep the joint within the
 /// grid, the values on the grid decide. Otherwise bounds of the formula decide in addition.
@@ -105,7 +105,7 @@ fn is_below_one(law: &Law<'_>, grid: &Grid, span: Span, report: &mut Report) -> 
          and position"
     );
     report.error(span, "load-friction-too-large", message);
-    report.help("give the joint limits for this check, or a law that saturates: 0.1*tanh(50*v)");
+    report.help("add position and velocity limits to the joint, or use a law that saturates, for example 0.1*tanh(50*v)");
     false
 }
 
@@ -147,8 +147,8 @@ fn brakes(law: &Law<'_>, grid: &Grid, span: Span, report: &mut Report) {
         );
         report.error(span, "friction-drives", message);
         report.help(
-            "the law must have the sign of the velocity at every position within the limits: make its \
-             factor positive with squares, `abs` or a summand",
+            "the law must have the sign of the velocity at every position within the limits: make its factor \
+             positive, for example with a square, `abs` or an added constant",
         );
     } else if driven.iter().all(|(_, is_driven)| *is_driven) {
         report.error(

@@ -152,7 +152,8 @@ impl Resolver<'_> {
         } else if *low > 0.0 || *high < 0.0 {
             let message = format!("the limits of input `{}` exclude 0", name.value);
             self.report.error(*span, "limits-exclude", message);
-            self.report.help("guards command 0 to stop the robot: give limits that contain 0");
+            self.report
+                .help("the guards of the runtime command 0 to stop the robot: give limits that contain 0");
         }
         Some([*low, *high])
     }

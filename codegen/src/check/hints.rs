@@ -12,7 +12,7 @@ use crate::model::name::identifier;
 use crate::wording::{as_written, list, listed, three_digits};
 use gelenk_formula::Formula;
 
-/// Length that no link of a robot has [m]. Links of a robot in millimetres are longer.
+/// Largest plausible length in m. Lengths of a robot in millimetres exceed it.
 const FAR: f64 = 50.0;
 
 /// Parts of the names of legs.
@@ -49,7 +49,7 @@ fn note_degrees(robot: &RobotDescription, report: &mut Report) {
     note_found(found, "looks-like-degrees", message, help, report);
 }
 
-/// Adds one note for all entries that were found. Its place is the place of the first entry.
+/// Adds one note for all found entries, at the place of the first entry.
 fn note_found(
     found: Vec<(Span, String)>,
     code: &'static str,
@@ -101,7 +101,7 @@ fn note_lengths(
     }
     let message = |entries| {
         format!(
-            "positions far from the frame of their link; check whether lengths are \
+            "these positions are far from the frame of their link; check whether lengths are \
                                      in millimetres: {entries}"
         )
     };
@@ -135,7 +135,7 @@ fn note_inertias(
     }
     let message = |entries| {
         format!(
-            "these inertias are too large for their masses; check whether they are \
+            "these inertias are too large for their masses; check whether the inertias are \
                                      in kg mm²: {entries}"
         )
     };
@@ -145,7 +145,7 @@ fn note_inertias(
 /// Notes a robot with legs and a fixed base. A single leg is not noted, because it may be tested on a stand.
 fn note_legs(robot: &RobotDescription, tree: &Tree, report: &mut Report) {
     if robot.joints.iter().any(|joint| joint.part_of.is_some()) {
-        // It is not fixed, or somebody knows what floats.
+        // The base is not fixed, or the author described what floats.
         return;
     }
     let mut legs: Vec<usize> = Vec::new();
@@ -176,7 +176,8 @@ fn note_legs(robot: &RobotDescription, tree: &Tree, report: &mut Report) {
 }
 
 fn names_a_leg(name: &str) -> bool {
-    // `LKneePitch` is `lknee_pitch`, there are upperlegs; a footprint is that of a mobile robot.
+    // `identifier` turns `LKneePitch` into `lknee_pitch`. A word such as `upperleg` ends with the name of a part;
+    // `footprint`, a link of mobile robots, does not.
     let name = identifier(name);
     let mut words = name.split('_');
     words.any(|word| {

@@ -27,7 +27,7 @@ pub(super) struct Published<'d> {
 /// Reports impossible bodies of TOML files. Returns the impossible bodies of URDFs and MJCFs, which
 /// [`Published::report`] reports later.
 ///
-/// - `tree`: the tree of the links; `None` if they do not form a tree, then all bodies are checked
+/// - `tree`: the tree of the links; `None` if the links do not form a tree. All bodies are then checked.
 pub(super) fn check<'d>(
     robot: &'d RobotDescription,
     tree: Option<&Tree>,
@@ -63,7 +63,7 @@ fn flaw(body: &BodyDescription, defaults: &[f64]) -> Option<Flaw> {
     let inertia = body.inertia.as_ref();
     let inertia = inertia.map_or([0.0; 6], |inertia| inertia.value.each_ref().map(value));
     let numbers = [mass].into_iter().chain(center).chain(inertia);
-    // What is not finite, and a negative mass, has its error already.
+    // Values that are not finite and negative masses were already reported.
     let is_checked = mass >= 0.0 && numbers.into_iter().all(f64::is_finite);
     is_checked.then(|| inertia::check(mass, center, inertia)).flatten()
 }
@@ -79,7 +79,7 @@ fn refuse(body: &BodyDescription, flaw: &Flaw, report: &mut Report) {
         }
         Flaw::NotPositive(_) => (
             "inertia-not-positive-definite",
-            format!("inertia of body `{name}` is not positive definite: {flaw}"),
+            format!("the inertia of body `{name}` is not positive definite: {flaw}"),
         ),
     };
     let span = span_of(body);
@@ -108,7 +108,7 @@ impl Published<'_> {
         let entries = self.findings.iter();
         let entries = entries.map(|Finding { body, flaw }| format!("`{}` ({flaw})", body.name.value));
         let definite = match pivots.is_some_and(Pivots::are_positive) {
-            true => format!("; its mass matrix is positive definite at {STATES} seeded states"),
+            true => format!("; its mass matrix is positive definite at {STATES} pseudo-random states"),
             false => String::new(),
         };
         let message = format!(

@@ -16,7 +16,7 @@ pub(super) fn refuse(robot: &RobotDescription, report: &mut Report) {
     }
 }
 
-/// The link behind a velocity that is not the last of its joint, and the name of the joint.
+/// Returns the link after a velocity, and the name of the joint; `None` for the last velocity of a joint.
 fn inner_link(joint: &JointDescription) -> Option<(&str, &str)> {
     let part = joint.part_of.as_ref().filter(|part| part.index + 1 < part.kind.velocities())?;
     Some((joint.child.as_ref()?.value.as_str(), part.joint.value.as_str()))

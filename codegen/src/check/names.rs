@@ -13,9 +13,9 @@ use std::collections::BTreeMap;
 #[derive(Debug)]
 pub(super) struct Identifiers {
     pub(super) module: String,
-    /// Identifiers of the joints, parts of the names of values in functions.
+    /// Identifiers of the joints. Names of intermediate values in functions contain them.
     pub(super) joints: Vec<String>,
-    /// Identifiers of the frames, parts of function names.
+    /// Identifiers of the frames. Names of functions contain them.
     pub(super) frames: Vec<String>,
     /// For each joint the identifier of the joint's drive; `None` if the joint has no drive.
     pub(super) drives: Vec<Option<String>>,
@@ -36,7 +36,7 @@ impl Identifiers {
         let at_frames =
             pulls.map(|input| &input.name).chain(robot.wrench_inputs.iter().map(|input| &input.name));
         let before = report.error_count();
-        // A spherical or floating joint is a name beside those of its velocities.
+        // The name of a spherical or floating joint must differ from the names of its velocities.
         let parts = robot.joints.iter().filter_map(|joint| joint.part_of.as_ref());
         let whole = parts.filter(|part| part.index == 0).map(|part| &part.joint);
         report_duplicates(whole.chain(joints.iter().copied()), "joints", report);
@@ -47,7 +47,7 @@ impl Identifiers {
         if report.error_count() == before {
             report_duplicates(driven.iter().copied().chain(at_frames), "inputs", report);
         }
-        // Springs without a name may stand between the same frames.
+        // Several springs without a name may act between the same frames.
         let is_named = |force: &&PointForceDescription| {
             let [a, b] = force.between.each_ref().map(|name| &name.value);
             let own = &force.name.value;
@@ -86,7 +86,11 @@ impl Identifiers {
         };
         let entries = changed.iter();
         let entries = entries.map(|(name, identifier)| format!("{:?} → {identifier}", name.value));
-        report.note(Some(first.span), "name-mapped", format!("names in generated code: {}", listed(entries)));
+        report.note(
+            Some(first.span),
+            "name-mapped",
+            format!("the generated code uses these identifiers: {}", listed(entries)),
+        );
     }
 }
 
@@ -121,6 +125,6 @@ pub(super) fn report_duplicates<'d>(names: impl Iterator<Item = &'d Name>, what:
         };
         let place = report.place(first.span);
         let message = format!("two {what} are named `{}`; the other is at {place}", name.value);
-        report.error(name.span, "duplicate-name", message).help("give each its own name");
+        report.error(name.span, "duplicate-name", message).help("use different names");
     }
 }

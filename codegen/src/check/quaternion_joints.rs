@@ -84,7 +84,8 @@ impl Velocity<'_> {
 
     fn refuse(&self, span: Span, what: &str, help: &str, report: &mut Report) {
         let (kind, joint) = (self.part.kind.name(), &self.part.joint.value);
-        let message = format!("`{}` of {kind} joint `{joint}` has {what}", self.joint.name.value);
+        let message =
+            format!("{kind} joint `{joint}` cannot have {what} (velocity `{}`)", self.joint.name.value);
         report.error(span, "quaternion-joint", message).help(help);
     }
 }
@@ -93,7 +94,10 @@ fn refuse_following(robot: &RobotDescription, followed: &Name, by: &Name, report
     let joint = robot.joints.iter().find(|joint| joint.name.value == followed.value);
     if let Some(part) = joint.and_then(|joint| joint.part_of.as_ref()) {
         let (kind, joint) = (part.kind.name(), &part.joint.value);
-        let message = format!("`{}` acts through `{}` of {kind} joint `{joint}`", by.value, followed.value);
+        let message = format!(
+            "`{}` refers to `{}`, which is a velocity of {kind} joint `{joint}`",
+            by.value, followed.value
+        );
         report.error(followed.span, "quaternion-joint", message);
         report.help(
             "only a joint with one position can be followed; for a torque on this joint use `drive \
@@ -107,8 +111,10 @@ fn refuse_second_floating(robot: &RobotDescription, report: &mut Report) {
     let mut floating = firsts.filter(|part| part.index == 0 && part.kind == QuaternionKind::Floating);
     let first = floating.next();
     for (second, first) in floating.filter_map(|second| Some((second, first?))) {
-        let message =
-            format!("`{}` is a second floating joint, next to `{}`", second.joint.value, first.joint.value);
+        let message = format!(
+            "joint `{}` is a second floating joint; the first is `{}`",
+            second.joint.value, first.joint.value
+        );
         report.error(second.joint.span, "second-floating-joint", message);
         report.help("a model has at most one free body: generate one module per robot");
     }
@@ -141,7 +147,7 @@ pub(super) fn find(
         };
         if !(0..count).all(stands) {
             if report.has_errors() && robot.coordinates.is_none() {
-                // One of them is held, which was reported.
+                // A held velocity of this joint was already reported.
                 return joints;
             }
             let span = robot.coordinates.as_ref().and_then(|listed| listed.get(next));

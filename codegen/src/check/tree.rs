@@ -175,7 +175,7 @@ impl<'d> Graph<'d> {
             let hint = hint.filter(|hint| hint.starts_with("did"));
             report.help(match hint {
                 Some(hint) => format!("{hint} Otherwise add a joint that carries `{}`", name.value),
-                None => format!("add a joint from `{}` to `{}`, or fix the name", base.value, name.value),
+                None => format!("add a joint from `{}` to `{}`, or correct the name", base.value, name.value),
             });
         }
     }
@@ -232,7 +232,7 @@ impl<'d> Graph<'d> {
         let span =
             joint.and_then(|joint| robot.joints.get(joint)).map_or(Span::default(), |joint| joint.name.span);
         if let [link] = members {
-            // A parent that is not described takes the place of the joint's name.
+            // A default parent has the span of the joint's name.
             let parent = joint.and_then(|joint| robot.joints.get(joint)?.parent.as_ref());
             let is_default = parent.is_some_and(|parent| parent.span == span);
             report_carried_by_itself(&self.names[*link].value, is_default, span, report);
@@ -243,16 +243,16 @@ impl<'d> Graph<'d> {
     }
 }
 
-/// Reports a joint whose parent and child are the same link. By default this is the case if the first joint
-/// has the name of the base.
+/// Reports a joint whose parent and child are the same link. This happens by default if the first joint has
+/// the name of the base.
 fn report_carried_by_itself(link: &str, is_default: bool, span: Span, report: &mut Report) {
     let message = format!("link `{link}` would carry itself: this joint names it as parent and child");
     report.error(span, "cycle", message);
     let other = if link == "world" { "ground" } else { "world" };
     report.help(match is_default {
         true => format!(
-            "without `child` a joint moves the link of its own name, and without `parent` the base carries \
-             the first joint: rename the joint, or the base, for example `base = \"{other}\"`"
+            "a joint without `child` moves the link that has its name, and the base carries the first joint \
+             without `parent`: rename the joint or the base, for example `base = \"{other}\"`"
         ),
         false => "name two different links: `parent` carries the joint, `child` moves with it".to_owned(),
     });

@@ -114,11 +114,11 @@ Examples:
   gelenk identify drone.toml flight.csv --columns 'place=2..4,wxyz=5..8,input=9..12'
   gelenk identify arm.toml log.csv --columns '?'                       the columns as a line to edit and give back
   gelenk identify arm.toml log.csv --hold 'wrist_*' --hold gripper=0.02    joints at rest that are not in the log
-  gelenk identify arm.toml --reduce log.csv --output log.moments       one task for each log of a fleet
+  gelenk identify arm.toml --reduce log.csv --output log.moments       reduces a log of a fleet to moments
   gelenk identify arm.toml --merge *.moments --output arm_identified.toml
-  gelenk identify arm.toml --merge *.moments --output all.moments      their sum, to be merged again
+  gelenk identify arm.toml --merge *.moments --output all.moments      adds moments, for a later --merge
 
-In --columns, {} is a joint's number and {name} its name. Of a floating joint, place is x, y, z, and
+In --columns, {} is a joint's number and {name} its name. For a floating joint, place is x, y, z, and
 wxyz or xyzw is the quaternion.
 
 Exit codes: 0 success, 1 a file has errors or the results explain too little, 2 wrong command line, 3 internal error.";
@@ -136,7 +136,7 @@ pub(super) enum Command {
     /// Print the model, the operation counts, the program or the Rust text
     #[command(after_help = INSPECT_EXAMPLES)]
     Inspect(Inspect),
-    /// Create a small crate with a robot, its build script and a simulation
+    /// Create a small project with a robot and a simulation: a Rust crate, or a project in C, Python or ROS 2
     #[command(after_help = NEW_EXAMPLES)]
     New(New),
     /// Estimate friction, inertias and drive gains from logs and write them as a description; or plan the motion
@@ -146,19 +146,20 @@ pub(super) enum Command {
     /// Write a page about a robot: drawing, parameters, equations, operation counts, self-check
     #[command(after_help = REPORT_EXAMPLES)]
     Report(Report),
-    /// Print the JSON Schema of robot descriptions; editors complete and check keys with it
+    /// Print the JSON Schema of robot descriptions, with which editors complete and check keys
     #[command(after_help = SCHEMA_EXAMPLES)]
     Schema,
 }
 
 #[derive(Debug, Args)]
 pub(super) struct Generate {
-    /// TOML, URDF or MJCF; without it all descriptions of models/ are written to generated/src/
+    /// Robot description (TOML, URDF or MJCF); without it, the modules of all descriptions in models/ are written to
+    /// generated/src/
     pub(super) description: Option<PathBuf>,
-    /// Output file, or folder for <NAME>.rs; `-` is standard output. Default: generated/src/<NAME>.rs for a
-    /// description in the workspace's models/, else <NAME>.rs in this folder. In C: a folder, or a file FILE.c;
-    /// FILE.h is written next to it, and the names of the functions begin with FILE. Default in C: <NAME>.h and
-    /// <NAME>.c in this folder
+    /// Output file or folder; `-` is standard output. Default for Rust: generated/src/<NAME>.rs for a description in
+    /// the workspace's models/, otherwise <NAME>.rs in the current folder. For C: a folder, or a file FILE.c; FILE.h is
+    /// written next to it, and the names of the functions begin with FILE. Default for C: <NAME>.h and <NAME>.c in the
+    /// current folder
     #[arg(long, short, value_name = "PATH", requires = "description")]
     pub(super) output: Option<PathBuf>,
     #[command(flatten)]
@@ -167,9 +168,9 @@ pub(super) struct Generate {
 
 #[derive(Debug, Args)]
 pub(super) struct Check {
-    /// TOML, URDF or MJCF; without it all descriptions of models/
+    /// Robot description (TOML, URDF or MJCF); without it, all descriptions in models/ are checked
     pub(super) description: Option<PathBuf>,
-    /// The file to compare; by default where `generate` would write
+    /// File to compare [default: the file that `generate` writes]
     #[arg(long, short, value_name = "PATH", requires = "description")]
     pub(super) output: Option<PathBuf>,
     #[command(flatten)]
@@ -179,7 +180,7 @@ pub(super) struct Check {
 #[derive(Debug, Args)]
 #[command(group = clap::ArgGroup::new("to").required(true))]
 pub(super) struct Export {
-    /// TOML, URDF or MJCF
+    /// Robot description (TOML, URDF or MJCF)
     pub(super) description: PathBuf,
     /// Write MJCF: bodies, joints, springs, friction, armature, actuators, equalities, sites
     #[arg(long, group = "to")]
@@ -200,7 +201,7 @@ pub(super) struct Inspect {
     /// Stage to print [default: model]; not with --closed-form
     #[arg(value_enum)]
     pub(super) what: Option<Stage>,
-    /// TOML, URDF or MJCF
+    /// Robot description (TOML, URDF or MJCF)
     pub(super) description: PathBuf,
     /// Also print the size of the machine code at opt-level 3 in bytes (counts only)
     #[arg(long)]
@@ -221,7 +222,7 @@ pub(super) struct Inspect {
 
 #[derive(Debug, Args)]
 pub(super) struct New {
-    /// Folder to create; its last part names the crate
+    /// Folder to create; its name is also the name of the crate or package
     #[arg(value_name = "NAME")]
     pub(super) folder: PathBuf,
     /// Create a project in C: a Makefile and a simulation
@@ -263,7 +264,7 @@ pub(super) struct New {
 
 #[derive(Debug, Args)]
 pub(super) struct Report {
-    /// TOML, URDF or MJCF
+    /// Robot description (TOML, URDF or MJCF)
     pub(super) description: PathBuf,
     /// Folder for the page (index.html) and its numbers (report.json, CSV files) [default: report/<NAME>]
     #[arg(long, short, value_name = "FOLDER")]
@@ -277,7 +278,7 @@ pub(super) struct Report {
 
 #[derive(Debug, Args)]
 pub(super) struct Identify {
-    /// TOML, URDF or MJCF
+    /// Robot description (TOML, URDF or MJCF)
     pub(super) description: PathBuf,
     /// Recorded motions: CSV with time, positions and efforts, or ROS 2 bags (*.db3, *.mcap); with --merge, files of moments
     #[arg(required_unless_present = "plan", value_name = "LOG.csv")]
@@ -299,7 +300,7 @@ pub(super) struct Identify {
     /// Quantity of the efforts in the logs [default: from the column names]
     #[arg(long, value_enum, conflicts_with = "plan")]
     pub(super) effort: Option<EffortName>,
-    /// The recorded efforts exclude the robot's weight, because its own controller compensates it
+    /// The recorded efforts exclude the gravity torques, because the robot's controller compensates them
     #[arg(long, conflicts_with = "plan")]
     pub(super) gravity_compensated: bool,
     /// Half-amplitude frequency of the filter over positions and efforts [default: from the data]
@@ -312,7 +313,7 @@ pub(super) struct Identify {
     #[arg(long, value_name = "LOG.csv", conflicts_with = "plan")]
     pub(super) validate: Vec<PathBuf>,
     /// Logs of the robot with a load in its hand, in addition to logs without it: estimates the load, and writes a description
-    /// with it [default: <NAME>_payload.toml]; may be given several times
+    /// that contains the load [default: <NAME>_payload.toml]; may be given several times
     #[arg(
         long,
         value_name = "LOG.csv",
@@ -321,17 +322,18 @@ pub(super) struct Identify {
         ]
     )]
     pub(super) payload: Vec<PathBuf>,
-    /// Link that carries the load [default: the last one]
+    /// Link that carries the load [default: the last link]
     #[arg(long, value_name = "LINK", requires = "payload")]
     pub(super) payload_on: Option<String>,
-    /// Also identify friction under load, |τ_l| s₁(v), if it predicts held-out data better
+    /// Also identify load-dependent friction |τ_l| s₁(v), with the load torque τ_l and the speed v of the joint, if it
+    /// predicts held-out data better
     #[arg(long, conflicts_with_all = ["plan", "reduce", "merge"])]
     pub(super) load_friction: bool,
     /// Location of friction in robots with drives on several joints (`[[drives]]`): the shafts of these drives, or
     /// only joints
     #[arg(long, value_enum, value_name = "PLACE", default_value_t = FrictionPlace::Shafts)]
     pub(super) friction_on: FrictionPlace,
-    /// Terms that friction laws are chosen from: viscous, coulomb, asymmetric, quadratic, and expressions in the speed v
+    /// Candidate terms of friction laws: viscous, coulomb, asymmetric, quadratic, and expressions in the speed v
     /// such as 'tanh(50*v)'; or only stribeck, the Stribeck law with its five parameters [default:
     /// viscous,coulomb,asymmetric, then stribeck if it predicts held-out data better]
     #[arg(long, value_name = "TERMS", conflicts_with_all = ["plan", "reduce", "merge"])]
@@ -364,7 +366,7 @@ pub(super) struct Identify {
         ]
     )]
     pub(super) merge: bool,
-    /// Replay logs through the estimator that learns friction in the control loop, and compare it with batch laws. Writes no description.
+    /// Replay logs through the online friction estimator of the control loop, and compare its laws with a batch fit. Writes no description.
     /// Inputs of a log act during the period after their row; --delay -SECONDS lets them act later
     #[arg(
         long,
@@ -389,7 +391,7 @@ pub(super) struct Identify {
     /// Share of the described range of positions that the plan uses, about its middle
     #[arg(long, value_name = "SHARE", requires = "plan", value_parser = share, default_value_t = 0.9)]
     pub(super) position_share: f64,
-    /// Largest rotation of spherical and floating joints from position 0, below π; --position-share scales it
+    /// Largest rotation of spherical and floating joints from position 0, below π; --position-share scales this angle
     #[arg(long, value_name = "RAD", requires = "plan", value_parser = positive, default_value_t = 1.0)]
     pub(super) turn: f64,
     /// Share of the described speeds that the plan uses
@@ -405,7 +407,7 @@ pub(super) struct Identify {
     /// m; default: the start of the motion]
     #[arg(long, value_name = "JOINT=POSITION,…", requires = "plan")]
     pub(super) start: Option<String>,
-    /// Seed of the search: another one gives another motion
+    /// Seed of the search: another seed gives another motion
     #[arg(long, value_name = "NUMBER", requires = "plan", default_value_t = 1)]
     pub(super) seed: u64,
     #[command(flatten)]
@@ -417,7 +419,7 @@ pub(super) struct Identify {
 pub(super) enum EffortName {
     /// Torques or forces at the joints, after the gears
     Joint,
-    /// Inputs as described, at the motors
+    /// Inputs of the description, at the motors
     Input,
     /// Motor currents, whose torque constants are estimated
     Current,
@@ -431,7 +433,7 @@ fn methods() -> PossibleValuesParser {
 /// Methods of differentiating positions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum DerivativeName {
-    /// Derivatives of the filter that positions and efforts pass
+    /// Derivatives of the filter that is applied to positions and efforts
     Filter,
     /// TVDiff: total-variation regularized differentiation at the noise of each position, then the filter
     Tvdiff,
@@ -440,13 +442,13 @@ pub(super) enum DerivativeName {
 /// Location of the identified friction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum FrictionPlace {
-    /// On the shafts of these drives, and on joints with drives of their own
+    /// On the shafts of drives under `[[drives]]`, and on joints that have a `drive`
     Shafts,
     /// Only on joints; friction of shafts stays as described
     Joints,
 }
 
-/// Format of what is printed.
+/// Format of printed results.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum Format {
     Text,
@@ -458,7 +460,7 @@ pub(super) enum Format {
 pub(super) enum Stage {
     /// Links, joints, drives and parameters
     Model,
-    /// Frames and regrouped masses that the derivation starts from
+    /// Frames and regrouped masses with which the derivation starts
     Mechanism,
     /// Operation counts of each function
     Counts,

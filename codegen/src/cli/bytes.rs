@@ -34,9 +34,12 @@ impl CodeSizes {
         if source.text.contains("target_feature = \"fma\"") && cfg!(target_arch = "x86_64") {
             command.arg("-Ctarget-feature=+fma");
         }
-        let output = command
-            .output()
-            .map_err(|error| Failure::Problem(format!("{}: {error}; set RUSTC", rustc.to_string_lossy())))?;
+        let output = command.output().map_err(|error| {
+            Failure::Problem(format!(
+                "cannot run {}: {error}; set the environment variable RUSTC",
+                rustc.to_string_lossy()
+            ))
+        })?;
         if !output.status.success() {
             let message = String::from_utf8_lossy(&output.stderr).into_owned();
             return Err(Failure::Problem(message));

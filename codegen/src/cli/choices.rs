@@ -69,7 +69,7 @@ impl Reading {
         self.base == Some(BaseName::Floating)
     }
 
-    /// These choices as keys of a description, one line of TOML for each key. Choices about friction are left
+    /// Returns these options as keys of a description, one line of TOML per key. Options about friction are left
     /// out.
     pub(super) fn keys(&self) -> Vec<String> {
         let snap = self.snap_angles.map(|angle| format!("snap_angles = {angle:?}"));
@@ -85,7 +85,7 @@ impl Reading {
             .collect()
     }
 
-    /// These choices as arguments of the command line.
+    /// Returns these options as arguments of the command line.
     pub(super) fn words(&self) -> Vec<String> {
         let number = |option: &str, value: Option<f64>| {
             let words = value.map(|value| vec![option.to_owned(), format!("{value:?}")]);
@@ -114,7 +114,7 @@ fn held_key(hold: &[Hold]) -> Option<String> {
     (!entries.is_empty()).then(|| format!("held = {{ {} }}", entries.join(", ")))
 }
 
-/// TOML line that chooses the tree of a body.
+/// TOML line that selects the subtree of a body.
 fn body_key(body: Option<&str>) -> Option<String> {
     body.map(|body| format!("body = {}", toml_text(body)))
 }
@@ -178,7 +178,7 @@ pub(super) struct Choices {
     pub(super) max_operations: Option<usize>,
 }
 
-/// Makes words of the command line for values of the printer. They have no documentation, so that the help stays short.
+/// Defines command-line enums for enums of the printers. The variants have no documentation, to keep the help short.
 macro_rules! words {
     ($($name:ident for $value:ident { $($variant:ident),* })*) => {$(
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
@@ -213,7 +213,7 @@ fn function(text: &str) -> Result<String, String> {
     }
     if PositionFunction::ALL.iter().any(|function| function.name() == name) {
         return Err(
-            "it is always written for robots with spherical or floating joints, and never for others"
+            "this function is always generated for robots with spherical or floating joints, and never for others"
                 .to_owned(),
         );
     }

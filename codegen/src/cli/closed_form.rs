@@ -1,9 +1,9 @@
 //! The command `gelenk inspect --closed-form`.
 //!
 //! Symbolica prints a banner to standard output, and a second instance ends its process. Therefore the work
-//! runs in a separate process. Its standard output is redirected to standard error, so the printed results
-//! can be parsed. If it ends without a result, there is a message. With `--output` no separate process is
-//! needed.
+//! runs in a separate process, whose standard output is redirected to standard error, so the printed results
+//! can be parsed. If the process ends without a result, a message is printed. The option `--output` needs no
+//! separate process.
 
 use std::io;
 use std::path::Path;
@@ -41,9 +41,9 @@ fn problem(diagnostics: Diagnostics) -> Failure {
     Failure::Descriptions(vec![diagnostics])
 }
 
-/// Closed forms for the page of a robot, computed in a separate process. The inner error is the text for the
-/// page if there are no closed forms, because the robot has too many joints or the computer algebra failed.
-/// The second reason is also printed.
+/// Computes the closed forms for the page of a robot in a separate process. The inner error is the text for
+/// the page if there are no closed forms, because the robot has too many joints or the computer algebra
+/// failed. A failure of the computer algebra is also printed.
 pub(super) fn for_page(
     arguments: &arguments::Report,
     loaded: &Loaded,
@@ -107,8 +107,8 @@ fn delegate(description: &Path) -> Result<ExitCode, Failure> {
         // The process has printed the reason.
         Some(code @ 1..=3) => Ok(ExitCode::from(code as u8)),
         _ => Err(Failure::Problem(format!(
-            "the computer algebra stopped ({status})\n  = help: without a key, Symbolica runs once per \
-             machine; end other programs that use it"
+            "the computer algebra stopped ({status})\n  = help: without a licence key, only one program per \
+             machine can use Symbolica: end other programs that use it"
         ))),
     }
 }

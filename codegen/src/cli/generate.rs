@@ -179,7 +179,7 @@ fn report_stale(stale: &[(PathBuf, String)], format: Format) -> Result<ExitCode,
 fn derive_all(workspace: &Workspace, modules: &Modules) -> Result<Vec<Generated>, Failure> {
     if modules.language != LanguageName::Rust {
         return Err(Failure::Usage(
-            "all robots of models/ are written to generated/, a Rust crate; for C name one description"
+            "`--language c` needs a description; without one, all of models/ is written to a Rust crate"
                 .to_owned(),
         ));
     }
@@ -431,7 +431,9 @@ fn relative(path: &Path) -> String {
 }
 
 fn no_workspace() -> Failure {
-    Failure::Usage("no description is given, and no parent folder has models/ and generated/src/".to_owned())
+    Failure::Usage(
+        "name a description; without one, a parent folder must have models/ and generated/src/".to_owned(),
+    )
 }
 
 #[cfg(test)]

@@ -48,8 +48,8 @@ pub(super) fn inspect(arguments: &Inspect, format: Format) -> Result<ExitCode, F
     }
 }
 
-/// The stage if no stage is named: the model. Returns an error if the description has the name of a stage and
-/// does not exist.
+/// Returns the default stage, the model. Returns an error if the only argument is the name of a stage and no file
+/// has this name, because the description is then missing.
 fn model_of(arguments: &Inspect) -> Result<Stage, Failure> {
     let named = arguments.description.to_str().filter(|name| Stage::from_str(name, false).is_ok());
     match named.filter(|_| !arguments.description.exists()) {
@@ -103,12 +103,12 @@ fn closed_form(arguments: &Inspect, format: Format) -> Result<ExitCode, Failure>
     super::closed_form::inspect(arguments, format)
 }
 
-/// This build has no closed forms, because it lacks the feature `symbolica`.
+/// Returns an error, because this build lacks the feature `symbolica`.
 #[cfg(not(feature = "symbolica"))]
 fn closed_form(_: &Inspect, _: Format) -> Result<ExitCode, Failure> {
     Err(Failure::Usage(
         "closed forms with symbols need a build with `--features symbolica`; this build lacks the feature. \
-         Symbolica is source-available: commercial use needs a licence of your own, from \
+         Symbolica is source-available: commercial use needs a licence from \
          https://symbolica.io\n  = help: `gelenk inspect equations DESCRIPTION` prints closed forms with \
          the numbers of the description\n  = help: cargo run --release --features symbolica -- inspect \
          --closed-form DESCRIPTION"
@@ -139,8 +139,8 @@ fn as_text(robot: &Generated, what: Stage, latex: bool) -> Result<String, Failur
     })
 }
 
-/// Text about functions over a sample time of robots with quaternions, whose own operations are not counted;
-/// otherwise empty.
+/// Text about functions over a sample time of robots with quaternions. Their operations on quaternions are not
+/// counted. The text is empty if the module has no functions of this kind.
 fn uncounted(module: &Module) -> String {
     let composed = module.compositions.iter().filter(|each| each.cost.is_none());
     let lines = composed.map(|each| {

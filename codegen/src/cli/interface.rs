@@ -8,8 +8,8 @@ use crate::layout::Extent;
 use crate::model::Parameter;
 use crate::module::Module;
 
-/// All functions with names in C, shapes, meanings and units; the free parameters; and the values of all
-/// constants.
+/// Returns a JSON object with all functions (C names, shapes, meanings and units), the free parameters, and
+/// the values of all constants.
 pub(super) fn json(interface: &Interface, module: &Module) -> Value {
     let fields = module.parameters.iter().zip(&interface.parameters);
     let of_functions = module.functions.iter().flat_map(|function| &function.constants);

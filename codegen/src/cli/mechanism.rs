@@ -45,8 +45,8 @@ impl<'m> Shown<'m> {
         }
     }
 
-    /// The body that has the place of the joint. For a joint with a quaternion it is the first body of the
-    /// joint.
+    /// Returns the body whose frame is the frame of the joint: the first body of a joint with a quaternion,
+    /// otherwise `body`.
     fn stand<'a>(&'a self, body: &'a Body<Number>) -> &'a Body<Number> {
         body.chain.map_or(body, |place| &self.mechanism.bodies[place.first])
     }
@@ -105,7 +105,7 @@ impl<'m> Shown<'m> {
         };
         let caption = format!(
             "Modified Denavit–Hartenberg frames: R_z(gamma) R_x(alpha) and the shift x y z transform the parent's frame to the \
-             joint's axis, `lift` along it to the origin.{quaternions}"
+             joint's axis; `lift` is the distance along the axis to the origin.{quaternions}"
         );
         let mut table = Table::new("frames", &caption);
         for name in ["joint", "parent", "kind", "follows"] {
@@ -148,7 +148,7 @@ impl<'m> Shown<'m> {
         ]
     }
 
-    /// Cells of the frame of a joint with a quaternion. It has no angles. A floating joint has its place among its positions.
+    /// Cells of the frame of a joint with a quaternion. The frame has no angles. The positions of a floating joint contain its place.
     fn quaternion_frame(&self, body: &Body<Number>, whole: &QuaternionJoint) -> [Cell; 9] {
         let [x, y, z] = match whole.kind {
             QuaternionKind::Floating => [Cell::Empty, Cell::Empty, Cell::Empty],
@@ -161,8 +161,8 @@ impl<'m> Shown<'m> {
     }
 
     fn moments(&self) -> Table {
-        let caption = "Moments of mass about the origins; masses that act only through their sum are moved towards the base. `free` \
-                       depends on parameters.";
+        let caption = "Moments of mass about the origins; masses that act only through their sum are moved towards the base. `free` marks \
+                       values that depend on free parameters.";
         let mut table = Table::new("moments", caption).column("body", "body", "").column("m", "m", "kg");
         for (names, unit) in [
             (&["h_x", "h_y", "h_z"][..], "kg m"),

@@ -10,7 +10,7 @@ use gelenk_files::is_same_file;
 use super::choices::LanguageName;
 use super::failure::Failure;
 
-/// A folder with `models/` and `generated/src/`, as the workspace of gelenk has them.
+/// A folder with `models/` and `generated/src/`, such as the workspace of gelenk.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Workspace {
     pub(super) root: PathBuf,

@@ -10,7 +10,8 @@ use super::arguments::Format;
 use super::failure::Failure;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 
-/// Largest number of printed lines of findings. With steps and a table of 20 joints the output has 120 lines.
+/// Largest number of printed lines of findings. With the steps and a table of 20 joints, the whole output has
+/// 120 lines.
 const ROOM: usize = 84;
 
 /// Writes to standard output. A closed pipe (`gelenk … | head`) is not a failure.
@@ -84,9 +85,9 @@ pub(super) fn lines(all: &[Diagnostic]) -> String {
     shown + left_out(more, "findings").as_str()
 }
 
-/// At most [`ROOM`] lines.
+/// Returns at most [`ROOM`] lines, and the number of omitted lines.
 ///
-/// - `kind`: the things that have a line each
+/// - `kind`: plural noun for the contents of the lines
 pub(super) fn few(lines: &[String], kind: &str) -> String {
     let shown = lines.len().min(ROOM);
     lines[..shown].concat() + left_out(lines.len() - shown, kind).as_str()

@@ -84,7 +84,7 @@ fn closed_form(
     super::closed_form::for_page(arguments, loaded)
 }
 
-/// This build has no closed forms, because it lacks the feature `symbolica`.
+/// Returns the text for the page, because this build lacks the feature `symbolica`.
 #[cfg(not(feature = "symbolica"))]
 #[expect(clippy::unnecessary_wraps, reason = "as with the feature")]
 fn closed_form(_: &arguments::Report, _: &Loaded) -> Result<Result<ClosedForm, String>, Failure> {

@@ -1,7 +1,7 @@
 //! Vectors and matrices of Symbolica's expressions (atoms).
 //!
 //! Sines and cosines are written with phases `E = e^{iα}`: `cos α = (E + E⁻¹)/2`, `sin α = (E − E⁻¹)/2i`.
-//! Trigonometric identities are then plain arithmetic. Expansion is enough to simplify, because equal
+//! Trigonometric identities become plain arithmetic. Expansion is enough for simplification, because equal
 //! expressions become the same Fourier sum.
 
 use symbolica::atom::{Atom, AtomCore, Symbol};
@@ -16,10 +16,11 @@ pub(super) type Vector = [Atom; 3];
 /// A 3 × 3 matrix of expressions, as a list of rows.
 pub(super) type Matrix = [[Atom; 3]; 3];
 
-/// Largest number of variables of each kind.
+/// Largest number of variables per kind.
 const VARIABLES: usize = 1000;
 
-/// Symbolica's variables of a derivation, by kind and index. They borrow the right to use Symbolica.
+/// Symbolica's variables of a derivation, by kind and index. They borrow the [`Instance`] that permits the
+/// use of Symbolica.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Variables<'i> {
     _instance: &'i Instance,
@@ -64,7 +65,7 @@ impl<'i> Variables<'i> {
         Atom::var(self.symbol(kind, index))
     }
 
-    /// Kind and index of a variable; `None` if the symbol is not a variable of a derivation.
+    /// Kind and index of a variable; `None` if the symbol is not a variable of the derivation.
     pub fn recognize(self, symbol: Symbol) -> Option<(Kind, usize)> {
         let name = symbol.get_stripped_name();
         let kind = Kind::ALL.into_iter().find(|kind| name.starts_with(kind.prefix()))?;
@@ -85,24 +86,24 @@ impl<'i> Variables<'i> {
         (self.phase(index, -1) - self.phase(index, 1)) * Atom::num((1, 2)) * Atom::i()
     }
 
-    /// Derivative `∂f/∂y = i E ∂f/∂E` by an angle y with the phase E.
+    /// Derivative `∂f/∂y = i E ∂f/∂E` with respect to an angle y with the phase E.
     pub fn by_angle(self, f: &Atom, index: usize) -> Atom {
         let slope = f.derivative(self.symbol(Kind::Phase, index));
         (slope * self.phase(index, 1) * Atom::i()).expand()
     }
 
-    /// Derivative `∂f/∂y` by the coordinate of a prismatic joint.
+    /// Derivative `∂f/∂y` with respect to the coordinate of a prismatic joint.
     pub fn by_position(self, f: &Atom, index: usize) -> Atom {
         f.derivative(self.symbol(Kind::Coordinate, index)).expand()
     }
 
-    /// Derivative `∂f/∂ẏ` by a velocity.
+    /// Derivative `∂f/∂ẏ` with respect to a velocity.
     pub fn by_velocity(self, f: &Atom, index: usize) -> Atom {
         f.derivative(self.symbol(Kind::Velocity, index)).expand()
     }
 
-    /// Converts a formula of numbers and parameters to an expression. Its divisors must be products, and it
-    /// must have no calls of functions.
+    /// Converts a formula of numbers and parameters to an expression. Divisors of the formula must be
+    /// products, and the formula must not call functions.
     pub fn formula(self, formula: &Formula) -> Atom {
         let go = |part: &Formula| self.formula(part);
         match formula {
@@ -114,7 +115,7 @@ impl<'i> Variables<'i> {
             Formula::Multiply(a, b) => go(a) * go(b),
             Formula::Divide(a, b) => go(a) / go(b),
             Formula::Power(a, exponent) => go(a).pow(Atom::num(i64::from(*exponent))),
-            // The caller replaces these by letters of their own, so this case does not occur.
+            // This case does not occur, because the caller replaces these parts by symbols.
             Formula::Position | Formula::Velocity | Formula::Call(..) => zero(),
         }
     }
@@ -129,7 +130,8 @@ pub(super) fn number(value: f64) -> Atom {
     let shown = format!("{value:e}");
     let (mantissa, exponent) = shown.split_once('e').unwrap_or((&shown, "0"));
     let decimals = mantissa.split_once('.').map_or(0, |(_, digits)| digits.len() as i64);
-    // There are at most 17 digits, which an i64 holds. The exponent of an f64 has at most three digits.
+    // An i64 holds the digits, of which there are at most 17. The exponent of an f64 has at most three
+    // digits.
     let digits: i64 = mantissa.replace('.', "").parse().unwrap_or(0);
     let exponent = exponent.parse::<i64>().unwrap_or(0) - decimals;
     Atom::num(digits) * Atom::num(10).pow(Atom::num(exponent))

@@ -1,8 +1,8 @@
 //! Moving bodies of a model, in the frames of the description.
 //!
-//! Fixed and held links belong to the body that carries them. Masses of a body that are numbers are combined
-//! to one mass. Masses with free parameters stay separate. `kinematics/` is not used, because closed forms
-//! are compared with results of `kinematics/`.
+//! Fixed and held links belong to the body that carries them. Masses of a body without free parameters are
+//! combined to one mass. Masses with free parameters stay separate. `kinematics/` is not used, because closed
+//! forms serve as a check of results of `kinematics/`.
 
 use crate::model::{Body, Joint, JointKind, Model, Motion, Pose, RotorCoupling};
 use crate::numeric::sin_cos;
@@ -10,7 +10,7 @@ use gelenk_formula::Formula;
 
 type Matrix = [[f64; 3]; 3];
 
-/// Entries below this part of the largest entry are rounding errors of zeros.
+/// Entries below this fraction of the largest entry are rounding errors and are set to 0.
 const ROUNDING: f64 = 1e-12;
 
 /// A body that a joint moves.
@@ -47,14 +47,14 @@ pub(super) struct Rotor {
     /// Index of the drive in the model.
     pub drive: usize,
     /// Index of the body that carries the rotor, and unit vector of the rotor's axis in this body's frame.
-    /// `None` if the base carries the rotor or the motion of the carrier is neglected.
+    /// `None` if the base carries the rotor or if the motion of the carrier is neglected.
     pub carrier: Option<(usize, [f64; 3])>,
     /// Index of the coordinate that turns the rotor; `None` if the rotor does not turn relative to its
     /// carrier.
     pub coordinate: Option<usize>,
 }
 
-/// Moving bodies and rotors of a model. Each body is after its parent.
+/// Moving bodies and rotors of a model. Parents precede children.
 #[derive(Debug, Clone)]
 pub(super) struct Bodies {
     pub bodies: Vec<MovingBody>,
@@ -88,7 +88,8 @@ impl Bodies {
     }
 }
 
-/// The moving bodies with all masses, and for each link its body and its pose in the body's frame.
+/// Collects the moving bodies with all their masses. Also returns the body of each link, and the link's pose
+/// in the body's frame.
 fn moving(model: &Model) -> (Vec<MovingBody>, Vec<(Option<usize>, Pose)>) {
     let (mut bodies, mut places) = (Vec::new(), Vec::<(Option<usize>, Pose)>::new());
     for link in &model.links {
@@ -161,12 +162,12 @@ fn turned(rotation: &Matrix, v: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|i| (0..3).map(|j| rotation[i][j] * v[j]).sum())
 }
 
-/// The vector with entries close to an integer rounded to this integer.
+/// Rounds entries that are close to an integer to this integer.
 fn cleaned(v: [f64; 3]) -> [f64; 3] {
     v.map(|x| if (x - x.round()).abs() < ROUNDING { x.round() + 0.0 } else { x })
 }
 
-/// The pose without the rounding errors of products.
+/// Removes rounding errors of products from the pose.
 fn tidy(mut pose: Pose) -> Pose {
     pose.rotation = pose.rotation.map(cleaned);
     let numbers = pose.translation.each_ref().map(Formula::as_number);
@@ -234,7 +235,7 @@ impl NumericMass {
     }
 }
 
-/// Combines the masses without free parameters to one mass, which is the first.
+/// Combines the masses without free parameters to one mass, which becomes the first mass of the list.
 fn lumped(masses: Vec<Mass>) -> Vec<Mass> {
     let (numeric, others): (Vec<_>, Vec<_>) =
         masses.into_iter().partition(|mass| NumericMass::new(mass).is_some());
@@ -245,7 +246,8 @@ fn lumped(masses: Vec<Mass>) -> Vec<Mass> {
     all
 }
 
-/// Combined mass with `m = Σ mᵢ`, `c = Σ mᵢ cᵢ / m` and `I = Σ Iᵢ + mᵢ (|dᵢ|² 1 − dᵢ dᵢᵀ)`, `dᵢ = cᵢ − c`.
+/// Combined mass with `m = Σ mᵢ`, `c = Σ mᵢ cᵢ / m` and `I = Σ Iᵢ + mᵢ (|dᵢ|² 1 − dᵢ dᵢᵀ)`, in which
+/// `dᵢ = cᵢ − c`.
 fn lump(masses: &[NumericMass]) -> Mass {
     let total: f64 = masses.iter().map(|part| part.mass).sum();
     let center: [f64; 3] = std::array::from_fn(|i| {

@@ -1,6 +1,6 @@
 //! Prints closed forms as text and as LaTeX.
 //!
-//! Coordinates are printed as y and velocities as ẏ, with indices from 1.
+//! Coordinates are printed as y, and velocities as ẏ. Their indices start at 1.
 
 use std::collections::BTreeSet;
 
@@ -10,9 +10,9 @@ use crate::program::letters::greek_letter;
 use gelenk_formula::{Formula, Function};
 
 /// Prints the equations as lines of text: the entries of M, k, q and B, the definitions of lumped constants,
-/// and the values of symbols. A lumped constant is a constant sum of products that has its own symbol.
+/// and the values of symbols. A lumped constant is a constant sum of products that gets its own symbol.
 ///
-/// - `parameters`: values of the free parameters, for the printed values
+/// - `parameters`: values of the free parameters, from which the printed values are computed
 #[must_use]
 pub fn text(forms: &ClosedForms, parameters: &[f64]) -> String {
     let printer = Printer { forms, style: Style::Text };
@@ -48,7 +48,7 @@ pub fn text(forms: &ClosedForms, parameters: &[f64]) -> String {
 /// Prints equations and lumped constants as an `align*` environment of the LaTeX package amsmath. The values
 /// of the symbols follow as LaTeX comments.
 ///
-/// - `parameters`: values of the free parameters, for the printed values
+/// - `parameters`: values of the free parameters, from which the printed values are computed
 #[must_use]
 pub fn latex(forms: &ClosedForms, parameters: &[f64]) -> String {
     let parts = latex_parts(forms, parameters);
@@ -65,17 +65,18 @@ pub fn latex(forms: &ClosedForms, parameters: &[f64]) -> String {
 /// Closed forms in LaTeX, as separate equations.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LatexParts {
-    /// Name and formula of each entry of M, k, q and B. Only the upper triangle of M is included.
+    /// Name and formula of each entry of M, k, q and B. M is symmetric, so only its upper triangle is
+    /// included.
     pub equations: Vec<(String, String)>,
     /// Name, definition and value of each lumped constant.
     pub constants: Vec<(String, String, String)>,
-    /// Name, value and meaning of each symbol that occurs.
+    /// Name, value and meaning of each symbol in the equations.
     pub symbols: Vec<[String; 3]>,
 }
 
-/// Prints the equations in LaTeX as separate strings, for pages of HTML.
+/// Prints the equations in LaTeX as separate strings, for HTML pages.
 ///
-/// - `parameters`: values of the free parameters, for the printed values
+/// - `parameters`: values of the free parameters, from which the printed values are computed
 #[must_use]
 pub fn latex_parts(forms: &ClosedForms, parameters: &[f64]) -> LatexParts {
     let printer = Printer { forms, style: Style::Latex };
@@ -129,7 +130,7 @@ impl Printer<'_> {
         shown.collect()
     }
 
-    /// Name, value and meaning of each symbol that occurs.
+    /// Name, value and meaning of each symbol in the equations.
     fn symbols(&self, parameters: &[f64]) -> Vec<[String; 3]> {
         let used = used(self.forms);
         let symbols = self.forms.symbols.iter().enumerate();
@@ -159,7 +160,7 @@ impl Printer<'_> {
         self.joined(sum.iter().map(|part| (part.number.value < 0.0, self.product(part, &[]))))
     }
 
-    /// Joins summands, each with a flag for a negative sign.
+    /// Joins summands to a sum. The flag of a summand is true if it is subtracted.
     fn joined(&self, summands: impl Iterator<Item = (bool, String)>) -> String {
         let mut out = String::new();
         for (is_negative, summand) in summands {
@@ -174,12 +175,12 @@ impl Printer<'_> {
         if out.is_empty() { "0".to_owned() } else { out }
     }
 
-    /// Whether the term is subtracted, and the text of its magnitude.
+    /// Returns whether the term is subtracted, and the text of its magnitude.
     fn term(&self, term: &Term) -> (bool, String) {
         let mut outer = term.outer.clone();
         let mut parts = vec![self.wave(&term.wave)];
         match term.inner.as_slice() {
-            // The number of a single monomial is in `outer`, so 1 is left here.
+            // `outer` already contains the number of a single monomial, so this monomial has the number 1.
             [single] => outer.factors.extend(&single.factors),
             several => parts.push(self.bracket(&self.polynomial(several))),
         }
@@ -288,8 +289,8 @@ impl Printer<'_> {
         }
     }
 
-    /// Text of a formula as a factor, in brackets if it is a sum. y and ẏ in the formula are those of
-    /// `coordinate`.
+    /// Text of a formula as a factor, in brackets if the formula is a sum. y and ẏ in the formula are the
+    /// position and velocity of `coordinate`.
     fn formula_of(&self, formula: &Formula, coordinate: usize) -> String {
         match formula {
             Formula::Add(..) | Formula::Subtract(..) | Formula::Negate(_) => {
@@ -413,7 +414,7 @@ fn used(forms: &ClosedForms) -> BTreeSet<usize> {
     used
 }
 
-/// The value with twelve digits. Further digits are rounding errors of combined masses.
+/// Rounds a value to twelve digits. Further digits are rounding errors of combined masses.
 fn rounded(value: f64) -> f64 {
     format!("{value:.11e}").parse().unwrap_or(value)
 }
@@ -429,7 +430,7 @@ fn aligned(rows: &[[String; 3]]) -> String {
     rows.iter().map(line).collect()
 }
 
-/// The text with digits as subscripts.
+/// Replaces digits by subscripts.
 fn subscript(index: &str) -> String {
     let small = |c: char| match c.to_digit(10) {
         Some(digit) => char::from_u32(u32::from('₀') + digit).unwrap_or(c),

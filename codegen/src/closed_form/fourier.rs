@@ -1,5 +1,5 @@
-//! Converts Symbolica's expanded sums to real Fourier sums. Pairs of phases `E = e^{iα}` become sines and
-//! cosines.
+//! Converts Symbolica's expanded sums to real Fourier sums. Pairs of phases `E = e^{iα}` and E⁻¹ become sines
+//! and cosines.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +11,8 @@ use super::algebra::{Kind, Variables};
 use super::terms::{Factor, Wave};
 use crate::diagnostic::{Diagnostic, Diagnostics};
 
-/// A summand: the product of a rational number, constants, velocities and positions, and a wave.
+/// A summand: the product of a rational number, constants, velocities, positions, and a sine or cosine
+/// (wave).
 #[derive(Debug, Clone)]
 pub(super) struct Part {
     pub number: Rational,
@@ -29,22 +30,23 @@ impl Part {
     }
 }
 
-/// Constants and motion of a summand. Summands with equal keys have a common spectrum.
+/// Constants and motion of a summand. Summands with the same key are collected in one spectrum.
 type Key = (Vec<(Factor, i32)>, Vec<(Factor, i32)>);
 
-/// Real and imaginary part of the factor of each combination of phases, which is a list of exponents.
+/// Factors of the combinations of phases. A combination is a list of exponents. A factor has a real and an
+/// imaginary part.
 type Spectrum = BTreeMap<Vec<i32>, (Rational, Rational)>;
 
-/// Converts an expanded expression to its real summands, in a fixed order. Two conjugate terms of the
+/// Converts an expanded expression to its real summands, in a fixed order. The two conjugate terms of a
 /// combination k of phases become
 ///
 /// `c E^k + c̄ E^−k = 2 Re c cos(k·α) − 2 Im c sin(k·α)`
 ///
-/// - `phases`: number of angles with a phase
+/// - `phases`: number of angles that have a phase
 ///
 /// # Errors
-/// `symbolica-form` if the expression is not a real sum of products of variables. This would be a defect of
-/// gelenk.
+/// Returns `symbolica-form` if the expression is not a real sum of products of variables. This error is a
+/// defect of gelenk.
 pub(super) fn parts(variables: Variables<'_>, sum: &Atom, phases: usize) -> Result<Vec<Part>, Diagnostics> {
     let mut spectra: BTreeMap<Key, Spectrum> = BTreeMap::new();
     let view = sum.as_view();
@@ -93,7 +95,7 @@ fn add(
     Ok(())
 }
 
-/// A summand while its factors are collected.
+/// A summand under construction.
 struct Product {
     number: (Rational, Rational),
     constants: BTreeMap<Factor, i32>,
@@ -136,7 +138,7 @@ fn number_of(number: CoefficientView<'_>) -> Option<(Rational, Rational)> {
     }
 }
 
-/// Converts a spectrum to sines and cosines with their factors. The first non-zero multiple of each wave is
+/// Converts a spectrum to sines and cosines with their factors. The first non-zero multiple in each wave is
 /// positive.
 fn real(spectrum: &Spectrum) -> Result<Vec<(Rational, Wave)>, Diagnostics> {
     let mut waves = Vec::new();
@@ -163,7 +165,7 @@ fn real(spectrum: &Spectrum) -> Result<Vec<(Rational, Wave)>, Diagnostics> {
 
 fn unexpected(what: &str) -> Diagnostics {
     let defect =
-        Diagnostic::error("symbolica-form", format!("the closed form holds what it should not: {what}"))
+        Diagnostic::error("symbolica-form", format!("the closed form contains an unexpected part: {what}"))
             .help("this is a defect of gelenk; please report it with the description");
     Diagnostics::new(vec![defect])
 }

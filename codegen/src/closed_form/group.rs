@@ -1,5 +1,5 @@
-//! Grouping of constants. A sum of constants that is a common factor gets one symbol, a lumped constant.
-//! Summands with common factors are put into brackets.
+//! Groups constants. A sum of constants that is a common factor becomes a lumped constant, which gets one
+//! symbol. Summands with common factors are collected in brackets.
 
 use std::collections::BTreeMap;
 
@@ -16,7 +16,7 @@ type Factors = Vec<(Factor, i32)>;
 /// A sum of products with rational numbers.
 type Polynomial = Vec<(Factors, Rational)>;
 
-/// Largest number of letters of a product that does not become a lumped constant.
+/// Largest number of symbols in a product that does not become a lumped constant.
 const SHORT: i32 = 2;
 
 /// The lumped constants that were found so far.
@@ -29,7 +29,7 @@ impl Constants {
     /// Groups the summands of one entry of M, k, q or B.
     ///
     /// - `basis`: function that multiplies all summands, with the index of its coordinate
-    /// - `symbols`: all symbols; visible ones do not become part of a lumped constant
+    /// - `symbols`: all symbols; visible symbols do not become part of a lumped constant
     pub fn group(&mut self, parts: &[Part], symbols: &[Symbol], basis: Option<&(Formula, usize)>) -> Sum {
         let mut hidden: BTreeMap<(Wave, Factors, Factors), Polynomial> = BTreeMap::new();
         for part in parts {
@@ -72,7 +72,7 @@ impl Constants {
         self.found.into_iter().map(definition).collect()
     }
 
-    /// Writes a polynomial as the product of a number and letters. A long polynomial becomes a lumped
+    /// Writes a polynomial as the product of a number and symbols. A long polynomial becomes a lumped
     /// constant.
     fn letter(&mut self, mut polynomial: Polynomial) -> (Rational, Factors) {
         polynomial.sort_by(|a, b| a.0.cmp(&b.0));
@@ -96,7 +96,7 @@ impl Constants {
     }
 }
 
-/// The quotient `a / b` if it is a number.
+/// The quotient `a / b` if it is a number; otherwise `None`.
 fn ratio(a: &Polynomial, b: &Polynomial) -> Option<Rational> {
     let first = &a.first()?.1 / &b.first()?.1;
     let pairs = a.iter().zip(b);
@@ -105,8 +105,8 @@ fn ratio(a: &Polynomial, b: &Polynomial) -> Option<Rational> {
     is_multiple.then_some(first)
 }
 
-/// The common factor of a sum's numbers. Divided by this factor, the numbers are coprime integers and the
-/// first one is positive.
+/// The common factor of a sum's numbers. After a division by this factor, the numbers are coprime integers,
+/// and the first number is positive.
 fn content(polynomial: &Polynomial) -> Rational {
     let Some((_, first)) = polynomial.first() else {
         return Rational::from(1);
@@ -124,7 +124,7 @@ fn monomial(number: &Rational, factors: Factors) -> Monomial {
     Monomial { number: shown(number), factors }
 }
 
-/// Largest numerator and denominator of a fraction that is printed as a fraction.
+/// Largest numerator and largest denominator of a number that is printed as a fraction.
 const SHORT_FRACTION: i64 = 1000;
 
 fn shown(number: &Rational) -> Number {

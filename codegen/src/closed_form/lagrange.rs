@@ -5,10 +5,11 @@
 //! `d/dt ∂L/∂ẏ − ∂L/∂y = q − q_gravity + B u`
 //! (Goldstein, Poole and Safko, Classical Mechanics, 2002, sections 1.4 and 1.6)
 //!
-//! m, I and p are the mass, inertia and centre of mass of a body, ω is its angular velocity and g₀ the
-//! gravitational acceleration. A rotor has the axial inertia J_R, the gear ratio i and the axis a on a
-//! carrier with the angular velocity ω_c. Velocities are derivatives of positions: `ṗ = Σ ∂p/∂yⱼ ẏⱼ`, `[ω]ₓ =
-//! RᵀṘ`. No code is shared with the recursive derivation of `dynamics/`.
+//! m, I and p are the mass, inertia and centre of mass of a body. ω is its angular velocity, and g₀ is the
+//! gravitational acceleration. A rotor has the axial inertia J_R, the gear ratio i and the axis a; the
+//! angular velocity of its carrier is ω_c. Velocities are derivatives of positions: `ṗ = Σ ∂p/∂yⱼ ẏⱼ`,
+//! `[ω]ₓ = RᵀṘ` with the rotation R of the body. No code is shared with the recursive derivation in
+//! `dynamics/`.
 
 use symbolica::atom::{Atom, AtomCore};
 
@@ -17,7 +18,7 @@ use super::bodies::{Bodies, ENTRY, MovingBody, Rotor};
 use super::letters::Letters;
 use crate::model::{Model, RotorCoupling};
 
-/// Results of Lagrange's equations, with phases instead of sines and cosines.
+/// Results of Lagrange's equations. Sines and cosines are written as phases.
 pub(super) struct Lagrange {
     /// Mass matrix `M = ∂²L/∂ẏ²`.
     pub mass_matrix: Vec<Vec<Atom>>,
@@ -63,7 +64,7 @@ struct Derivation<'a, 'i, 'm> {
 }
 
 impl Derivation<'_, '_, '_> {
-    /// Lagrangian `L = T − V`.
+    /// Computes the Lagrangian `L = T − V`.
     fn lagrangian(&mut self, model: &Model) -> Atom {
         let gravity = self.letters.gravity(&model.gravity);
         let mut placed: Vec<Placed> = Vec::new();
@@ -109,7 +110,7 @@ impl Derivation<'_, '_, '_> {
         [entry(2, 1), entry(0, 2), entry(1, 0)]
     }
 
-    /// Part `½ m ṗᵀṗ + ½ ωᵀ I ω + m g₀ᵀp` of L, summed over the masses of a body.
+    /// Part `½ m ṗᵀṗ + ½ ωᵀ I ω + m g₀ᵀp` of the Lagrangian, summed over the masses of a body.
     fn of_body(&mut self, body: &MovingBody, frame: &Placed, spin: &Vector, gravity: &Vector) -> Atom {
         let mut sum = algebra::zero();
         for mass in &body.masses {
@@ -126,7 +127,7 @@ impl Derivation<'_, '_, '_> {
         sum.expand()
     }
 
-    /// Part `½ J_R (aᵀω_c + i ẏ)²` of L of a rotor.
+    /// Part `½ J_R (aᵀω_c + i ẏ)²` of the Lagrangian for one rotor.
     fn of_rotor(&mut self, rotor: &Rotor, model: &Model, spins: &[Vector]) -> Atom {
         let (inertia, ratio) = self.letters.rotor(rotor.drive);
         let mut speed = algebra::zero();

@@ -1,8 +1,7 @@
-//! Replaces the numbers of a description by symbols, as in a textbook: m₂, c₂, I₂, l₂, i₂, J₂, g.
+//! Replaces the numbers of a description by symbols, for example m₂, c₂, I₂, l₂, i₂, J₂ and g.
 //!
-//! The index is the number of the body's coordinate. The symbol of a vector with one non-zero entry has no
-//! axis. If a vector has several non-zero entries, the index of a symbol contains the axis (c₂x, c₂z). Zeros
-//! and multiples of 90° get no symbol.
+//! The index of a symbol is the number of the body's coordinate. If a vector has several non-zero entries,
+//! the index also contains the axis (c₂x, c₂z). Zeros and multiples of 90° get no symbol.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -15,7 +14,8 @@ use crate::model::{Input, Joint, JointKind, Model};
 use crate::numeric::{atan2, length};
 use gelenk_formula::Formula;
 
-/// Largest distance [rad] of an angle from a multiple of 90° for which the angle counts as this multiple.
+/// Largest difference \[rad\] between an angle and a multiple of 90° for which the angle is treated as this
+/// multiple.
 const QUARTER_ROUNDING: f64 = 1e-12;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -25,7 +25,7 @@ pub(super) struct Letters<'m> {
     variables: Variables<'m>,
     model: &'m Model,
     pub symbols: Symbols,
-    /// Symbols of constant angles. With n coordinates, phase `n + k` belongs to `angles[k]`.
+    /// Symbols of constant angles. If there are n coordinates, phase `n + k` belongs to `angles[k]`.
     pub angles: Vec<Symbol>,
     /// Gear ratio of each drive.
     ratios: Vec<Atom>,
@@ -57,7 +57,7 @@ impl<'m> Letters<'m> {
         }
     }
 
-    /// Converts a formula as [`Letters::constant`] does, with symbols that do not become part of a lumped
+    /// Converts a formula like [`Letters::constant`], but its symbol does not become part of a lumped
     /// constant.
     fn visible(&mut self, formula: &Formula, stem: &str, index: &str, meaning: &str) -> Atom {
         let before = self.symbols.entries.len();
@@ -99,7 +99,7 @@ impl<'m> Letters<'m> {
         }
     }
 
-    /// The symbol for a whole formula.
+    /// Replaces a whole formula by a symbol.
     fn whole(&mut self, formula: &Formula) -> Formula {
         let known = self.symbols.entries.iter().position(|symbol| symbol.value == *formula);
         let place = known.unwrap_or_else(|| {
@@ -160,7 +160,7 @@ impl<'m> Letters<'m> {
         align.map(|[_, _, z]| z)
     }
 
-    /// Rotation `R_z(azimuth) R_y(polar)`, which turns z into the axis.
+    /// Rotation `R_z(azimuth) R_y(polar)`, which rotates the z axis to the given axis.
     fn align(&mut self, axis: [f64; 3], stems: [&str; 2], index: usize, meaning: &str) -> Matrix {
         let [azimuth, polar] = spherical(axis);
         let (sine, cosine) = self.angle(azimuth, stems[0], index, &format!("azimuth, {meaning}"));
@@ -206,14 +206,18 @@ impl<'m> Letters<'m> {
     pub fn mass(&mut self, coordinate: usize, mass: &Mass) -> (Atom, Vector, [Atom; 6]) {
         let name = self.joint_name(coordinate);
         let index = coordinate + 1;
-        let m =
-            self.constant(&mass.mass, "m", &index.to_string(), &format!("mass of what {name} carries [kg]"));
+        let m = self.constant(
+            &mass.mass,
+            "m",
+            &index.to_string(),
+            &format!("mass of the body that {name} carries [kg]"),
+        );
         let center =
-            self.vector(&mass.center, "c", coordinate, &format!("its centre in the frame of {name} [m]"));
+            self.vector(&mass.center, "c", coordinate, &format!("centre of mass in the frame of {name} [m]"));
         let mut entry = |k: usize| {
             let (i, j) = PLACES[k];
             let index = format!("{index}{}{}", AXES[i], AXES[j]);
-            self.constant(&mass.inertia[k], "I", &index, "its inertia about the centre [kg m²]")
+            self.constant(&mass.inertia[k], "I", &index, "inertia about the centre of mass [kg m²]")
         };
         let inertia = [entry(0), entry(1), entry(2), entry(3), entry(4), entry(5)];
         (m, center, inertia)
@@ -248,8 +252,8 @@ impl<'m> Letters<'m> {
         matrix
     }
 
-    /// Spring and friction terms of each coordinate: coefficient and basis function. Coefficients of friction
-    /// are negated.
+    /// Spring and friction terms of each coordinate, each with its coefficient and basis function.
+    /// Coefficients of friction are negated.
     pub fn joint_forces(&mut self) -> Vec<Vec<(Atom, Formula)>> {
         let model = self.model;
         let joints = model.coordinates.iter().enumerate();
@@ -291,8 +295,8 @@ impl<'m> Letters<'m> {
         }
     }
 
-    /// Index of a drive's symbols: the number of the drive's coordinate, or the drive's name if its joint is
-    /// held.
+    /// Index of a drive's symbols: the number of the drive's coordinate, or the name of the drive if its
+    /// joint is held.
     fn drive_index(&self, drive: usize) -> String {
         let drive = &self.model.drives[drive];
         match drive.coordinate() {
@@ -310,7 +314,7 @@ impl<'m> Letters<'m> {
 
 /// Sine and cosine of α + 90° k from sine and cosine of α.
 fn turned(quarters: f64, sine: Atom, cosine: Atom) -> (Atom, Atom) {
-    // Angles are at most a few turns.
+    // The cast is exact, because angles are at most a few turns.
     match quarters.rem_euclid(4.0) as u8 {
         0 => (sine, cosine),
         1 => (cosine, -sine),
@@ -347,7 +351,8 @@ fn spherical([x, y, z]: [f64; 3]) -> [f64; 2] {
     [atan2(y, x), atan2(length([x, y]), z)]
 }
 
-/// Unit of the coefficient of a basis function, in brackets. The text is empty for a basis such as a power.
+/// Unit of the coefficient of a basis function, in brackets. The text is empty if the unit is unknown, for
+/// example for powers.
 fn unit(joint: &Joint, basis: &Formula) -> &'static str {
     let slides = joint.kind == JointKind::Prismatic;
     match (basis, slides) {
@@ -361,7 +366,7 @@ fn unit(joint: &Joint, basis: &Formula) -> &'static str {
     }
 }
 
-/// Letters a, b, c, … for the terms of a force law.
+/// Letter a, b, c, … of a term of a force law.
 fn part(number: usize) -> char {
     char::from(b'a' + (number % 26) as u8)
 }

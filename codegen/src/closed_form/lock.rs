@@ -1,9 +1,9 @@
-//! Lock for Symbolica, which allows one instance per machine without a key. The lock is an advisory lock on a
-//! file that all users share.
+//! Lock for Symbolica. Without a key, Symbolica allows only one instance per machine. The lock is an advisory
+//! lock on a file that all users share.
 //!
-//! A second instance of Symbolica ends its own process, which no error handling can prevent. Programs that
-//! use this lock never start a second instance. The lock has no effect on programs that use Symbolica without
-//! it, or that have another folder for temporary files.
+//! A second instance of Symbolica ends its process, and no error handling can prevent this. Programs that use
+//! this lock never start a second instance. Programs that use Symbolica without the lock, or that have
+//! another folder for temporary files, are not affected.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io;
@@ -27,20 +27,20 @@ static LOCK: OnceLock<File> = OnceLock::new();
 /// Lock for the threads of this process.
 static TURN: Mutex<()> = Mutex::new(());
 
-/// The right to use Symbolica on this thread until the value is dropped. Other processes wait until this
-/// process ends: only then the operating system unlocks the file.
+/// Permission to use Symbolica on this thread until the value is dropped. Other processes have to wait until
+/// this process ends, because the operating system unlocks the file only then.
 #[derive(Debug)]
 pub struct Instance {
     _turn: MutexGuard<'static, ()>,
 }
 
 impl Instance {
-    /// Waits for the lock, at most [`PATIENCE`]. If it has to wait, it first calls `on_wait` with the path of
-    /// the locked file.
+    /// Waits for the lock for at most [`PATIENCE`]. If the lock is not free at once, `on_wait` is called with
+    /// the path of the locked file.
     ///
     /// # Errors
-    /// `symbolica-busy` if another process has the lock for longer than [`PATIENCE`], `symbolica-lock` if the
-    /// file cannot be locked.
+    /// - `symbolica-busy` if another process has the lock for longer than [`PATIENCE`]
+    /// - `symbolica-lock` if the file cannot be locked
     pub fn acquire(on_wait: &mut dyn FnMut(&Path)) -> Result<Self, Diagnostics> {
         // The mutex has no data that a panic could have left inconsistent.
         let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
@@ -80,7 +80,7 @@ pub fn lock_file() -> PathBuf {
     std::env::temp_dir().join("gelenk-symbolica.lock")
 }
 
-/// Opens the file for reading, which is enough for a lock, so the file of another user can be locked.
+/// Opens the file for reading. This is enough for a lock, so even a file of another user can be locked.
 fn open(path: &Path) -> io::Result<File> {
     match File::open(path) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => {
@@ -99,11 +99,11 @@ fn busy(path: &Path, patience: Duration) -> Diagnostic {
     Diagnostic::error(
         "symbolica-busy",
         format!(
-            "another process has used Symbolica for more than {} s; without a key only one process may use it",
+            "another process has been using Symbolica for more than {} s; only one process may use Symbolica without a key",
             patience.as_secs()
         ),
     )
-    .help(format!("wait for that process to end, or find the process that holds `{}` open", path.display()))
+    .help(format!("wait until that process ends, or find and end the process that has `{}` open", path.display()))
 }
 
 fn unusable(path: &Path, error: &io::Error) -> Diagnostic {

@@ -1,16 +1,18 @@
-//! Closed forms: formulas of M, k, q and B with symbols instead of numbers, from the computer algebra system
-//! Symbolica.
+//! Closed forms: formulas of M, k, q and B with symbols instead of numbers. The computer algebra system
+//! Symbolica derives them.
 //!
 //! This module requires the feature `symbolica`, which is off by default. No other module uses Symbolica, and
-//! generated code does not depend on it. Symbolica is source-available, not open source. Without a key it is
-//! for non-commercial use, with one instance and one core per machine. Therefore [`derive()`] takes an
-//! [`Instance`] and runs on one thread. Symbolica prints a banner to standard output at its first use.
+//! generated code does not depend on Symbolica.
 //!
-//! The equations are Lagrange's equations of the second kind. They share only the model with the recursive
-//! derivation of [`crate::dynamics`], so they are an independent check of that derivation.
+//! Symbolica is source-available, but not open source. Without a key, only non-commercial use with one
+//! instance and one core per machine is permitted. Therefore [`derive()`] takes an [`Instance`] and runs on
+//! one thread. Symbolica prints a banner to standard output at its first use.
 //!
-//! Closed forms grow quickly with the number of joints, so generated code does not use them. They exist for
-//! robots with up to [`MAXIMUM_JOINTS`] coordinates.
+//! The equations are Lagrange's equations of the second kind. Only the model is shared with the recursive
+//! derivation in [`crate::dynamics`], so closed forms are an independent check of that derivation.
+//!
+//! Closed forms grow quickly with the number of joints, so generated code does not use them. They are
+//! available for robots with up to [`MAXIMUM_JOINTS`] coordinates.
 
 mod algebra;
 mod bodies;
@@ -41,19 +43,21 @@ use letters::Letters;
 /// Largest number of coordinates. Closed forms of more coordinates are too long to read.
 pub const MAXIMUM_JOINTS: usize = 3;
 
-/// Largest number of coordinates plus constant angles that are not multiples of 90°. Each coordinate or angle
-/// multiplies the number of terms by up to five. For three general joints, the formulas have 30 kB with one
-/// angle and 130 kB with two angles. With three angles the computation takes hours.
+/// Largest sum of the number of coordinates and the number of constant angles that are not multiples of 90°.
+/// Each coordinate or angle multiplies the number of terms by up to five. For three general joints, the
+/// formulas have 30 kB with one angle and 130 kB with two angles. With three angles, the computation takes
+/// hours.
 pub const MAXIMUM_ANGLES: usize = 4;
 
 /// Derives `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u` of a model with symbols instead of numbers.
 ///
-/// - `instance`: the right to use Symbolica
+/// - `instance`: permission to use Symbolica
 ///
 /// # Errors
-/// - the code of a [`Kind`](crate::functions::catalogue::Kind) of robots for which there are no closed forms
+/// - the code of a [`Kind`](crate::functions::catalogue::Kind) of robots for which closed forms are not
+///   available
 /// - `too-many-joints` if the model has more than [`MAXIMUM_JOINTS`] coordinates
-/// - `too-many-angles` if coordinates and angles are more than [`MAXIMUM_ANGLES`]
+/// - `too-many-angles` if the number of coordinates plus the number of angles exceeds [`MAXIMUM_ANGLES`]
 pub fn derive(model: &Model, instance: &Instance) -> Result<ClosedForms, Diagnostics> {
     check_size(model)?;
     let variables = Variables::new(instance);
@@ -95,17 +99,17 @@ pub fn derive(model: &Model, instance: &Instance) -> Result<ClosedForms, Diagnos
     })
 }
 
-/// Checks that closed forms of a model are possible: the model is small enough, and M, k, q and B are its
-/// complete equations. No instance of Symbolica is needed.
+/// Checks that closed forms of a model are possible. The model must be small enough, and M, k, q and B must
+/// be its complete equations of motion. No instance of Symbolica is needed.
 ///
 /// # Errors
-/// The errors of [`derive()`].
+/// Returns the errors of [`derive()`].
 pub fn check_size(model: &Model) -> Result<(), Diagnostics> {
     CLOSED_FORMS.check(model)?;
     check_coordinates(model)
 }
 
-/// Checks the numbers of coordinates and angles, with which formulas grow.
+/// Checks the numbers of coordinates and angles, because formulas grow with these numbers.
 fn check_coordinates(model: &Model) -> Result<(), Diagnostics> {
     let n = model.coordinates.len();
     if n > MAXIMUM_JOINTS {
@@ -133,7 +137,7 @@ fn check_coordinates(model: &Model) -> Result<(), Diagnostics> {
     Ok(())
 }
 
-/// Converts Symbolica's expressions to sums of [`Term`].
+/// Converts Symbolica's expressions to sums of [`Term`]s.
 struct Writer<'a, 'm> {
     variables: Variables<'m>,
     phases: usize,
@@ -159,8 +163,8 @@ impl Writer<'_, '_> {
         Ok(all)
     }
 
-    /// Splits `k − q_gravity` into k, whose terms contain velocities, and q_gravity, whose terms contain no
-    /// velocities.
+    /// Splits `k − q_gravity` into k and q_gravity. Terms with velocities belong to k, terms without
+    /// velocities to q_gravity.
     fn split(&mut self, bias: &Atom) -> Result<(Sum, Sum), Diagnostics> {
         let moves = |part: &Part| {
             let mut factors = part.motion.iter();

@@ -11,12 +11,13 @@ pub struct Symbol {
     /// Subscript of the symbol: the number of the coordinate, and axes if necessary, for example `2` or `2z`.
     /// It is empty for free parameters.
     pub index: String,
-    /// Value in the description. The value of a free parameter is an argument of `evaluate`.
+    /// Value in the description. The value of a free parameter can be given to
+    /// [`ClosedForms::evaluate`](super::ClosedForms::evaluate).
     pub value: Formula,
     /// Meaning of the symbol, with the unit in brackets.
     pub meaning: String,
-    /// Whether the symbol never becomes part of a lumped constant. This is set for symbols of drives,
-    /// gravity, springs, friction and angles.
+    /// Whether the symbol stays visible, that is never becomes part of a lumped constant. Symbols of drives,
+    /// gravity, springs, friction and angles are visible.
     pub is_visible: bool,
 }
 

@@ -17,15 +17,15 @@ pub struct ClosedForms {
     pub symbols: Vec<Symbol>,
     /// Symbols of the constant angles of joints and rotors that are not multiples of 90°.
     pub angles: Vec<Symbol>,
-    /// Definitions of the lumped constants p₁, p₂, …, sums of products of masses, lengths and inertias.
+    /// Definitions of the lumped constants p₁, p₂, … as sums of products of masses, lengths and inertias.
     pub constants: Vec<Vec<Monomial>>,
-    /// M, `[n × n]`.
+    /// Mass matrix M, `[n × n]`.
     pub mass_matrix: Vec<Vec<Sum>>,
-    /// k, `[n]`.
+    /// Coriolis, centrifugal and gyroscopic forces k, `[n]`.
     pub coriolis_forces: Vec<Sum>,
-    /// q, `[n]`.
+    /// Applied forces q, `[n]`.
     pub applied_forces: Vec<Sum>,
-    /// B, `[n × m]`.
+    /// Input matrix B, `[n × m]`.
     pub input_matrix: Vec<Vec<Sum>>,
 }
 
@@ -45,13 +45,13 @@ pub enum Factor {
     Constant(usize),
     /// The symbol with this index in [`ClosedForms::symbols`].
     Symbol(usize),
-    /// The coordinate with this index, of a prismatic joint.
+    /// The coordinate with this index. It is the position of a prismatic joint.
     Coordinate(usize),
     /// The velocity with this index.
     Velocity(usize),
 }
 
-/// A product `number · Π factorᵉ`.
+/// A product `number · Π factorᵉ` with integer exponents e.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Monomial {
     /// Rational factor.
@@ -60,7 +60,7 @@ pub struct Monomial {
     pub factors: Vec<(Factor, i32)>,
 }
 
-/// Sine or cosine of an integer combination of angles.
+/// Sine or cosine of a sum of angles with integer multiples.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Wave {
     /// The constant 1.
@@ -81,8 +81,8 @@ pub struct Term {
     pub wave: Wave,
     /// Sum of products of velocities and coordinates of prismatic joints. It has at least one summand.
     pub inner: Vec<Monomial>,
-    /// Basis function of a friction law or spring, and the index of the coordinate whose y and ẏ it has;
-    /// `None` for other terms.
+    /// Basis function of a friction law or spring, and the index of the coordinate whose position y and
+    /// velocity ẏ are its arguments; `None` for other terms.
     pub basis: Option<(Formula, usize)>,
 }
 
@@ -92,18 +92,18 @@ pub type Sum = Vec<Term>;
 /// Values of M, k, q and B at one state.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Values {
-    /// M, `[n × n]`.
+    /// Mass matrix M, `[n × n]`.
     pub mass_matrix: Vec<Vec<f64>>,
-    /// k, `[n]`.
+    /// Coriolis, centrifugal and gyroscopic forces k, `[n]`.
     pub coriolis_forces: Vec<f64>,
-    /// q, `[n]`.
+    /// Applied forces q, `[n]`.
     pub applied_forces: Vec<f64>,
-    /// B, `[n × m]`.
+    /// Input matrix B, `[n × m]`.
     pub input_matrix: Vec<Vec<f64>>,
 }
 
 impl ClosedForms {
-    /// Evaluates M, k, q and B at a state. Results are `NaN` if they depend on a value that is missing in an
+    /// Evaluates M, k, q and B at a state. A result is `NaN` if it depends on a value that is missing in an
     /// argument.
     ///
     /// - `parameters`: values of the free parameters
@@ -127,7 +127,7 @@ impl ClosedForms {
     }
 }
 
-/// Values of everything that occurs in formulas.
+/// Values of all quantities that occur in formulas.
 struct State<'a> {
     symbols: Vec<f64>,
     constants: Vec<f64>,

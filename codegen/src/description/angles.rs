@@ -1,15 +1,15 @@
-//! Angles close to a multiple of 90°. A note names them; on request they are snapped, that is rounded to the
-//! multiple.
+//! Finds angles close to a multiple of 90°. A note lists these angles, and the option `snap_angles` rounds them
+//! to the multiple.
 
 use crate::diagnostic::{At, Report, Span};
 use crate::model::pose::{Rotation, from_quaternion, from_rpy, is_nearly_right, snapped};
 use crate::wording::{listed, three_digits};
 
-/// Largest distance \[rad\] of an angle from a multiple of 90° for which there is a note.
+/// Largest difference \[rad\] between an angle and a multiple of 90° for which a note is printed.
 pub const NEARLY_RIGHT: f64 = 1e-4;
 /// Code of the note about angles close to a multiple of 90°.
 pub const NEARLY_RIGHT_ANGLE: &str = "nearly-right-angle";
-/// Makes rotations from the angles of a description, and collects the angles for notes.
+/// Converts the angles of a description to rotations, and collects suspicious angles for notes.
 #[derive(Debug, Default)]
 pub(crate) struct Angles {
     /// Largest distance [rad] of an angle from a multiple of 90° for which the angle is rounded to this
@@ -27,8 +27,8 @@ pub(crate) fn looks_like_degrees(angle: f64) -> bool {
     is_beyond_turns(angle) && angle % 5.0 == 0.0
 }
 
-/// Whether the magnitude of an angle is from 30 to 720: nearly five turns or more in radians, at most two
-/// turns in degrees.
+/// Whether the magnitude of an angle is from 30 to 720. In radians this is almost five turns or more, in
+/// degrees at most two turns.
 pub(crate) fn is_beyond_turns(angle: f64) -> bool {
     (30.0..=720.0).contains(&angle.abs())
 }
@@ -51,7 +51,7 @@ impl Angles {
         from_quaternion(quaternion, self.snap.unwrap_or(0.0))
     }
 
-    /// An angle of a Denavit–Hartenberg row [rad], rounded if [`Self::snap`] asks for it. Notes name the
+    /// Returns an angle of a Denavit–Hartenberg row [rad], rounded if [`Self::snap`] is set. Notes name the
     /// angle by `owner`.
     pub fn angle(&mut self, angle: &At<f64>, owner: &str) -> f64 {
         let value = self.snapped(angle.value);
@@ -76,7 +76,7 @@ impl Angles {
         near
     }
 
-    /// Adds the notes about the collected angles.
+    /// Adds the notes about the collected angles to the report.
     pub fn report(self, report: &mut Report) {
         self.note_degrees(report);
         let Some((first, ..)) = self.near.first() else {
@@ -89,7 +89,7 @@ impl Angles {
         });
         let count = self.near.len();
         let message = format!(
-            "{count} angle{} within 1e-4 rad of a multiple of 90°, but not equal to it: {}; snapping would \
+            "{count} angle{} within 1e-4 rad of a multiple of 90°, but not equal to it: {}; rounding would \
              set {} entries of rotation matrices to exactly 0 or ±1, which cost no operations",
             if count == 1 { " is" } else { "s are" },
             listed(entries),

@@ -1,7 +1,7 @@
 //! Unchecked contents of a description. TOML, URDF and MJCF are read into the same types.
 //!
-//! Entries refer to each other by name and have their place in the file. If a value could not be read, there
-//! is an error, and a valid value takes its place to avoid further errors.
+//! Entries refer to each other by name, and each entry keeps its location in the file. A value that cannot be
+//! read causes an error and is replaced by a valid value, so that no further errors follow from it.
 
 pub(crate) mod angles;
 
@@ -24,7 +24,7 @@ impl Name {
     }
 }
 
-/// A robot as its description defines it. `None` means that the description has no entry.
+/// A robot as its description defines it. A field is `None` if the description does not contain the entry.
 #[derive(Debug, Default)]
 pub(crate) struct RobotDescription {
     pub name: Name,
@@ -37,13 +37,14 @@ pub(crate) struct RobotDescription {
     pub floating_base: Option<Span>,
     /// Whether the floating joint of the base was already added.
     pub is_freed: bool,
-    /// Keys of the velocities of the floating base, until its joint is added.
+    /// Limits, friction and drives that the description gives for the velocities of the floating base, until
+    /// the floating joint is added.
     pub velocities: Vec<JointDescription>,
     /// Whether the description is an MJCF or extends one.
     pub is_mjcf: bool,
-    /// Links that the description lists, also if no joint names them.
+    /// Links that the description lists, including links that no joint refers to.
     pub links: Vec<Name>,
-    /// Links with a shape but without a body.
+    /// Links with a visual or collision shape, but without mass and inertia.
     pub weightless_shapes: Vec<Name>,
     /// Rotors of a URDF that could not be assigned to a joint.
     pub skipped_rotors: Vec<SkippedRotor>,
@@ -55,19 +56,20 @@ pub(crate) struct RobotDescription {
     /// Whether the children of a link have the order of their joints' names, as in Pinocchio. Otherwise they
     /// have the order of the description.
     pub sort_joints: bool,
-    /// Followers in `held` or `--hold`. It is an error if the joints that they follow are not held, too.
+    /// Joints in `held` or `--hold` that follow other joints. It is an error if a followed joint is not held,
+    /// too.
     pub resting: Vec<Name>,
     /// Drives of the tables `[[drives]]`, which may act on several joints.
     pub drives: Vec<SharedDriveDescription>,
     /// Forces between two frames.
     pub point_forces: Vec<PointForceDescription>,
-    /// Inputs whose effect is a wrench in a frame.
+    /// Inputs that act as a wrench in a frame.
     pub wrench_inputs: Vec<WrenchInputDescription>,
     /// Wrenches that are arguments of generated functions.
     pub wrenches: Vec<WrenchDescription>,
     /// Drive of joints without a drive of their own.
     pub default_drive: DriveChoice,
-    /// Whether there is a warning instead of an error if the mass matrix is not positive definite.
+    /// Whether a mass matrix that is not positive definite causes a warning instead of an error.
     pub accept_unphysical: bool,
     pub options: Option<Options>,
 }
@@ -83,8 +85,8 @@ impl RobotDescription {
         }
     }
 
-    /// Place of the first name in `names` that equals `wanted`. If there is none, the place of the robot's
-    /// name is returned.
+    /// Location of the first name in `names` that equals `wanted`, or of the robot's name if no name equals
+    /// `wanted`.
     pub fn place_among<'r>(&'r self, mut names: impl Iterator<Item = &'r Name>, wanted: &str) -> Span {
         names.find(|name| name.value == wanted).unwrap_or(&self.name).span
     }
@@ -107,8 +109,8 @@ impl RobotDescription {
         between.chain(inputs).chain(self.wrenches.iter().map(|wrench| &wrench.frame))
     }
 
-    /// Names of the links in `links` that the description contains. Links between the velocities of one
-    /// spherical or floating joint are left out, because only the generator needs them.
+    /// Names of the links in `links` that the description contains. The generator adds links between the
+    /// velocities of a spherical or floating joint. These inner links are left out.
     pub fn described_links<'l>(&self, links: &'l [Name]) -> impl Iterator<Item = &'l str> + use<'l> {
         let inner =
             self.joints.iter().filter(|joint| joint.leads_on).filter_map(|joint| joint.child.as_ref());
@@ -136,15 +138,15 @@ pub(crate) struct BodyDescription {
     pub link: Name,
     /// Pose of the body's frame in the frame of the link.
     pub origin: Option<Pose>,
-    /// Parts of the pose that this file leaves out. If it extends another description, that description's
-    /// parts remain.
+    /// Parts of the pose that this file does not give. If the file extends another description, these parts
+    /// keep the values of that description.
     pub unsaid: Unsaid,
     pub mass: Option<At<Formula>>,
     pub center_of_mass: Option<[Formula; 3]>,
     pub inertia: Option<At<[Formula; 6]>>,
     pub accept_unphysical: bool,
-    /// Whether mass and inertia are from a URDF or an MJCF. An impossible inertia is then a warning. In TOML
-    /// it is an error.
+    /// Whether mass and inertia come from a URDF or an MJCF. A physically impossible inertia then causes a
+    /// warning. In TOML it causes an error.
     pub is_published: bool,
 }
 
@@ -176,11 +178,11 @@ pub(crate) struct JointDescription {
     pub parent: Option<Name>,
     pub child: Option<Name>,
     pub origin: Option<Pose>,
-    /// Parts of the pose that this file leaves out. If it extends another description, that description's
-    /// parts remain.
+    /// Parts of the pose that this file does not give. If the file extends another description, these parts
+    /// keep the values of that description.
     pub unsaid: Unsaid,
-    /// Pose of the child link's frame in the frame that moves with the joint, for standard Denavit–Hartenberg
-    /// rows. In other descriptions both frames are equal.
+    /// Pose of the child link's frame in the frame that moves with the joint. The two frames differ only for
+    /// standard Denavit–Hartenberg rows.
     pub link_frame: Option<Pose>,
     pub axis: Option<[f64; 3]>,
     pub held: Option<f64>,
@@ -196,12 +198,12 @@ pub(crate) struct JointDescription {
     pub offset: Option<At<f64>>,
     /// The spherical or floating joint, if this entry is one of its velocities.
     pub part_of: Option<PartOf>,
-    /// Whether this is a part of a joint with several degrees of freedom, but not its last part. The child
-    /// link of the part is then not in the description.
+    /// Whether this entry is a part of a spherical or floating joint, but not its last part. The child link of
+    /// such a part is added by the generator and is not in the description.
     pub leads_on: bool,
 }
 
-/// Place of a velocity within a joint with a quaternion.
+/// Identifies one velocity of a spherical or floating joint.
 #[derive(Debug, Clone)]
 pub(crate) struct PartOf {
     pub joint: Name,
@@ -285,7 +287,7 @@ impl JointDescription {
 pub(crate) struct FrictionDescription {
     /// Terms of the friction force or torque, functions of velocity and position.
     pub terms: Vec<FrictionTerm>,
-    /// Terms of the friction per unit of load, without unit.
+    /// Terms of the load-dependent friction: friction divided by the load, without unit.
     pub load: Option<At<Vec<FrictionTerm>>>,
 }
 
@@ -308,7 +310,7 @@ pub(crate) struct LimitsDescription {
 }
 
 impl LimitsDescription {
-    /// Limits of magnitudes, with their names in messages.
+    /// Limits on magnitudes, each with its name in messages.
     pub fn amounts(&self) -> [(&'static str, &Option<At<f64>>); 5] {
         [
             ("speed", &self.velocity),
@@ -342,7 +344,7 @@ pub(crate) struct DriveDescription {
     pub axis: Option<[f64; 3]>,
     pub coupling: RotorCoupling,
     pub input: Input,
-    /// Place of the motor constant; the place of the motor if there is no constant.
+    /// Location of the motor constant, or of the motor if the description has no motor constant.
     pub input_span: Span,
     pub torque: MotorTorque,
     /// Highest speed of the motor's shaft [rad/s].
@@ -374,7 +376,7 @@ impl DriveDescription {
     }
 }
 
-/// A rotor of a URDF, with the joints and gear ratios that it may have.
+/// A rotor of a URDF that was not assigned to a joint, with the possible joints and gear ratios.
 #[derive(Debug, Clone)]
 pub(crate) struct SkippedRotor {
     /// Inertia about the rotor's axis, before the gear [kg m²].
@@ -384,8 +386,8 @@ pub(crate) struct SkippedRotor {
 }
 
 impl SkippedRotor {
-    /// Name of the rotor's joint, and the inertia on the diagonal of M, ratio² times the rotor's inertia.
-    /// `None` if there are several possible joints or ratios.
+    /// Name of the rotor's joint, and the rotor's entry on the diagonal of M (ratio² times inertia). `None` if
+    /// several joints or ratios are possible.
     pub fn place(&self) -> Option<(&str, f64)> {
         match (&self.joints[..], &self.ratios[..]) {
             ([joint], [ratio]) => Some((joint, ratio * ratio * self.inertia.value)),
@@ -422,7 +424,7 @@ pub(crate) struct WrenchInputDescription {
     pub name: Name,
     /// Name of the frame or link at which the wrench acts.
     pub frame: Name,
-    /// Force [N], then moment about the frame's origin [N m], for an input of 1.
+    /// Force [N], then moment about the frame's origin [N m], if the input is 1.
     pub wrench: At<[Formula; 6]>,
     pub limits: Option<At<[f64; 2]>>,
 }

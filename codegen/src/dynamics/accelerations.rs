@@ -1,4 +1,4 @@
-//! Accelerations of one robot over the expression graph, with derivatives and the linearization.
+//! Accelerations of a robot as expressions of the graph, with derivatives and the linearization.
 
 use super::equations::Equations;
 use super::load_friction;
@@ -9,7 +9,7 @@ use super::recursion::motion::MotionInput;
 use crate::graph::{Cost, Edge, Scalar};
 use crate::spatial::Force;
 
-/// Accelerations of n coordinates, with derivatives.
+/// Accelerations of n coordinates with their derivatives.
 #[derive(Debug, Clone)]
 pub struct AccelerationDerivatives<'g> {
     /// Accelerations ÿ, n entries.
@@ -35,15 +35,15 @@ pub struct AffineAccelerations<'g> {
     pub remainder: Vec<Scalar<'g>>,
 }
 
-/// Accelerations, M⁻¹ and derivatives of forces. The derivatives of the accelerations follow from them: `∂ÿ =
-/// −M⁻¹ ∂(M ÿ + k − q)`.
+/// Accelerations, M⁻¹ and derivatives of forces. The derivatives of the accelerations are
+/// `∂ÿ = −M⁻¹ ∂(M ÿ + k − q)`.
 #[derive(Debug, Clone)]
 pub struct AcceleratedForces<'g> {
     /// Accelerations ÿ, n entries.
     pub accelerations: Vec<Scalar<'g>>,
     /// Inverse mass matrix M⁻¹, n × n.
     pub inverse: Matrix<'g>,
-    /// Forces M ÿ + k − q at these accelerations, with derivatives by y and ẏ.
+    /// Forces M ÿ + k − q at these accelerations, with derivatives with respect to y and ẏ.
     pub forces: ForceDerivatives<'g>,
 }
 
@@ -69,7 +69,8 @@ impl<'g> Equations<'_, 'g> {
         route.accelerations(self.graph, self.formulations, input, driving)
     }
 
-    /// Accelerations under the wrenches `w`, with derivatives by y, by ẏ and by the joint forces (M⁻¹).
+    /// Accelerations under the wrenches `w`, with derivatives with respect to y, to ẏ and to the joint forces
+    /// (M⁻¹).
     pub fn forward_dynamics_derivatives_with_wrenches(
         &self,
         y: &[Scalar<'g>],
@@ -80,7 +81,7 @@ impl<'g> Equations<'_, 'g> {
         self.acceleration_derivatives(y, v, u, Some(w))
     }
 
-    /// Accelerations with derivatives by y, by ẏ and by the joint forces (M⁻¹).
+    /// Accelerations with derivatives with respect to y, to ẏ and to the joint forces (M⁻¹).
     pub fn forward_dynamics_derivatives(
         &self,
         y: &[Scalar<'g>],
@@ -90,7 +91,7 @@ impl<'g> Equations<'_, 'g> {
         self.acceleration_derivatives(y, v, u, None)
     }
 
-    /// Accelerations, M⁻¹, and forces with derivatives by y and ẏ. The robot must have no driven joints.
+    /// Accelerations, M⁻¹, and forces with derivatives with respect to y and ẏ. The robot must have no driven joints.
     pub fn accelerated_forces(
         &self,
         y: &[Scalar<'g>],
@@ -148,8 +149,8 @@ impl<'g> Equations<'_, 'g> {
         }
     }
 
-    /// Whether products with M⁻¹ cost no more operations than solutions with the factors of M. If both cost
-    /// the same, products are preferred, because their terms do not depend on each other.
+    /// Whether products with M⁻¹ need at most as many operations as solutions with the factors of M. Products
+    /// are preferred at equal numbers, because their terms do not depend on each other.
     fn weighs_less_by_inverse(&self, factorization: &Factorization<'g>, inverse: &Matrix<'g>) -> bool {
         let right: Vec<_> = (0..inverse.len()).map(|k| self.graph.input(FREE, k)).collect();
         let weight = |results: Vec<Scalar<'g>>| {
@@ -161,8 +162,8 @@ impl<'g> Equations<'_, 'g> {
         weight(product) <= weight(factorization.solve(&right))
     }
 
-    /// Linearization `ÿ = A_y y + A_v ẏ + B_x u + c` at a state and an input. For joints with quaternions,
-    /// the deviation δ from the positions replaces y.
+    /// Linearization `ÿ = A_y y + A_v ẏ + B_x u + c` at the state y, v and the input u. For robots with
+    /// quaternions, the deviation δ from the given positions replaces y.
     pub fn linearize(&self, y: &[Scalar<'g>], v: &[Scalar<'g>], u: &[Scalar<'g>]) -> AffineAccelerations<'g> {
         let derivatives = self.forward_dynamics_derivatives(y, v, u);
         let input_matrix = self.loads_by_inputs(y, v, u);
@@ -176,7 +177,7 @@ impl<'g> Equations<'_, 'g> {
                     .collect()
             })
             .collect();
-        // Positions with a quaternion are given by the small motion from them, which is 0 here.
+        // The deviation δ is 0 here, so it adds nothing to the remainder.
         let counted = if self.model.quaternion_joints.is_empty() { y } else { &[] };
         let remainder = (0..by_inputs.len()).map(|i| {
             let known = dot(self.graph, &derivatives.by_coordinates[i], counted)
@@ -189,8 +190,8 @@ impl<'g> Equations<'_, 'g> {
         AffineAccelerations { by_coordinates, by_velocities, by_inputs, remainder }
     }
 
-    /// The driving forces if they depend on the motion beyond the joint forces; otherwise only the joint
-    /// forces, because the other parts have no derivatives by y and ẏ.
+    /// Returns the driving forces if their other parts also depend on the motion; otherwise only the joint
+    /// forces, because the other parts have no derivatives with respect to y and ẏ.
     fn driving_forces_by_motion(
         &self,
         y: &[Scalar<'g>],
@@ -203,8 +204,8 @@ impl<'g> Equations<'_, 'g> {
         }
     }
 
-    /// Derivatives of the driving forces by the inputs: B, with each row divided by the gain of its
-    /// load-dependent friction.
+    /// Derivatives of the driving forces with respect to the inputs: the matrix B, with each row divided by
+    /// the gain `1 + s₁ sign τ_l` of load-dependent friction.
     fn loads_by_inputs(&self, y: &[Scalar<'g>], v: &[Scalar<'g>], u: &[Scalar<'g>]) -> Matrix<'g> {
         let matrix = self.input_matrix(y);
         let Some(shares) = self.load_shares(y, v) else {

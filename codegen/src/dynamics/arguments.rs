@@ -3,8 +3,8 @@
 use crate::graph::Scalar;
 use crate::spatial::Force;
 
-/// Arguments of a generated function. An argument that the function does not have is empty. In y, v and a the
-/// entries of driven coordinates are last.
+/// Arguments of a generated function. An argument that the function does not have is empty. The last entries
+/// of y, v and a belong to driven coordinates.
 pub struct Arguments<'g> {
     /// Positions y, by coordinate.
     pub y: Vec<Scalar<'g>>,

@@ -1,4 +1,4 @@
-//! Equations of motion of one robot over the expression graph. A formulation is one way to write the same
+//! Equations of motion of a robot as expressions of the graph. A formulation is one way to write the same
 //! equations. Each quantity is derived in the formulation with the fewest operations.
 
 use super::forces;
@@ -21,7 +21,7 @@ use crate::model::Model;
 use crate::spatial::{Force, Vector3, rotate};
 use gelenk_formula::Function;
 
-/// The equations of motion of a model on one graph, `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u`. The symbols are
+/// The equations of motion `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u` of a model on one graph. The symbols are
 /// defined in [`crate::guide::conventions`].
 #[derive(Debug, Clone, Copy)]
 pub struct Equations<'a, 'g> {
@@ -31,14 +31,13 @@ pub struct Equations<'a, 'g> {
     pub model: &'a Model,
     /// Cheapest formulation of each quantity.
     pub formulations: &'a Formulations<'a>,
-    /// Accelerations of the driven coordinates. These coordinates are last in all vectors by coordinate.
-    /// Forces have rows for them, as if they were free.
+    /// Accelerations of the driven coordinates. These coordinates are the last entries of all vectors by
+    /// coordinate. Force vectors also have entries for them, as if they were free.
     pub driven: &'a [Scalar<'g>],
 }
 
 impl<'g> Equations<'_, 'g> {
-    /// The mechanism on the graph, in metres. No mass on a joint's axis is assigned to the other body of the
-    /// joint.
+    /// The mechanism on the graph, in metres and with the masses of the description.
     pub(super) fn mechanism(&self) -> Mechanism<Scalar<'g>> {
         self.formulations.mechanism().on(self.graph)
     }
@@ -47,8 +46,8 @@ impl<'g> Equations<'_, 'g> {
         vec![self.graph.constant(0.0); self.model.motion_count()]
     }
 
-    /// Accelerations with ÿ = 0 for the coordinates that are not driven. The accelerations of driven
-    /// coordinates are [`Self::driven`].
+    /// Acceleration vector with 0 for coordinates that are not driven, and with [`Self::driven`] for driven
+    /// coordinates.
     pub fn unaccelerated(&self) -> Vec<Scalar<'g>> {
         self.with_driven(&self.zeros())
     }
@@ -85,8 +84,8 @@ impl<'g> Equations<'_, 'g> {
         )
     }
 
-    /// Mass matrix `M(y)` and bias forces `k − q_gravity`, that is k minus the part of q from gravity. The
-    /// pair of formulations has the fewest operations in sum.
+    /// Mass matrix `M(y)` and bias forces `k − q_gravity`, with the forces q_gravity of gravity. The pair of
+    /// formulations has the smallest total number of operations.
     pub fn mass_matrix_and_bias(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> (Matrix<'g>, Vec<Scalar<'g>>) {
         self.formulations.mass_matrix_and_bias(self.graph, MotionInput { y, v, a: &self.unaccelerated() })
     }
@@ -106,7 +105,7 @@ impl<'g> Equations<'_, 'g> {
         self.recursive(self.formulations.bias_forces(), input, false)
     }
 
-    /// The part q_gravity of q from gravity.
+    /// Generalized forces q_gravity of gravity, a part of q.
     pub fn gravity_forces(&self, y: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let still = self.zeros();
         let held =
@@ -114,12 +113,12 @@ impl<'g> Equations<'_, 'g> {
         held.into_iter().map(|x| -x).collect()
     }
 
-    /// Bias forces `k − q_gravity`, with the part q_gravity of q from gravity.
+    /// Bias forces `k − q_gravity`, with the generalized forces q_gravity of gravity.
     pub fn bias_forces(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         self.bias_by(self.formulations.bias_forces(), y, v)
     }
 
-    /// The part of q from springs and dampers at joints and between frames.
+    /// Generalized forces of springs and dampers at joints and between frames, a part of q.
     pub fn spring_forces(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let at_joints = forces::spring_forces(self.graph, self.model, y, v);
         if self.model.point_forces.is_empty() {
@@ -132,7 +131,8 @@ impl<'g> Equations<'_, 'g> {
         FrameForces::new(self.model, self.mechanism(), y)
     }
 
-    /// Matrix B(y) as a list of rows. Columns of drives are first.
+    /// Input matrix B(y) as a list of rows. The columns of drives come first, then the columns of inputs at
+    /// frames.
     ///
     /// - `y`: may be empty if B is constant
     pub fn input_matrix(&self, y: &[Scalar<'g>]) -> Matrix<'g> {
@@ -158,7 +158,7 @@ impl<'g> Equations<'_, 'g> {
         forces::friction_torques(self.graph, self.model, y, v)
     }
 
-    /// The part of q from springs, dampers and friction, `spring_forces − friction_torques`.
+    /// Generalized forces of springs, dampers and friction: `spring_forces − friction_torques`, a part of q.
     pub fn joint_forces(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         subtract(&self.spring_forces(y, v), &self.friction_torques(y, v))
     }
@@ -180,7 +180,7 @@ impl<'g> Equations<'_, 'g> {
         load_friction::shares(self.graph, self.model, y, v)
     }
 
-    /// Inverse dynamics `B u = M ÿ + k − q`, with load-dependent friction.
+    /// Inverse dynamics `B u = M ÿ + k − q`, including load-dependent friction.
     pub fn inverse_dynamics(&self, y: &[Scalar<'g>], v: &[Scalar<'g>], a: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let bodies = self.recursive(self.formulations.inverse_dynamics(), MotionInput { y, v, a }, true);
         let Some(shares) = self.load_shares(y, v) else {
@@ -193,7 +193,8 @@ impl<'g> Equations<'_, 'g> {
         exerted.zip(more).map(|(exerted, more)| exerted + more).collect()
     }
 
-    /// Inverse dynamics `M ÿ + k − q` with load-dependent friction, the derivatives by y and ẏ, and M.
+    /// Inverse dynamics `M ÿ + k − q` including load-dependent friction, with derivatives with respect to y
+    /// and ẏ, and with M.
     pub fn inverse_dynamics_derivatives(&self, input: MotionInput<'_, 'g>) -> ForceDerivatives<'g> {
         let Some(shares) = self.load_shares(input.y, input.v) else {
             return self.remaining_derivatives(input, || self.joint_forces(input.y, input.v));
@@ -203,7 +204,7 @@ impl<'g> Equations<'_, 'g> {
         for (row, (&share, &friction)) in shares.iter().zip(&friction).enumerate() {
             let load = result.forces[row];
             let (gain, magnitude) = (load_friction::gain(load, share), load.call(Function::Abs));
-            // At a given load, the friction of a joint depends only on the motion of this joint.
+            // If the load is given, the friction of a joint depends only on the motion of this joint.
             let whole = |by: Vec<Scalar<'g>>| by[0] + magnitude * by[1];
             let y = whole(self.along(&[friction, share], input.y, row));
             let v = whole(differentiate(self.graph, &[friction, share], input.v[row]));
@@ -216,7 +217,7 @@ impl<'g> Equations<'_, 'g> {
         result
     }
 
-    /// `M ÿ + k − q_gravity` minus `joint_forces`, with derivatives by y and ẏ, and M.
+    /// `M ÿ + k − q_gravity` minus `joint_forces`, with derivatives with respect to y and ẏ, and M.
     pub(super) fn remaining_derivatives(
         &self,
         input: MotionInput<'_, 'g>,
@@ -242,7 +243,7 @@ impl<'g> Equations<'_, 'g> {
         result
     }
 
-    /// Generalized forces `Σ Jᵀ w` of the wrenches, with derivatives by y.
+    /// Generalized forces `Σ Jᵀ w` of the wrenches, with derivatives with respect to y.
     pub fn wrench_forces_derivatives(
         &self,
         y: &[Scalar<'g>],
@@ -251,7 +252,7 @@ impl<'g> Equations<'_, 'g> {
         self.with_derivatives(self.wrench_forces(y, w), y)
     }
 
-    /// Generalized forces `B u` of the inputs, with derivatives by y.
+    /// Generalized forces `B u` of the inputs, with derivatives with respect to y.
     pub fn input_forces_derivatives(
         &self,
         y: &[Scalar<'g>],
@@ -260,7 +261,7 @@ impl<'g> Equations<'_, 'g> {
         self.with_derivatives(self.input_forces(y, u), y)
     }
 
-    /// Forces with their derivatives by y.
+    /// Adds the derivatives with respect to y to given forces.
     fn with_derivatives(&self, forces: Vec<Scalar<'g>>, y: &[Scalar<'g>]) -> (Vec<Scalar<'g>>, Matrix<'g>) {
         let columns: Vec<Vec<_>> =
             (0..y.len()).map(|coordinate| self.along(&forces, y, coordinate)).collect();
@@ -269,12 +270,13 @@ impl<'g> Equations<'_, 'g> {
         (forces, rows)
     }
 
-    /// Derivatives of `results` along a coordinate. For joints with quaternions see [`super::tangent`].
+    /// Derivatives of `results` along a coordinate. [`super::tangent`] describes them for joints with
+    /// quaternions.
     pub fn along(&self, results: &[Scalar<'g>], y: &[Scalar<'g>], coordinate: usize) -> Vec<Scalar<'g>> {
         differentiate_along(self.graph, self.model, results, y, coordinate)
     }
 
-    /// Derivatives of one result along all coordinates, and by all velocities. They are computed by reverse
+    /// Derivatives of one result along all coordinates, and with respect to all velocities, by reverse
     /// differentiation.
     pub fn gradient_along(
         &self,
@@ -285,8 +287,9 @@ impl<'g> Equations<'_, 'g> {
         gradient_along(self.graph, self.model, result, y, v)
     }
 
-    /// Symmetrizes row and column `j` of a Hessian of `δ ↦ f(y ⊕ δ)` at 0. Small motions of a joint with a
-    /// quaternion do not commute. The entry is therefore the mean of both orders of differentiation.
+    /// Symmetrizes row and column `j` of the Hessian of `δ ↦ f(y ⊕ δ)` at δ = 0. Small motions of a joint
+    /// with a quaternion do not commute. Each entry is therefore the mean of the two orders of
+    /// differentiation.
     pub fn symmetrize_along(
         &self,
         hessian: &mut Matrix<'g>,
@@ -312,7 +315,7 @@ impl<'g> Equations<'_, 'g> {
         subtract(&self.inverse_dynamics(y, v, a), &self.wrench_forces(y, w))
     }
 
-    /// Inverse dynamics `M ÿ + k − q − Σ Jᵀ w` under the wrenches w, with derivatives by y and ẏ, and M.
+    /// Inverse dynamics `M ÿ + k − q − Σ Jᵀ w` under the wrenches w, with derivatives with respect to y and ẏ, and M.
     pub fn inverse_dynamics_derivatives_with_wrenches(
         &self,
         input: MotionInput<'_, 'g>,
@@ -336,7 +339,7 @@ impl<'g> Equations<'_, 'g> {
             && model.force_inputs.is_empty()
     }
 
-    /// Matrix D of the kinematics of small motions `δ̇ = D δ + v − v̄`; see [`super::tangent::drift`].
+    /// Matrix D in the kinematics `δ̇ = D δ + v − v̄` of small motions δ; see [`super::tangent::drift`].
     pub fn drift(&self, v: &[Scalar<'g>]) -> Matrix<'g> {
         drift(self.graph, self.model, v)
     }
@@ -348,7 +351,8 @@ impl<'g> Equations<'_, 'g> {
         matrix.iter().map(|row| row.iter().zip(u).fold(zero, |sum, (&b, &u)| sum + b * u)).collect()
     }
 
-    /// Driving forces: springs plus the part of `B u` that friction leaves. Gravity is not included.
+    /// Driving forces: spring forces plus the drive forces that remain after subtracting friction from `B u`.
+    /// Gravity is not included.
     pub(super) fn driving_forces(
         &self,
         y: &[Scalar<'g>],
@@ -363,8 +367,8 @@ impl<'g> Equations<'_, 'g> {
         loads.zip(self.spring_forces(y, v)).map(|(load, spring)| load + spring).collect()
     }
 
-    /// Wrench that each moving joint transmits to the link that it carries, one row for each joint: force,
-    /// then moment about the link's origin, in the link's axes.
+    /// Wrench that each moving joint transmits to the link that it carries. Each joint has one row: the
+    /// force, then the moment about the link's origin, in the axes of the link.
     pub fn joint_wrenches(&self, input: MotionInput<'_, 'g>) -> Matrix<'g> {
         let mechanism = self.mechanism();
         let plain = Formulation::plain(mechanism.bodies.len());
@@ -385,23 +389,24 @@ impl<'g> Equations<'_, 'g> {
         regressor::inertial_regressor(&self.mechanism(), self.model, input)
     }
 
-    /// Regressor of the base parameters. Each group of inertial parameters that act only as a sum has a
-    /// leading parameter; the result has the columns of W for these parameters.
+    /// Regressor of the base parameters. Inertial parameters that act only as a sum form a group with a
+    /// leading parameter. The regressor has the columns of W for the leading parameters.
     pub fn base_regressor(&self, input: MotionInput<'_, 'g>) -> Matrix<'g> {
         let leaders = &self.formulations.base_parameters().leaders;
         let rows = self.inertial_regressor(input).into_iter();
         rows.map(|row| leaders.iter().map(|&column| row[column]).collect()).collect()
     }
 
-    /// Kinetic energy `½ ẏᵀ M ẏ` \[J\]. M ẏ is computed as the forces for the accelerations ẏ at rest without
-    /// gravity.
+    /// Kinetic energy `½ ẏᵀ M ẏ` \[J\]. M ẏ is computed by the inverse dynamics at zero velocity with the
+    /// accelerations ẏ and without gravity.
     pub fn kinetic_energy(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Scalar<'g> {
         let formulation = self.formulations.inverse_dynamics();
         let momentum = self.recursive(formulation, MotionInput { y, v: &self.zeros(), a: v }, false);
         dot(self.graph, &momentum, v) * 0.5
     }
 
-    /// Potential energy \[J\]: `−g · Σ m c` over the moving bodies, plus the energies of forces between frames.
+    /// Potential energy \[J\]: `−g · Σ m c` over the moving bodies, plus the energies of forces between
+    /// frames.
     pub fn potential_energy(&self, y: &[Scalar<'g>]) -> Scalar<'g> {
         let plain = Formulation::plain(self.formulations.mechanism().bodies.len());
         let choices = vec![RegroupChoice::Massless; plain.bodies.len()];
@@ -413,12 +418,12 @@ impl<'g> Equations<'_, 'g> {
         self.frame_forces(y).law_energies().into_iter().fold(of_gravity, |sum, energy| sum + energy)
     }
 
-    /// Centre of mass and momentum at the positions `y`.
+    /// Masses of the robot at the positions `y`, for its centre of mass and momentum.
     pub fn masses(&self, y: &[Scalar<'g>]) -> Masses<'g> {
         Masses::new(self.mechanism(), y)
     }
 
-    /// Product of a row of a matrix and the velocities.
+    /// Product of a matrix row and the velocities.
     pub fn along_velocities(&self, row: &[Scalar<'g>], v: &[Scalar<'g>]) -> Scalar<'g> {
         dot(self.graph, row, v)
     }

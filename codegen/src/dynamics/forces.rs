@@ -25,7 +25,7 @@ pub fn spring_forces<'g>(
     forces
 }
 
-/// A moving joint with its ratios on a graph.
+/// A moving joint with its ratios as expressions of the graph.
 struct Moving<'m, 'g> {
     joint: &'m Joint,
     transmission: Transmission<Scalar<'g>>,
@@ -43,13 +43,13 @@ impl<'m, 'g> Moving<'m, 'g> {
     }
 }
 
-/// The joint's position `G y + g₀`, with its ratios G to the coordinates and its offset g₀.
+/// Position `G y + g₀` of a joint, with its ratios G to the coordinates y and its offset g₀.
 fn position<'g>(transmission: &Transmission<Scalar<'g>>, offset: f64, y: &[Scalar<'g>]) -> Scalar<'g> {
     let position = transmission.motion(y);
     if offset == 0.0 { position } else { position + position.constant(offset) }
 }
 
-/// Object with friction: a joint, or the shaft of a drive of several coordinates.
+/// An object with friction: a joint, or the shaft of a drive on several coordinates.
 struct Rubbing<'m, 'g> {
     name: &'m str,
     terms: &'m [FrictionTerm],
@@ -76,8 +76,8 @@ impl<'m, 'g> Rubbing<'m, 'g> {
     }
 }
 
-/// Whether a friction law of the model depends on the position. The friction torques are then τ(y, ẏ),
-/// otherwise τ(ẏ).
+/// Whether a friction law of the model depends on the position, so that the friction torques are τ(y, ẏ) and
+/// not τ(ẏ).
 pub fn friction_depends_on_position(model: &Model) -> bool {
     let moving = model.moving_joints();
     let shafts = model.rubbing_drives().flat_map(|drive| &drive.friction);
@@ -85,7 +85,8 @@ pub fn friction_depends_on_position(model: &Model) -> bool {
     terms.any(|term| term.basis.depends_on_position())
 }
 
-/// Friction torques τ by coordinate, without load-dependent friction. They are subtracted in q.
+/// Friction torques τ by coordinate, without load-dependent friction. They are subtracted from the other
+/// terms of q.
 ///
 /// - `y`: may be empty if no law depends on the position
 pub fn friction_torques<'g>(
@@ -104,8 +105,8 @@ pub fn friction_torques<'g>(
     torques
 }
 
-/// Sum of the friction terms of one joint at the position `y` and the velocity `v`. `y` may be `None` if no
-/// term depends on it.
+/// Sum of the friction terms of a joint at the position `y` and the velocity `v`. `y` may be `None` if no
+/// term depends on the position.
 pub(super) fn friction_sum<'g>(
     graph: &'g Graph,
     terms: &[FrictionTerm],
@@ -126,7 +127,7 @@ fn friction_basis<'g>(
 ) -> Scalar<'g> {
     let y = match (y, term.basis.depends_on_position()) {
         (Some(&y), _) => y,
-        // The value is never used.
+        // This value is not used, because the basis does not depend on the position.
         (None, false) => graph.constant(0.0),
         (None, true) => unreachable!("friction that depends on y is asked for with y"),
     };
@@ -144,13 +145,15 @@ impl<'g> Rubbing<'_, 'g> {
 /// A column of the friction regressor.
 #[derive(Debug, Clone)]
 pub struct FrictionColumn<'g> {
-    /// Coordinates on which the friction acts, with ratios: the coordinates that the joint or shaft follows.
+    /// Coordinates on which the friction acts, with ratios. They are the coordinates that the joint or shaft
+    /// follows.
     pub transmission: Transmission<Scalar<'g>>,
     /// Basis function of the friction term, at the position and velocity of the joint or shaft.
     pub basis: Scalar<'g>,
 }
 
-/// Columns of the friction regressor: the different basis functions of each moving joint, then of each shaft.
+/// Columns of the friction regressor: one column for each distinct basis function of each moving joint, then
+/// of each shaft.
 ///
 /// - `y`: may be empty if no law depends on the position
 pub fn friction_columns<'g>(
@@ -170,8 +173,8 @@ pub fn friction_columns<'g>(
     Rubbing::of(graph, model).iter().flat_map(columns).collect()
 }
 
-/// Friction coefficients in the description, one for each column of the friction regressor. The coefficients
-/// of terms with the same basis function are added.
+/// Friction coefficients of the description, one for each column of the friction regressor. Coefficients of
+/// terms with the same basis function are added.
 pub fn friction_coefficients<'g>(graph: &'g Graph, model: &Model) -> Vec<Scalar<'g>> {
     let sum = |(_, terms): (&Formula, Vec<&FrictionTerm>)| {
         let coefficients = terms.iter().map(|term| lower(graph, &term.coefficient));
@@ -194,7 +197,7 @@ pub fn friction_names(model: &Model) -> Vec<String> {
     Rubbing::of(&Graph::new(), model).iter().flat_map(names).collect()
 }
 
-/// The different basis functions in their order, with the terms of each basis function.
+/// The distinct basis functions in order of appearance, each with its terms.
 fn terms_by_basis(terms: &[FrictionTerm]) -> Vec<(&Formula, Vec<&FrictionTerm>)> {
     let mut groups: Vec<(&Formula, Vec<&FrictionTerm>)> = Vec::new();
     for term in terms {
@@ -206,8 +209,8 @@ fn terms_by_basis(terms: &[FrictionTerm]) -> Vec<(&Formula, Vec<&FrictionTerm>)>
     groups
 }
 
-/// Columns of B for drives, as a list of rows. An entry is the gear ratio times the weight of the coordinate,
-/// and times the motor constant if the input is a current.
+/// Columns of B for the drives, as a list of rows. An entry is the gear ratio times the weight of the
+/// coordinate. If the input is a current, the entry is also multiplied by the motor constant.
 pub fn drive_matrix<'g>(graph: &'g Graph, model: &Model) -> Vec<Vec<Scalar<'g>>> {
     let zero = graph.constant(0.0);
     let drives: Vec<_> = model.input_drives().collect();
@@ -223,16 +226,16 @@ pub fn drive_matrix<'g>(graph: &'g Graph, model: &Model) -> Vec<Vec<Scalar<'g>>>
     matrix
 }
 
-/// Note for the documentation of a function whose program has the exact `sign` of a force law; `None` for
-/// other functions.
+/// Documentation note for a function whose program contains an exact `sign` of a force law; `None` for other
+/// functions.
 pub fn jump_note(model: &Model, program: &Program) -> Option<String> {
     let is_sign = |step: &Instruction| matches!(step.operation, Operation::Call(Function::Sign, _));
     let at_frames = model.point_forces.iter().any(|force| force.law.calls(Function::Sign));
     let shafts = model.rubbing_drives().any(Drive::jumps);
     let jumps = at_frames || shafts || model.moving_joints().iter().any(|moving| moving.joint.jumps());
     (jumps && program.instructions.iter().any(is_sign)).then(|| {
-        "`sign` is exact: it jumps at zero, and its derivative is taken as zero everywhere. `--smooth-sign SLOPE`, or \
-         `smooth_sign` in the description, makes it `tanh(SLOPE v)`."
+        "`sign` is exact: it jumps at zero, and its derivative is set to zero everywhere. `--smooth-sign SLOPE`, or \
+         `smooth_sign` in the description, replaces it by `tanh(SLOPE v)`."
             .to_owned()
     })
 }

@@ -1,8 +1,8 @@
 //! Formulations: alternative ways to write the same equations of motion, which differ in the number of
 //! operations.
 //!
-//! The matrix U = ω̇× + ω× ω× of a body gives the acceleration a + U r of the point r, with the acceleration
-//! a of the origin. The z axis of a body's frame is along its joint's axis.
+//! The matrix U = ω̇× + ω× ω× of a body gives the acceleration a + U r of its point r. Here a is the
+//! acceleration of the body's origin. The z axis of a body's frame is its joint's axis.
 
 use crate::graph::{Graph, Scalar};
 use crate::kinematics::{Mechanism, Number, RegroupChoice};
@@ -13,16 +13,17 @@ pub enum AngularRoute {
     /// Computes U from the angular acceleration ω̇.
     Acceleration,
     /// Computes U from points of the joint's axis. These points belong to both bodies of the joint, so U z
-    /// transforms like a vector. Only ω, U z and the component of ω̇ along the axis are transformed.
+    /// transforms like a vector. Only ω, U z and the component of ω̇ along the axis have to be transformed.
     AxisPoints,
 }
 
-/// Way to compute the diagonal of U and the differences of its entries, which multiply second moments.
+/// Way to compute the diagonal entries of U and their differences, which multiply second moments of mass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Diagonal {
-    /// The diagonal is computed from squares of ω, the differences from the diagonal.
+    /// The diagonal entries are computed from squares of the components of ω, and the differences from the
+    /// diagonal entries.
     Sums,
-    /// The diagonal and the differences are computed from squares of ω.
+    /// The diagonal entries and their differences are computed from squares of the components of ω.
     Squares,
     /// U_zz is known from points of the axis, so the square of ω_x is not needed.
     Axis,
@@ -30,16 +31,16 @@ pub enum Diagonal {
     AxisAcross,
 }
 
-/// Assignment of the translation along a joint's axis to a body. It determines the body's origin.
+/// Assignment of the translation along a joint's axis. It determines the origin of the joint's body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Lift {
     /// The translation belongs to the body. The body's origin is the point of its axis nearest to the axis of
     /// its main child.
     Own,
-    /// The translation belongs to the children. The body's origin is at the end of the translation from the
-    /// parent.
+    /// The translation belongs to the children of the body. The body's origin is at the end of the
+    /// translation from the parent.
     OfChildren,
-    /// The translation is included in the translation from the parent.
+    /// The translation along the axis is included in the translation from the parent.
     OfParent,
 }
 
@@ -52,8 +53,8 @@ pub enum WorkingFrame {
     BeforeJoint,
 }
 
-/// Neighbour from which a body takes its velocities, or to which it passes its moment, in a run: a sequence
-/// of joints with parallel axes.
+/// Neighbour of a body in a run, that is in a sequence of joints with parallel axes. The body takes its
+/// velocities from this neighbour, or passes its moment to it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RunLink {
     /// The parent body.
@@ -62,7 +63,8 @@ pub enum RunLink {
     RunBase,
 }
 
-/// Rotation of the frame of a leaf (a body without children) about its joint's axis. This rotation is free.
+/// Rotation of the frame of a leaf (a body without children) about its joint's axis. The equations hold for
+/// any such rotation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LeafAlignment {
     /// The frame is not rotated.
@@ -89,9 +91,10 @@ pub struct BodyChoices {
     pub frame: WorkingFrame,
     /// Body from which the angular velocity and acceleration are taken.
     pub source: RunLink,
-    /// Body to which the moment across the joint's axis is passed.
+    /// Body to which the moment perpendicular to the joint's axis is passed.
     pub sink: RunLink,
-    /// Assignment of mass on the joint's axis to one of its two bodies, which has no effect on the motion.
+    /// Assignment of mass on the joint's axis to one of the joint's two bodies. It has no effect on the
+    /// motion.
     pub regroup: RegroupChoice,
     /// Rotation of the frame of a leaf.
     pub leaf: LeafAlignment,
@@ -107,8 +110,8 @@ pub struct Formulation {
 }
 
 impl Formulation {
-    /// The usual recursive formulation of a mechanism with `count` bodies: body frames, metres, and one joint
-    /// after another.
+    /// The usual recursive formulation of a mechanism with `count` bodies: equations in body frames, in
+    /// metres, and from joint to joint.
     pub fn plain(count: usize) -> Self {
         let choices = BodyChoices {
             angular: AngularRoute::Acceleration,
@@ -156,14 +159,15 @@ impl Formulation {
         next
     }
 
-    /// This formulation with all moments passed from body to parent, instead of to the body before a run.
+    /// This formulation, but each body passes its whole moment to its parent, and not to the body before a
+    /// run.
     pub fn without_shortcuts(&self) -> Self {
         let mut next = self.clone();
         next.bodies.iter_mut().for_each(|body| body.sink = RunLink::Parent);
         next
     }
 
-    /// This formulation with metres as unit of length.
+    /// This formulation with the metre as unit of length.
     pub fn in_metres(&self) -> Self {
         self.with_unit(1.0)
     }

@@ -1,8 +1,8 @@
 //! Forces at frames: forces between two frames, and wrenches.
 //!
-//! A force F that pulls the origins of two frames together does the work −F l̇ with the distance l of the
+//! A force F that pulls the origins of two frames together has the power −F l̇ with the distance l of the
 //! origins. Its generalized forces are therefore −F ∂l/∂y. The generalized forces of a wrench are Jᵀ times
-//! force and moment.
+//! the force and moment, with the Jacobian J of its frame.
 
 use std::cell::LazyCell;
 
@@ -32,7 +32,7 @@ struct Distance<'g> {
     gradient: Vec<Scalar<'g>>,
 }
 
-/// A point in the frame of a body, or of the base if the body is `None`.
+/// A point in the frame of a body. The frame is the base frame if the body is `None`.
 #[derive(Clone, Copy)]
 struct Place<'g> {
     body: Option<usize>,
@@ -66,7 +66,7 @@ impl<'a, 'g> FrameForces<'a, 'g> {
     }
 
     /// Potential energies ∫ F dl of the force laws that have a potential \[J\]. F is positive if it pulls the
-    /// origins together.
+    /// origins together, and l is their distance.
     pub fn law_energies(&self) -> Vec<Scalar<'g>> {
         let energy = |force: &PointForce| {
             let law = force.law.energy()?;
@@ -76,7 +76,7 @@ impl<'a, 'g> FrameForces<'a, 'g> {
         self.model.point_forces.iter().filter_map(energy).collect()
     }
 
-    /// Columns of B for the inputs at frames, one list of entries for each input.
+    /// Columns of B for the inputs at frames. Each input has one list of entries by coordinate.
     pub fn input_columns(&self) -> Vec<Vec<Scalar<'g>>> {
         let zero = self.graph().constant(0.0);
         let column = |input: &ForceInput| {
@@ -135,7 +135,8 @@ impl<'a, 'g> FrameForces<'a, 'g> {
         }
     }
 
-    /// Vector along the joint's axis to the origin of a body, in the body's frame.
+    /// Vector along a joint's axis, from the end of the placement's translation to the body's origin, in the body's
+    /// frame.
     fn lift(&self, body: usize) -> Vector3<Scalar<'g>> {
         let zero = self.graph().constant(0.0);
         Vector3([zero, zero, self.placements[body].extension])
@@ -151,7 +152,7 @@ impl<'a, 'g> FrameForces<'a, 'g> {
         Place { body, point: pose.translation }
     }
 
-    /// The bodies on the path from a body to the base.
+    /// The body and all its ancestors, up to the base.
     fn chain(&self, body: Option<usize>) -> Vec<usize> {
         std::iter::successors(body, |&body| self.mechanism.bodies[body].parent).collect()
     }
@@ -163,8 +164,8 @@ impl<'a, 'g> FrameForces<'a, 'g> {
             + placement.to_parent(&self.mechanism.bodies[body].twist, point + self.lift(body))
     }
 
-    /// Transforms a point to the frame of the body `end`, or of the base if `end` is `None` or not on the
-    /// path to the base.
+    /// Transforms a point to the frame of the body `end`. The result is in the base frame if `end` is `None`
+    /// or not on the path to the base.
     fn ahead_of(&self, end: Option<usize>, from: Place<'g>) -> Vector3<Scalar<'g>> {
         let (mut body, mut point) = (from.body, from.point);
         while let Some(index) = body.filter(|_| body != end) {
@@ -193,9 +194,9 @@ impl<'a, 'g> FrameForces<'a, 'g> {
         Distance { length, gradient: gradient.collect() }
     }
 
-    /// The squared distance l², computed across the first joint after the last common body of both paths from
-    /// the base. If this joint is revolute with the rotation R, and α and β are the points relative to its
-    /// axis before and after the rotation, then l² = |α|² + |β|² − 2 α · R β.
+    /// The squared distance l². It is computed across the first joint after the last body that both paths
+    /// from the base have in common. If this joint is revolute with the rotation R, then l² = |α|² + |β|² − 2
+    /// α · R β, with the points α before and β after the rotation, relative to the joint's axis.
     fn squared_distance(&self, [a, b]: [Place<'g>; 2]) -> Scalar<'g> {
         let (of_a, of_b) = (self.chain(a.body), self.chain(b.body));
         let top = |chain: &[usize], other: &[usize]| {
@@ -245,7 +246,7 @@ impl<'g> Distance<'g> {
     }
 }
 
-/// Names a value, unless the graph contains the value with the opposite sign.
+/// Suggests a name for a value, unless the graph already contains the negative of the value.
 fn named(x: Scalar<'_>, name: impl FnOnce() -> String) -> Scalar<'_> {
     if x.edge().is_negative() { x } else { x.named(name) }
 }

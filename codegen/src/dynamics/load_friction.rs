@@ -1,22 +1,22 @@
-//! Load-dependent friction `|τ_l| s₁(ẏ)`, in addition to the velocity-dependent friction s₀(ẏ) (Hamon,
-//! Gautier and Garrec 2010).
+//! Load-dependent friction `|τ_l| s₁(ẏ)`, which is added to the friction s₀(ẏ) without load (Hamon, Gautier
+//! and Garrec 2010).
 //!
-//! The load τ_l of a joint is the drive's force without friction, `M ÿ + k − q` with only gravity and springs
-//! in q. A drive exerts
+//! The load τ_l of a joint is the drive's force without friction. It is `M ÿ + k − q` if q only includes
+//! gravity and springs. The force of the drive is
 //!
 //! ```text
 //! τ_j = τ_l + s₀ + |τ_l| s₁ = s₀ + (1 + s₁ sign τ_l) τ_l
 //! ```
 //!
-//! This force increases with τ_l if |s₁| < 1. Therefore `w = τ_j − s₀` has the sign of the load, and the load
-//! of each joint follows before the accelerations are known:
+//! This force increases with τ_l if |s₁| < 1. Therefore `w = τ_j − s₀` has the sign of the load. The load of
+//! each joint can be computed before the accelerations are known:
 //!
 //! ```text
 //! τ_l = w / (1 + s₁ sign w)
 //! ```
 //!
-//! Both functions have a kink at zero load. There the sign is 0 and both derivatives are 1, the mean of both
-//! sides.
+//! Both functions have a kink at zero load. There `sign` is 0, and both derivatives are 1, which is between
+//! the one-sided limits.
 
 use super::forces::friction_sum;
 use crate::graph::{Graph, Scalar};
@@ -36,18 +36,18 @@ pub fn shares<'g>(graph: &'g Graph, model: &Model, y: &[Scalar<'g>], v: &[Scalar
     share.collect()
 }
 
-/// Friction `|τ_l| s₁` at the load τ_l.
+/// Load-dependent friction `|τ_l| s₁` at the load τ_l, with `share` = s₁.
 pub fn friction<'g>(load: Scalar<'g>, share: Scalar<'g>) -> Scalar<'g> {
     load.call(Function::Abs) * share
 }
 
-/// Derivative `1 + s₁ sign τ_l` of the drive's force by the load τ_l. `load` may also be w, the drive's force
-/// minus s₀, which has the same sign.
+/// Derivative `1 + s₁ sign τ_l` of the drive's force with respect to the load τ_l. `load` may also be the
+/// drive's force minus s₀, because both have the same sign.
 pub fn gain<'g>(load: Scalar<'g>, share: Scalar<'g>) -> Scalar<'g> {
     load.constant(1.0) + share * load.call(Function::Sign)
 }
 
-/// Load τ_l from `exerted` = w, the drive's force minus s₀.
+/// Load τ_l from the drive's force minus s₀ (`exerted`).
 pub fn load<'g>(exerted: Scalar<'g>, share: Scalar<'g>) -> Scalar<'g> {
     exerted.divided_by(gain(exerted, share))
 }

@@ -5,8 +5,8 @@ use crate::graph::{Graph, Scalar, differentiate};
 /// A matrix over the graph, as a list of rows.
 pub type Matrix<'g> = Vec<Vec<Scalar<'g>>>;
 
-/// Index of the input array for auxiliary variables of differentiation. No function has this array as an
-/// argument.
+/// Index of the input array for auxiliary variables of differentiation. This array is not an argument of any
+/// function.
 pub const FREE: usize = 1 << 20;
 
 /// Jacobian ∂ results / ∂ variables. Row i belongs to result i.

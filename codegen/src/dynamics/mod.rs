@@ -1,9 +1,9 @@
-//! Equations of motion over the expression graph. A formulation is one way to write the same equations; each
-//! quantity is derived in the formulation with the fewest operations.
+//! Equations of motion as expressions of the graph. A formulation is one way to write the same equations.
+//! Each quantity is derived in the formulation with the fewest operations.
 //!
-//! `recursion` has the recursive equations over the bodies, and `search` chooses the formulations.
-//! `per_joint` writes large functions as loops over joints. `parameters` has the regressors of inertial
-//! parameters. `accelerations` has the forward dynamics. [`equations`] is the entry point.
+//! [`equations`] is the entry point. `accelerations` contains the forward dynamics, and `parameters` the
+//! regressors of inertial parameters. `recursion` contains the recursive equations over the bodies, and
+//! `search` chooses the formulations. `per_joint` writes large functions as loops over joints.
 
 mod accelerations;
 pub mod arguments;

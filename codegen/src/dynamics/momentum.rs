@@ -1,8 +1,9 @@
 //! Centre of mass c of the robot, and momentum about c in the axes of the base (Orin, Goswami and Lee 2013).
 //!
 //! Column j of the centroidal momentum matrix is the momentum of all bodies beyond joint j for a unit of this
-//! joint's velocity. With the mass m and the moments h = ∫ r dm and Σ = ∫ r rᵀ dm of these bodies about a
-//! point o of the joint, and the unit motion (ω, v) at o,
+//! joint's velocity. Let m, h = ∫ r dm and Σ = ∫ r rᵀ dm be the mass and the moments of these bodies about a
+//! point o of the joint, and (ω, v) the unit motion at o. Then the linear momentum p and the angular momentum
+//! L about c are
 //!
 //! ```text
 //! p = m v + ω × h          L = (tr Σ − Σ) ω + h × v + (o − c) × p
@@ -17,7 +18,7 @@ use crate::graph::Scalar;
 use crate::kinematics::Mechanism;
 use crate::spatial::{Force, Vector3};
 
-/// The masses of a mechanism at given positions.
+/// Masses of a mechanism at given positions.
 pub struct Masses<'g> {
     mechanism: Mechanism<Scalar<'g>>,
     plain: Formulation,
@@ -46,7 +47,7 @@ impl<'g> Masses<'g> {
         first.map(|x| x.divided_by(total)).named("center_of_mass")
     }
 
-    /// Momentum about c for a unit of each velocity, as six rows: linear, then angular.
+    /// Momentum about c for a unit of each velocity. The six rows are linear, then angular momentum.
     fn columns(&self) -> Vec<Vec<Scalar<'g>>> {
         let mechanism = &self.mechanism;
         let placements = place(mechanism, &self.plain, &self.y);
@@ -80,7 +81,8 @@ impl<'g> Masses<'g> {
         self.columns()
     }
 
-    /// Jacobian ∂c/∂y of the centre of mass, 3 × n, along small motions.
+    /// Jacobian ∂c/∂y of the centre of mass, 3 × n. For joints with quaternions, the derivatives are along
+    /// small motions.
     pub fn center_jacobian(&self) -> Matrix<'g> {
         let total = self.total();
         let rows = self.columns().into_iter().take(3);

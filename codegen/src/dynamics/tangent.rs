@@ -1,8 +1,10 @@
-//! Derivatives along small motions, for joints with quaternions, whose positions are not a vector space.
+//! Derivatives along small motions. They are needed for joints with quaternions, whose positions do not form
+//! a vector space.
 //!
-//! The derivative of f(y) along coordinate i is the derivative of `δ ↦ f(y ⊕ δ e_i)` at δ = 0. A quaternion
-//! has `q̇ = ½ q ⊗ (ν, 0)`, and the origin of a floating body `ṗ = R l`; the velocities l and ν are in the
-//! body's own frame.
+//! The derivative of f(y) along coordinate i is the derivative of `δ ↦ f(y ⊕ δ e_i)` at δ = 0, with the unit
+//! vector e_i. A quaternion q has the rate `q̇ = ½ q ⊗ (ν, 0)`, and the origin p of a floating body has the
+//! rate `ṗ = R l`. The linear velocity l and the angular velocity ν are in the frame of the body, and R is
+//! its rotation.
 
 use crate::graph::{Graph, Scalar, differentiate, gradient};
 use crate::kinematics::{PositionEntries, position_entries};
@@ -35,7 +37,7 @@ pub fn differentiate_along<'g>(
     sum
 }
 
-/// Derivatives of one result along all coordinates, and by all velocities. They are computed by reverse
+/// Derivatives of one result along all coordinates, and with respect to all velocities, by reverse
 /// differentiation.
 pub fn gradient_along<'g>(
     graph: &'g Graph,
@@ -69,7 +71,7 @@ pub fn gradient_along<'g>(
     (along, by_velocities)
 }
 
-/// Position entries of a joint, with their rates of change for a unit of one velocity of the joint.
+/// Position entries of a joint, each with its rate of change for a unit of one velocity of the joint.
 fn rates<'g>(
     graph: &'g Graph,
     model: &Model,
@@ -111,7 +113,7 @@ pub fn drift<'g>(graph: &'g Graph, model: &Model, v: &[Scalar<'g>]) -> Vec<Vec<S
 /// Subtracts the matrix v× of the cross product from a block.
 fn subtract_cross<'g>(matrix: &mut [Vec<Scalar<'g>>], [row, column]: [usize; 2], v: &[Scalar<'g>]) {
     for (i, j, k) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
-        // v× has −v_k in (i, j) and v_k in (j, i).
+        // The matrix v× has the entry −v_k at (i, j) and v_k at (j, i).
         matrix[row + i][column + j] = matrix[row + i][column + j] + v[k];
         matrix[row + j][column + i] = matrix[row + j][column + i] - v[k];
     }

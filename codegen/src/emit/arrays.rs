@@ -1,4 +1,4 @@
-//! Array form (functions as loops over joints): parts that are common to all languages.
+//! Parts of the array form (functions as loops over joints) that all languages have in common.
 
 use crate::program::Operand;
 use crate::program::arrays::{Arrays, Coordinates, Over, Relation, Step};
@@ -11,7 +11,7 @@ pub(super) struct Row {
     /// Number of entries of a row over coordinates, including padding. It is equal to `len` if each joint is
     /// independent.
     pub(super) coordinates: usize,
-    /// Number of entries of a block.
+    /// Number of entries of a block of SIMD width.
     pub(super) block: usize,
     /// Whether the joints are a chain without quaternions, in which each joint is on the body of the previous
     /// joint.
@@ -23,7 +23,7 @@ pub(super) struct Row {
 impl Row {
     pub(super) fn new(form: &Arrays) -> Self {
         let joints = form.joints.len();
-        // A long block with half of it padding costs more than blocks of half the length.
+        // A long block that is half padding costs more than blocks of half the length.
         let block = match joints.next_multiple_of(4) < joints.next_multiple_of(8) {
             true => 4,
             false => 8,
@@ -37,8 +37,8 @@ impl Row {
         }
     }
 
-    /// Whether the loops for chains in one block are used. These loops are unrolled in their text. Other
-    /// loops leave choices to the compiler.
+    /// Whether a row is one block and the joints are a chain. The text of the loops is then unrolled. Other
+    /// loops leave this choice to the compiler.
     pub(super) fn is_one_block(self) -> bool {
         self.is_chain && self.len == self.block && !self.is_coupled
     }
@@ -52,7 +52,7 @@ impl Row {
     }
 }
 
-/// Beginning of the comment about the setup of a function, its straight-line code before the loops.
+/// Beginning of the comment about a function's setup, which is its straight-line code before the loops.
 pub(super) fn about_setup(form: &Arrays) -> &'static str {
     match form.steps.iter().any(|step| matches!(step, Step::Map(_))) {
         true => "Poses and single joints of",
@@ -60,7 +60,7 @@ pub(super) fn about_setup(form: &Arrays) -> &'static str {
     }
 }
 
-/// Entries of an array of the setup if all of them are constant, otherwise `None`.
+/// Entries of an array of the setup if all entries are constant; otherwise `None`.
 pub(super) fn table(form: &Arrays, array: usize) -> Option<Vec<f64>> {
     let output = form.setup.outputs.get(array)?;
     let constant = |entry: &Operand| match entry {
@@ -81,7 +81,7 @@ pub(super) fn is_only_result(form: &Arrays, array: usize) -> bool {
 }
 
 /// Relation of joint j to joint i: −1 if j is on the path from i to the base, 1 if j is i or beyond i,
-/// otherwise 0. It is 0 for the padding of a row.
+/// otherwise 0. For the padding of a row it is 0.
 pub(super) fn relation(form: &Arrays, i: usize, j: usize) -> i8 {
     if j >= form.joints.len() {
         return 0;
@@ -100,7 +100,7 @@ pub(super) fn meeting(form: &Arrays, i: usize, j: usize) -> i8 {
     i8::from(j < tree.len() && tree.meet(i, j))
 }
 
-/// For each coordinate the joints that follow it. The independent joint of the coordinate is first.
+/// For each coordinate, the joints that follow it. The independent joint of the coordinate is first.
 pub(super) fn followers(form: &Arrays) -> Vec<Vec<usize>> {
     let mut joints: Vec<Vec<usize>> = (0..form.coordinates().len()).map(|own| vec![own]).collect();
     for (joint, coordinate) in form.coordinates.iter().flat_map(Coordinates::followers) {

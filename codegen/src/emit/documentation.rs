@@ -1,4 +1,4 @@
-//! Documentation of generated items for all languages, as blocks of Markdown.
+//! Documentation of generated items as blocks of Markdown, for all languages.
 
 use super::text::code;
 use crate::functions::function::{Constant, Function};
@@ -7,7 +7,7 @@ use crate::layout::Extent;
 use crate::model::Parameter;
 use crate::module::{ComposedFunction, Module};
 
-/// A block of documentation. The Markdown comes from the generator, not from a description.
+/// A block of documentation. The Markdown is written by the generator and does not come from a description.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Block {
     /// A paragraph, after an empty line.
@@ -18,7 +18,7 @@ pub(super) enum Block {
     Gap,
 }
 
-/// Labels of arguments and results in the syntax of a language. A label has the name and the shape.
+/// Labels of arguments and results in the syntax of a language. A label consists of the name and the shape.
 pub(super) struct Labels {
     /// Labels of the arguments, for example `` `y: [N]` ``.
     pub(super) arguments: Vec<String>,
@@ -30,7 +30,7 @@ pub(super) struct Labels {
     pub(super) stack: Option<String>,
 }
 
-/// A length in documentation: a constant's name if it depends on the robot, otherwise a number.
+/// Text of a length: the name of a constant if the length depends on the robot, otherwise a number.
 fn length_text(extent: Extent) -> String {
     extent.dimension.length().map_or_else(|| extent.len.to_string(), str::to_owned)
 }
@@ -70,7 +70,7 @@ pub(super) fn of_function(function: &Function, labels: &Labels) -> Vec<Block> {
     blocks
 }
 
-/// Documentation of a function over a sample time. All arguments except the period have one common label.
+/// Documentation of a function over a sample time. All arguments except the period have one label in common.
 pub(super) fn of_composition(composed: &ComposedFunction, labels: &Labels) -> Vec<Block> {
     let function = composed.composition;
     let mut blocks = vec![
@@ -79,10 +79,10 @@ pub(super) fn of_composition(composed: &ComposedFunction, labels: &Labels) -> Ve
         Block::Gap,
     ];
     for label in &labels.arguments {
-        let meaning = "coordinates, velocities and inputs, as elsewhere in this module";
+        let meaning = "coordinates, velocities and inputs, as in all functions of this module";
         blocks.push(Block::Item(sentence([label, meaning, ""])));
     }
-    blocks.push(Block::Item("`period`: sample time in s, over which u is held".to_owned()));
+    blocks.push(Block::Item("`period`: sample time in s, over which u is constant".to_owned()));
     blocks.extend(parameters(labels));
     for (result, label) in composed.results.iter().zip(&labels.results) {
         blocks.push(Block::Item(sentence([label, result.meaning, ""])));
@@ -100,7 +100,7 @@ pub(super) fn state_label(module: &Module) -> String {
     format!("`y: [{y}]`, `v: [N]`, `u: [M]`")
 }
 
-/// Documentation of a function of positions. The labels already contain the meanings.
+/// Documentation of a function of positions. The labels already include the meanings.
 pub(super) fn of_position_function(function: PositionFunction, labels: &Labels) -> Vec<Block> {
     let mut blocks = vec![
         Block::Paragraph(function.summary().to_owned()),
@@ -152,7 +152,7 @@ fn sentence(parts: [&str; 3]) -> String {
     parts.collect::<Vec<_>>().join(": ")
 }
 
-/// The entries with their units as text. Adjacent entries with the same unit have one unit.
+/// Text of the entries with their units. Adjacent entries with the same unit are followed by one unit.
 fn list(entries: &[(String, &'static str)]) -> String {
     let shown = entries.iter().enumerate().map(|(i, (name, unit))| {
         let is_last_of_unit = entries.get(i + 1).is_none_or(|(_, next)| next != unit);

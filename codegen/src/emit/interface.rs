@@ -1,12 +1,12 @@
-//! Signatures and documentation of a C module as data, for tools that make bindings.
+//! Signatures and documentation of a C module as data, for tools that generate bindings.
 
 use crate::layout::Extent;
 
-/// Functions and free parameters of a module, with the names in C.
+/// Functions and free parameters of a module, with their names in C.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Interface {
-    /// Prefix of the names of functions and types, without the `_` after it. Constants have the prefix in
-    /// capitals.
+    /// Prefix of the names of functions and types, without the `_` that follows it. Constants have the prefix
+    /// in capitals.
     pub prefix: String,
     /// Names of the free parameters, in the order of the struct's fields.
     pub parameters: Vec<String>,
@@ -14,7 +14,7 @@ pub struct Interface {
     pub functions: Vec<Callable>,
 }
 
-/// A function. In C the arguments are followed by the free parameters, if the function takes them, then by
+/// A function. In C, its arguments are followed by the free parameters if the function takes them, then by
 /// the results.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Callable {
@@ -24,11 +24,11 @@ pub struct Callable {
     pub summary: String,
     /// Equation of the function in Unicode; may be empty.
     pub equation: String,
-    /// Arguments without the free parameters and results.
+    /// Arguments, without the free parameters and results.
     pub arguments: Vec<Argument>,
     /// Results of the function.
     pub results: Vec<Written>,
-    /// Whether the function takes the free parameters. Functions that only take positions do not.
+    /// Whether the function takes the free parameters. Functions that only take positions do not take them.
     pub takes_parameters: bool,
     /// Whether the only result is a number that the function returns.
     pub returns_number: bool,
@@ -49,7 +49,7 @@ pub struct Argument {
     pub extents: Vec<Extent>,
     /// Meaning with unit and frame.
     pub meaning: String,
-    /// Name and unit of each entry; empty if the entries have no separate descriptions.
+    /// Name and unit of each entry; empty if the entries have no separate names.
     pub entries: Vec<(String, String)>,
 }
 

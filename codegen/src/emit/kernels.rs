@@ -8,7 +8,7 @@ use super::options::Scalar;
 use crate::functions::function::Function;
 use crate::program::Operation;
 
-/// The kernel for the number type. `kernels` has the kernel for f64, then the kernel for f32.
+/// Returns the kernel for the number type. `kernels` contains the kernel for f64, then the kernel for f32.
 pub(super) fn of_scalar(kernels: [Kernel; 2], scalar: Scalar) -> Kernel {
     match scalar {
         Scalar::F64 => kernels[0],
@@ -25,13 +25,13 @@ pub(super) fn sin_cos_of(lanes: usize) -> [Kernel; 2] {
     }
 }
 
-/// Whether a function has a fused multiply-add.
+/// Whether a function contains a fused multiply-add.
 pub(super) fn are_fused(functions: &[Function]) -> bool {
     let instructions = functions.iter().flat_map(|function| &function.program.instructions);
     instructions.into_iter().any(|instruction| matches!(instruction.operation, Operation::MultiplyAdd(..)))
 }
 
-/// The called kernels and the kernels that they call, in the order of definition.
+/// The called kernels and all kernels that they call, in the order of definition.
 pub(super) fn needed(called: &BTreeSet<Kernel>) -> BTreeSet<Kernel> {
     let mut needed = BTreeSet::new();
     for &kernel in called {

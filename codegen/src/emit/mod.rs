@@ -1,8 +1,8 @@
-//! Converts a [`Module`] to text, with one folder per language.
+//! Converts a [`Module`] to text. There is one folder per language.
 //!
-//! A printer decides nothing about numbers. Order, names, signs and fused operations come from the
-//! [`Program`](crate::program::Program) of each function. A printer prints names only as checked identifiers,
-//! and texts only as escaped literals or escaped documentation, so no description can insert code.
+//! A printer makes no choices about numbers. Order, names, signs and fused operations come from the
+//! [`Program`](crate::program::Program) of each function. Printed names are checked identifiers, and printed
+//! texts are escaped literals or escaped documentation, so no description can insert code.
 
 mod arrays;
 mod c;

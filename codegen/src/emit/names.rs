@@ -1,6 +1,6 @@
 //! Converts names of descriptions and programs to identifiers of a language.
 //!
-//! The names of a model are checked before; the conversion ensures again that no string becomes code.
+//! The names of a model are already checked. The conversion ensures once more that no string becomes code.
 //! Identifiers are ASCII, because other letters are not valid in C99 and cause lints about confusable names.
 
 use crate::distinct::Distinct;
@@ -10,14 +10,14 @@ use crate::program::{Program, letters};
 pub(super) struct Spelling {
     /// Words that are not identifiers, in sorted order.
     pub(super) keywords: &'static [&'static str],
-    /// Whether the language allows identifiers such as `_x` and `a__b`.
+    /// Whether the language allows identifiers such as `_x` and `a__b`, which C reserves.
     pub(super) has_free_underscores: bool,
     /// Prefixes that identifiers must not have.
     pub(super) prefixes: Vec<String>,
 }
 
 impl Spelling {
-    /// Converts `name` to an identifier. If `name` is an identifier, it is returned unchanged.
+    /// Converts `name` to an identifier. A name that is already an identifier is returned unchanged.
     pub(super) fn identifier(&self, name: &str) -> String {
         let mut text = String::with_capacity(name.len());
         for letter in name.chars() {
@@ -47,8 +47,8 @@ impl Spelling {
         text
     }
 
-    /// Converts `names` to identifiers that differ from each other and from `taken`. If an identifier is in
-    /// use, `_` and a number are appended.
+    /// Converts `names` to identifiers that differ from each other and from `taken`. If an identifier is
+    /// already in use, `_` and a number are appended.
     pub(super) fn distinct<'a>(
         &self,
         names: impl IntoIterator<Item = &'a str>,
@@ -59,7 +59,7 @@ impl Spelling {
         spellings.map(|spelling| used.take_by_stem(&spelling, spelling.trim_end_matches('_'))).collect()
     }
 
-    /// Names in the body of a function.
+    /// Determines the names in the body of a function.
     ///
     /// - `reserved`: names that must not be used
     /// - `in_place`: whether the results are arguments
@@ -91,13 +91,13 @@ impl Spelling {
 pub(super) struct ProgramNames {
     /// Names of the input arrays.
     pub(super) arguments: Vec<String>,
-    /// Names of the results; empty if results are not arguments.
+    /// Names of the results; empty if the results are not arguments.
     pub(super) results: Vec<String>,
     /// Name of the value of each instruction.
     pub(super) values: Vec<String>,
 }
 
-/// The symbol of a result in ASCII words, for example `d_a_dy` for `∂ÿ/∂y`.
+/// Spells the symbol of a result in ASCII words, for example `d_a_dy` for `∂ÿ/∂y`.
 pub(super) fn spelled(symbol: &str) -> String {
     let name = symbol.replace("⁻¹", "_inverse").replace('ẏ', "v");
     let name = name.replace('⁺', "_next").replace('ÿ', "a").replace('∂', "d");

@@ -4,11 +4,12 @@ use super::interface::Interface;
 
 /// Default of [`EmitOptions::longest_function`].
 ///
-/// With debug information, as in Cargo's dev profile, rustc 1.95 nests one scope for each `let`, and LLVM visits
-/// the scopes recursively. A function of 2 800 statements compiles. A function of 3 200 statements overflows the
-/// stack of 2 MB of LLVM's thread, which ends rustc. Without debug information, at opt-level 3, 9 000 statements
-/// need 0.9 s and 200 MB, and 28 000 statements need 4 s and 490 MB. There, parts of shorter functions are
-/// inlined, which does not nest scopes.
+/// In a build with debug information, for example in Cargo's dev profile, rustc 1.95 nests one scope for each
+/// `let`, and LLVM visits the scopes recursively. A function of 2800 statements compiles. A function of 3200
+/// statements overflows the stack of 2 MB of LLVM's thread, which ends rustc.
+///
+/// Without debug information at opt-level 3, 9000 statements need 0.9 s and 200 MB, and 28 000 statements
+/// need 4 s and 490 MB. In these builds, parts of shorter functions are inlined, which does not nest scopes.
 const LONGEST_FUNCTION: usize = 2_000;
 
 /// Options of the printer.
@@ -18,15 +19,16 @@ pub struct EmitOptions {
     pub language: Language,
     /// Additional files for tools that call C modules.
     pub companions: Vec<Companion>,
-    /// Name of the module, for its files and, in C, as prefix of its names. If `None`, the name is made from
-    /// the robot's name.
+    /// Name of the module. The files have this name, and in C it is also the prefix of all names. If `None`,
+    /// the name is made from the robot's name.
     pub name: Option<String>,
     /// Number type of all functions and constants.
     pub scalar: Scalar,
-    /// Command that regenerates the file, for the comment at its top. It must not contain absolute paths.
+    /// Command that regenerates the file. The comment at the top of the file contains it. It must not contain
+    /// absolute paths.
     pub command: String,
-    /// Largest number of statements of a function. Longer programs are split into private functions. A
-    /// function of straight-line code in C may have five times as many statements.
+    /// Largest number of statements of a function. Longer programs are split into private functions.
+    /// Straight-line functions in C may have five times this number of statements.
     pub longest_function: usize,
 }
 
@@ -52,14 +54,14 @@ pub struct SourceFile {
     pub text: String,
     /// Text of `<name>.h`; `None` for a Rust module.
     pub header: Option<String>,
-    /// Additional files. Each has the ending that follows the module's name, and the text.
+    /// Additional files. Each entry has the suffix that follows the module's name, and the text.
     pub companions: Vec<(&'static str, String)>,
     /// Signatures and documentation of the functions; `None` for a Rust module.
     pub interface: Option<Interface>,
 }
 
 impl SourceFile {
-    /// All files of the module. Each has the ending that follows the module's name, and the text.
+    /// All files of the module. Each entry has the suffix that follows the module's name, and the text.
     #[must_use]
     pub fn files(&self) -> Vec<(&'static str, &str)> {
         let mut files = match &self.header {
@@ -77,15 +79,16 @@ pub enum Language {
     /// Rust, in one file `<name>.rs`.
     #[default]
     Rust,
-    /// C99 that also compiles as C++, in two files `<name>.h` and `<name>.c`. C modules cannot contain tests.
+    /// C99 that also compiles as C++, in two files `<name>.h` and `<name>.c`. C modules do not support
+    /// self-tests.
     C,
 }
 
-/// Additional file of a C module, for a tool that calls it.
+/// Additional file of a C module for a tool that calls the module.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Companion {
     /// Files `<name>_acados.c` and `<name>_acados.py`: discrete dynamics in double precision, and an optimal
-    /// control problem with these dynamics.
+    /// control problem with them.
     Acados,
     /// File `<name>_casadi.c`: external functions with Jacobians, in double precision.
     Casadi,
@@ -96,10 +99,11 @@ pub enum Companion {
 /// Number type of a generated module.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Scalar {
-    /// Double precision.
+    /// Double precision (`f64`, `double`).
     #[default]
     F64,
-    /// Single precision. Constants are rounded once, and all operations are in single precision.
+    /// Single precision (`f32`, `float`). Constants are rounded once, and all operations are in single
+    /// precision.
     F32,
 }
 

@@ -1,5 +1,5 @@
-//! Assigns instructions to statements. There is one statement for each instruction, but one call may compute
-//! sines and cosines of several angles.
+//! Assigns instructions to statements. Each instruction has one statement, but one call may compute the sines
+//! and cosines of several angles.
 
 use crate::program::flow::Flow;
 use crate::program::{Operand, Operation, Program};
@@ -50,7 +50,8 @@ pub(super) fn groups<'i>(
     groups
 }
 
-/// Number of the first instructions that compute sine and cosine of angles that are known before all of them.
+/// Number of instructions at the beginning that compute sines and cosines of angles that are known before all
+/// of them.
 fn leading_angles(program: &Program, flow: &Flow, instructions: &[usize]) -> usize {
     let start = instructions.first().copied().unwrap_or(0);
     let is_early = |&&index: &&usize| match program.instructions[index].operation {
@@ -63,8 +64,8 @@ fn leading_angles(program: &Program, flow: &Flow, instructions: &[usize]) -> usi
 }
 
 /// Divides angles into calls for up to eight angles, which the processor computes at once in registers. With
-/// AVX2, seven angles took 22 ns in one padded call for eight, 31 ns in calls for 4, 2 and 1, and 54 ns in
-/// seven calls.
+/// AVX2, seven angles took 22 ns in one padded call for eight angles, 31 ns in calls for 4, 2 and 1 angles,
+/// and 54 ns in seven calls.
 fn runs(program: &Program, instructions: &[usize]) -> Vec<Run> {
     let angle = |&index: &usize| match program.instructions[index].operation {
         Operation::SinCos(angle) => Some((index, angle)),

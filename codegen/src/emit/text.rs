@@ -1,9 +1,9 @@
-//! Texts for people in generated files. They are printable and have lines of limited length.
+//! Texts for human readers in generated files. They are printable, and their lines have a limited length.
 
 /// Largest number of characters of a line of documentation.
 const WIDTH: usize = 110;
 
-/// Escapes control characters and invisible characters. Among them are characters that reverse the text
+/// Escapes control characters and invisible characters, for example characters that reverse the text
 /// direction, which rustc rejects.
 pub(super) fn visible(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());

@@ -5,7 +5,7 @@ use super::format::Format;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 
 /// Text about the loss of the torque–speed lines of motors.
-pub(super) const LINE: &str = "has no torque–speed lines of motors; omitted at";
+pub(super) const LINE: &str = "has no torque–speed lines of motors; they are omitted at";
 
 /// Effect of a loss on the exported robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,8 +56,8 @@ impl Losses {
         }
     }
 
-    /// Converts the losses to notes and warnings. Unlike other notes they list all names, because readers of
-    /// the file need them.
+    /// Converts the losses to notes and warnings. Unlike other notes, they list all names, because users of the
+    /// file need all names.
     ///
     /// - `difference`: difference between the robot and the written file; `None` if there is no difference
     pub(super) fn notes(self, difference: Option<String>) -> Diagnostics {
@@ -85,7 +85,7 @@ impl Losses {
             };
             Diagnostic::warning(
                 "exported-robot-differs",
-                format!("the {name} differs from the robot, {difference}: {causes}"),
+                format!("the {name} differs from the robot ({difference}): {causes}"),
             )
         }));
         Diagnostics::new(notes)

@@ -199,8 +199,8 @@ impl Writer<'_> {
         let limits = &joint.limits;
         for (is_lost, what) in [
             (friction.has_others, OTHER_FRICTION),
-            (!joint.load_friction.is_empty(), "has no load-dependent friction; omitted at"),
-            (!joint.springs.is_empty(), "has no springs; omitted at"),
+            (!joint.load_friction.is_empty(), "has no load-dependent friction; it is omitted at"),
+            (!joint.springs.is_empty(), "has no springs; they are omitted at"),
             (
                 limits.effort.is_some() && limits.peak_effort.is_some(),
                 "has one force limit per joint; the nominal limit is omitted and the peak limit written at",
@@ -214,10 +214,13 @@ impl Writer<'_> {
 
     fn quaternion_losses(&mut self, part: &Joint) {
         if !part.friction.is_empty() || !part.springs.is_empty() {
-            self.losses.add("has no friction or dampers at joints with a quaternion; omitted at", &part.name);
+            self.losses.add(
+                "has no friction or dampers at joints with a quaternion; they are omitted at",
+                &part.name,
+            );
         }
         if part.limits != Limits::default() {
-            self.losses.add("has no limits at joints with a quaternion; omitted at", &part.name);
+            self.losses.add("has no limits at joints with a quaternion; they are omitted at", &part.name);
         }
     }
 
@@ -259,7 +262,7 @@ impl Writer<'_> {
         let model = self.model;
         let losses = &mut self.losses;
         if self.values.numbers(&model.gravity) != GRAVITY {
-            losses.add("has no gravity; readers assume (0, 0, -9.81) instead of", &model.name);
+            losses.add("has no gravity; readers assume (0, 0, -9.81) instead of the gravity of", &model.name);
         }
         for parameter in &model.parameters {
             losses.add("has no free parameters; the described values are written for", &parameter.name);
@@ -270,7 +273,7 @@ impl Writer<'_> {
                 losses.of_robot(ROTOR, &drive.name);
             }
             if drive.acts_on.len() > 1 {
-                losses.add("has no drives that act on several joints; omitted", &drive.name);
+                losses.add("has no drives that act on several joints; they are omitted", &drive.name);
             } else if drive.line.is_some() {
                 losses.add(LINE, &drive.name);
             }
@@ -282,13 +285,13 @@ impl Writer<'_> {
             }
         }
         for force in &model.point_forces {
-            losses.add("has no forces between frames; omitted", &force.name);
+            losses.add("has no forces between frames; they are omitted", &force.name);
         }
         for input in &model.force_inputs {
-            losses.add("has no inputs at frames; omitted", &input.name);
+            losses.add("has no inputs at frames; they are omitted", &input.name);
         }
         for wrench in &model.wrenches {
-            losses.add("has no wrenches at frames; omitted", &wrench.name);
+            losses.add("has no wrenches at frames; they are omitted", &wrench.name);
         }
     }
 }

@@ -14,14 +14,14 @@ use crate::program::{GraphOutput, InputArray, Program, Shape, lower, lower_branc
 use crate::spatial::Force;
 
 /// Arguments of a function for a robot. If the robot has driven joints, functions of y, ẏ or ÿ also have the
-/// driven motion as an argument.
+/// driven motion d as an argument.
 pub(super) fn arguments_in(model: &Model, arguments: &[Argument]) -> Vec<Argument> {
     let depends = arguments.iter().any(|each| matches!(each, Coordinates | Velocities | Accelerations));
     let driven = (depends && !model.driven.is_empty()).then_some(Driven);
     arguments.iter().copied().chain(driven).collect()
 }
 
-/// Graph inputs for the arguments of a function.
+/// Creates the inputs of the expression graph for the arguments of a function.
 pub(super) fn arguments_of<'g>(
     graph: &'g Graph,
     model: &Model,
@@ -37,7 +37,8 @@ pub(super) fn arguments_of<'g>(
         .map(|argument| InputArray { name: argument.name().to_owned(), extent: argument.extent(model) });
     let inputs = inputs.collect();
     let driven = scalars(Driven);
-    // Behind those of the coordinates; an argument that the function does not have stays empty.
+    // Entries of driven joints follow the entries of the coordinates. An argument that the function does not
+    // have stays empty.
     let with_driven = |mut own: Vec<Scalar<'g>>, part: usize| {
         if !own.is_empty() {
             own.extend(driven.iter().skip(part).step_by(3));
@@ -56,7 +57,7 @@ pub(super) fn arguments_of<'g>(
     (arguments, inputs)
 }
 
-/// A position for each coordinate: the entry of y, or 0 for a coordinate of a joint with a quaternion.
+/// Position of each coordinate: its entry of y, or 0 for a coordinate of a joint with a quaternion.
 fn positions<'g>(graph: &'g Graph, model: &Model, entries: Vec<Scalar<'g>>) -> Vec<Scalar<'g>> {
     if entries.is_empty() || model.quaternion_joints.is_empty() {
         return entries;
@@ -65,7 +66,7 @@ fn positions<'g>(graph: &'g Graph, model: &Model, entries: Vec<Scalar<'g>>) -> V
     (0..model.coordinates.len()).map(position).collect()
 }
 
-/// A function as straight-line code.
+/// Derives a function as straight-line code.
 pub(super) fn straight_program(
     model: &Model,
     formulations: &Formulations<'_>,
@@ -106,8 +107,8 @@ pub(super) fn assemble(
     }
 }
 
-/// A result without the rows and columns of driven coordinates. A Jacobian of a frame keeps these columns,
-/// because driven coordinates move the frame, too.
+/// Removes the rows and columns of driven coordinates from a result. Jacobians of frames keep these columns,
+/// because driven coordinates move frames, too.
 fn without_driven<'g>(
     model: &Model,
     value: Value<'g>,

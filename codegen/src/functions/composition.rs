@@ -8,7 +8,7 @@ use crate::program::cost::{Cost, count};
 use gelenk_kernels::discrete_time::Text;
 use gelenk_kernels::manifold;
 
-/// Largest numbers of doublings and of repetitions in the text of `discretize`.
+/// Largest number of doublings and of repetitions (squarings) in the text of `discretize`.
 const MOST_DOUBLINGS: usize = 6;
 const MOST_REPETITIONS: usize = 18;
 const MOST_HALVINGS: usize = MOST_DOUBLINGS + MOST_REPETITIONS;
@@ -24,14 +24,15 @@ pub struct ComposedResult {
     pub meaning: &'static str,
 }
 
-/// A generated function that calls another generated function, and computes the motion over one sample time.
+/// A generated function that calls another generated function and computes the motion over one sample time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Composition {
-    /// Zero-order hold of the linearization.
+    /// Exact discretization of the linearization with inputs that are constant over the sample time (zero-order
+    /// hold).
     Discretize,
-    /// State after the sample time, by Runge–Kutta steps.
+    /// State after the sample time, computed by Runge–Kutta steps.
     Step,
-    /// State after the sample time and its derivatives, by Runge–Kutta steps.
+    /// State after the sample time with its derivatives, computed by Runge–Kutta steps.
     StepDerivatives,
 }
 
@@ -68,7 +69,9 @@ impl Composition {
     pub(crate) fn summary(self) -> &'static str {
         match self {
             Self::Discretize => "Exact zero-order hold of the linearization, over one period.",
-            Self::Step => "State after one period, by Runge–Kutta steps of order 4 of the nonlinear robot.",
+            Self::Step => {
+                "State after one period, computed by Runge–Kutta steps of order 4 with the nonlinear dynamics."
+            }
             Self::StepDerivatives => "`step` with the exact derivatives of its result, in one pass.",
         }
     }
@@ -148,8 +151,8 @@ impl Composition {
                  of the robot is below 2.7.",
             ],
             Self::StepDerivatives => &[
-                "Chain rule over the stages of each step: exact derivatives of the result of `step`, not of \
-                 the exact solution.",
+                "The chain rule over the stages of each step gives the exact derivatives of the result of `step`, not \
+                 of the exact solution.",
             ],
         }
     }
@@ -162,9 +165,9 @@ impl Composition {
         }
     }
 
-    /// Number of operations for n coordinates and m inputs: the operations of the calls, and the operations
-    /// of the function's own loops including multiplications by 0 and 1. If the number depends on the data,
-    /// this is the largest number.
+    /// Number of operations for n coordinates and m inputs. It is the sum of the operations of all calls and
+    /// the operations of the function's own loops, including multiplications by 0 and 1. If the number depends
+    /// on the data, the largest number is returned.
     ///
     /// - `called`: operations of one call
     #[must_use]
@@ -172,8 +175,8 @@ impl Composition {
         called * self.call_count(substeps) + self.own_cost(n, m, substeps, MOST_HALVINGS)
     }
 
-    /// Number of operations as [`Self::cost`] counts them, but the smallest number if the number depends on
-    /// the data.
+    /// Smallest number of operations, counted as in [`Self::cost`]. It differs from that cost if the number
+    /// depends on the data.
     #[must_use]
     pub fn least_cost(self, n: usize, m: usize, substeps: usize, called: Cost) -> Cost {
         called * self.call_count(substeps) + self.own_cost(n, m, substeps, 0)
@@ -195,14 +198,14 @@ impl Composition {
         let (n, m) = (model.coordinates.len(), input_count(model));
         let Cost { multiplications, additions, .. } = self.least_cost(n, m, 1, count(&called.program));
         Some(format!(
-            "This cost is the largest one, for {MOST_HALVINGS} halvings of the period. Without halvings the function needs \
+            "This is the largest cost, which {MOST_HALVINGS} halvings of the period need. Without halvings the function needs \
              {multiplications} multiplications and {additions} additions."
         ))
     }
 
-    /// - `halvings`: of the period, in `discretize`
+    /// - `halvings`: number of halvings of the period in `discretize`
     fn own_cost(self, n: usize, m: usize, substeps: usize, halvings: usize) -> Cost {
-        // Entries of a coordinate vector, with derivatives by the state and the inputs.
+        // Number of entries of a coordinate vector together with its derivatives with respect to state and inputs.
         let motion = n + 2 * n * n + n * m;
         match self {
             Self::Discretize => discretize_cost(n, m, halvings),
@@ -215,7 +218,7 @@ impl Composition {
         }
     }
 
-    /// Additional texts that the module includes if the robot has joints with quaternions.
+    /// Additional kernels that the module includes if the robot has joints with quaternions.
     pub(crate) fn manifold_texts(self) -> &'static [manifold::Text] {
         use manifold::Text::{RungeKutta, Sensitivities, ZeroOrderHold};
         match self {
@@ -225,7 +228,7 @@ impl Composition {
         }
     }
 
-    /// Fixed texts that the module includes.
+    /// Kernels that the module includes.
     pub(crate) fn texts(self) -> &'static [Text] {
         match self {
             Self::Discretize => &[Text::Sums, Text::Halves, Text::ZeroOrderHold],
@@ -239,7 +242,7 @@ fn input_count(model: &Model) -> usize {
     model.inputs().count()
 }
 
-/// Operations of `discretize` with `halvings` of the period, without the call.
+/// Operations of `discretize` with this number of halvings of the period, without the called function.
 fn discretize_cost(n: usize, m: usize, halvings: usize) -> Cost {
     let doublings = halvings.min(MOST_DOUBLINGS);
     let common = 22 * n.pow(3) + 38 * n.pow(2) + 2 * n * n * m + (6 * n.pow(3) + 2 * n.pow(2)) * doublings;

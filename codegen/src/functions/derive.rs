@@ -19,7 +19,7 @@ pub(super) fn derive_quantity(
     let Derived { program, arrays } = forms.derive(quantity);
     let mut notes: Vec<String> = quantity.notes.iter().map(|&note| note.to_owned()).collect();
     if arrays.is_some() {
-        // The first note of a function that may have loops says how its straight-line code is derived.
+        // The first note of a function with loops describes the derivation of its straight-line code.
         let note = arrays.as_ref().map_or(form::NOTE, form::note);
         notes = std::iter::once(note.to_owned()).chain(notes.into_iter().skip(1)).collect();
     } else {
@@ -39,13 +39,13 @@ pub(super) fn derive_quantity(
     function
 }
 
-/// Corrects the documentation of results if the mass matrix is not positive definite.
+/// Replaces "positive definite" in the documentation of results if the mass matrix is not positive definite.
 pub(super) fn say_definiteness(found: Definiteness, function: &mut Function) {
     const REGULAR: &str = "positive definite";
     let found = match found {
         Definiteness::Positive => return,
         Definiteness::Semidefinite => "positive semidefinite",
-        Definiteness::Indefinite => "indefinite as described",
+        Definiteness::Indefinite => "indefinite with the masses of the description",
     };
     for result in &mut function.results {
         *result = result.replace(REGULAR, found);
@@ -76,7 +76,7 @@ pub(super) fn derive_frame(
     function
 }
 
-/// A function with a program, but without a name.
+/// Makes a function with a program, but without a name.
 fn described(
     model: &Model,
     arguments: &[Argument],

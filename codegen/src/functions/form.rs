@@ -31,12 +31,13 @@ pub enum Form {
     Arrays,
 }
 
-/// Bytes of machine code that an operation of a large straight-line function takes, spilled registers
-/// included. Measured on x86-64 with AVX-512: 10 to 20, fewer in small functions.
+/// Bytes of machine code per operation in a large straight-line function, including spilled registers. Measured
+/// values on x86-64 with AVX-512 are 10 to 20. Small functions need fewer.
 const BYTES_PER_OPERATION: usize = 12;
 
-/// Largest machine code in bytes of a straight-line function. Two functions were measured for each robot,
-/// with AVX-512. The ratio is the time of the loops divided by the time of the straight-line code.
+/// Largest machine code of a straight-line function in bytes. It was chosen from measurements with AVX-512 of
+/// two functions for each robot. The ratio in the table is the time of the loops divided by the time of the
+/// straight-line code.
 ///
 /// | robot | straight-line code (kB) | ratios |
 /// |---|---|---|
@@ -48,8 +49,9 @@ const BYTES_PER_OPERATION: usize = 12;
 /// A first-level instruction cache has 32 kB.
 pub const LARGEST_STRAIGHT: usize = 27_000;
 
-/// Loops may have this many times the operations of straight-line code, because they work on whole vectors.
-/// The table has the measured time of loops divided by the time of straight-line code.
+/// Largest ratio of the operations of loops to the operations of straight-line code for which loops are used.
+/// Loops may have more operations, because they work on whole vectors. The last three columns have the measured
+/// time of the loops divided by the time of straight-line code.
 ///
 /// | Jacobians | operations | AVX-512 | AVX2 | neither |
 /// |---|---|---|---|---|
@@ -58,7 +60,7 @@ pub const LARGEST_STRAIGHT: usize = 27_000;
 /// | inverse dynamics, Panda, called alone | 2.7 times | 0.95 | 1.3 | 1.5 |
 /// | inverse dynamics, Panda, between other code | 2.7 times | 0.8 | 1.4 | 1.8 |
 ///
-/// With M, the Jacobians of the inverse dynamics have 3.0 times the operations.
+/// The Jacobians of the inverse dynamics together with M have 3.0 times the operations.
 const MOST_OPERATIONS: f64 = 3.1;
 
 /// Documentation note of a function with loops.
@@ -69,10 +71,11 @@ pub(super) const NOTE: &str = "Loops over joints, with spatial vectors in the fr
 pub(super) const PRODUCTS_NOTE: &str = "The accelerations, M⁻¹ and the Jacobians of the inverse dynamics are straight-line code, the products with M⁻¹ are loops. \
     The cost counts each operation that contributes.";
 
-/// Least number of operations for each pair of joints on one path, unless many of them are parallel.
+/// Least number of operations for each pair of joints on one path from the base, unless many joints are
+/// parallel.
 const OPERATIONS_PER_PAIR: usize = 20;
 
-/// Note of a function in array form.
+/// Documentation note of a function in array form.
 pub(super) fn note(form: &ArrayForm) -> &'static str {
     let is_map = |step: &Step| matches!(step, Step::Map(_));
     match form.arrays().steps.iter().any(is_map) {
@@ -106,12 +109,12 @@ pub(super) struct Forms<'m> {
     formulations: &'m Formulations<'m>,
     form: Form,
     straight: &'m [String],
-    /// Derived functions that other functions may call.
+    /// Derived functions that other functions may call, by name.
     derived: RefCell<BTreeMap<&'static str, Rc<Derived>>>,
 }
 
 impl<'m> Forms<'m> {
-    /// The functions of a model. No function is derived yet.
+    /// Prepares the derivation of a model's functions. No function is derived yet.
     ///
     /// - `straight`: functions that are always straight-line code
     pub(super) fn new(
@@ -134,8 +137,8 @@ impl<'m> Forms<'m> {
         }
     }
 
-    /// Name of the function that the function `name` calls, found without deriving either. `None` if it calls
-    /// no function.
+    /// Name of the function that the function `name` calls; `None` if it calls no function. Neither function is
+    /// derived for this answer.
     pub(super) fn callee(&self, name: &str) -> Option<&'static str> {
         let quantity = catalogue::row(name)?;
         let Some(Loops::Affine { called }) = quantity.loops else {
@@ -144,7 +147,7 @@ impl<'m> Forms<'m> {
         self.called(quantity, called).map(|(called, _)| called.name)
     }
 
-    /// The function that a function with affine results calls, and the gains of the inputs.
+    /// Returns the function that a function with affine results calls, and the gains of the inputs.
     fn called(&self, quantity: &Quantity, called: &str) -> Option<(&'static Quantity, Vec<Gains>)> {
         let called = catalogue::row(called)?;
         if self.is_straight(quantity) || !self.may_loop(called) {
@@ -165,7 +168,7 @@ impl<'m> Forms<'m> {
         }
     }
 
-    /// A function that other functions may call. It is derived once and kept.
+    /// Derives a function that other functions may call. The result is kept for further calls.
     fn derived(&self, quantity: &'static Quantity) -> Rc<Derived> {
         if let Some(known) = self.derived.borrow().get(quantity.name) {
             return Rc::clone(known);
@@ -195,9 +198,9 @@ impl<'m> Forms<'m> {
         }
     }
 
-    /// Loops only for the products with M⁻¹, if they are faster: the right factor then has few enough
-    /// operations to be straight-line code, although this code is long. The matrices A and B_x of a Go2 take
-    /// 0.89 of the time, with fused multiply-adds 0.82.
+    /// Derives straight-line code with loops only for the products with M⁻¹, if this form is faster. It is
+    /// faster if the other factors are long straight-line code that is not yet replaced by loops. For a Go2,
+    /// the matrices A_y, A_v and B_x then take 0.89 of the time, or 0.82 with fused multiply-adds.
     fn products(&self, quantity: &Quantity) -> Option<Derived> {
         let Some(Loops::PerJoint { products: Some(products), .. }) = quantity.loops else {
             return None;
@@ -208,8 +211,8 @@ impl<'m> Forms<'m> {
         is_possible.then(|| self.with_loops(quantity, products.build))
     }
 
-    /// Estimate of the operations of a function, and whether the function is certainly written as loops. Both
-    /// are known without deriving the function. `None` without an estimate.
+    /// Returns how to estimate the operations of a function, and whether the function is certainly written as
+    /// loops. The function is not derived. `None` if no estimate is known.
     pub(super) fn estimate(&self, quantity: &Quantity) -> Option<(Estimate, bool)> {
         let loops = quantity.loops.filter(|loops| match *loops {
             Loops::PerJoint { .. } => self.is_far_beyond() && self.may_loop(quantity),
@@ -225,9 +228,9 @@ impl<'m> Forms<'m> {
         }
     }
 
-    /// Whether straight-line code is certainly too large, without deriving it. This is uncertain for legs and
-    /// arms on a floating base: straight-line code leaves out pairs of joints on different limbs, but loops
-    /// compute and drop these pairs.
+    /// Whether straight-line code is certainly too large. The function is not derived for this answer. Robots
+    /// with a floating base are uncertain: straight-line code omits pairs of joints on different limbs, but
+    /// loops compute these pairs and discard the results.
     fn is_far_beyond(&self) -> bool {
         let is_known = !self.mechanism().has_quaternions();
         self.form == Form::Arrays || (is_known && is_large(OPERATIONS_PER_PAIR * self.mechanism().pairs()))
@@ -267,15 +270,16 @@ impl<'m> Forms<'m> {
     }
 }
 
-/// Whether loops replace straight-line code of this number of operations, if the function has loops.
+/// Whether a function with this number of operations in straight-line code is written as loops, if loops are
+/// available.
 pub(crate) fn is_large(operations: usize) -> bool {
     BYTES_PER_OPERATION * operations > LARGEST_STRAIGHT
 }
 
-/// The coordinates on which an input acts, each with its gain.
+/// The coordinates on which an input acts, each with the gain from the input to the generalized force.
 type Gains = Vec<(usize, Operand)>;
 
-/// For each input, the coordinates on which it acts, with the gains. `None` if a gain has to be computed.
+/// Gains of each input. `None` if a gain is not a plain number or parameter, or depends on the positions.
 fn gains(model: &Model) -> Option<Vec<Gains>> {
     if model.inputs_depend_on_position() {
         return None;
@@ -299,7 +303,7 @@ fn gains(model: &Model) -> Option<Vec<Gains>> {
     (0..columns).map(of_input).collect()
 }
 
-/// The matrix D of the drift; `None` if no position is a quaternion.
+/// Non-zero entries of the matrix D in `δ̇ = D δ + v`; `None` if no position is a quaternion.
 fn drift(model: &Model) -> Option<Vec<Drift>> {
     if model.quaternion_joints.is_empty() {
         return None;

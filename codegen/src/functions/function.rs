@@ -16,7 +16,7 @@ pub struct Function {
     pub frame: Option<FrameFunction>,
     /// First line of the documentation: name and symbol.
     pub summary: String,
-    /// The equation in Unicode.
+    /// Equation of the function in Unicode.
     pub equation: String,
     /// Documentation of the input arrays, in the order of `program.inputs`.
     pub arguments: Vec<ArgumentText>,
@@ -28,8 +28,8 @@ pub struct Function {
     pub constants: Vec<Constant>,
     /// The function as straight-line code.
     pub program: Program,
-    /// The function as loops over joints, if loops are smaller or faster; otherwise `None`. `program` is the
-    /// unrolled form of the loops.
+    /// The function as loops over joints if loops are smaller or faster; otherwise `None`. In this case
+    /// `program` is the unrolled form of the loops.
     pub arrays: Option<ArrayForm>,
 }
 
@@ -46,7 +46,7 @@ impl Function {
 pub struct FrameFunction {
     /// Identifier of the frame.
     pub frame: String,
-    /// Quantity of the frame.
+    /// Quantity of the frame that the function computes.
     pub kind: FrameKind,
 }
 

@@ -1,7 +1,7 @@
 //! The generated functions: rows of a catalogue, with programs and documentation.
 //!
-//! [`catalogue`] has the rows, `assemble` and [`form`] make their programs, and [`selection`] chooses among
-//! them.
+//! [`catalogue`] contains the rows, `assemble` and [`form`] derive programs from them, and [`selection`]
+//! selects the functions of a module.
 
 mod assemble;
 pub mod catalogue;

@@ -21,15 +21,15 @@ pub const NAMES: [&str; 8] = [
     "B_X_NONZERO",
 ];
 
-/// Largest number of terms for which the documentation lists the groups. With more terms only
-/// `BASE_PARAMETER_TERMS` has them, because nobody reads pages of sums.
+/// Largest number of terms for which the documentation lists the groups of base parameters. With more terms,
+/// only the constant `BASE_PARAMETER_TERMS` contains them.
 const MOST_TERMS: usize = 1000;
 
 pub(super) fn inertial_names(model: &Model) -> Constant {
-    let summary = "Inertial parameters π, the columns of `inertial_regressor`. For each link, in the order of the \
-         coordinates and in the link's frame of the description, with all that is fixed to it: mass m [kg], first \
-         moments mcx, mcy, mcz [kg m], and Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the frame's origin [kg m²], entries of the \
-         matrix (Ixy = −∫ x y dm). Then J, the axial inertia of the rotor of each drive that has one [kg m²].";
+    let summary = "Inertial parameters π, the columns of `inertial_regressor`. The parameters of each link, in the order of the \
+         coordinates, include all bodies fixed to the link and are in the link's frame of the description. They are the \
+         mass m [kg], first moments mcx, mcy, mcz [kg m], and the entries Ixx, Ixy, Iyy, Ixz, Iyz, Izz of the inertia \
+         matrix about the frame's origin [kg m²] (Ixy = −∫ x y dm). Axial inertias J of rotors [kg m²] follow.";
     Constant {
         name: "INERTIAL_PARAMETER_NAMES",
         summary: summary.to_owned(),
@@ -44,8 +44,8 @@ pub(super) fn friction_names(model: &Model) -> Constant {
         false => "velocity",
     };
     let summary = format!(
-        "Friction parameters, the columns of `friction_regressor`: joint, and the function of its {motion} that the \
-         parameter multiplies."
+        "Friction parameters, the columns of `friction_regressor`. A name consists of the joint and the function of its \
+         {motion} that the parameter multiplies."
     );
     Constant {
         name: "FRICTION_PARAMETER_NAMES",
@@ -69,12 +69,12 @@ pub(super) fn base_parameters(model: &Model, base: &BaseParameters) -> Vec<Const
         (true, false) => " that change with free parameters.",
         (false, true) => ":",
         (false, false) => {
-            ". c(p) is a factor that changes with free parameters, so that no constant map holds for all of their values:"
+            ". The factor c(p) changes with free parameters, so that no constant map holds for all of their values:"
         }
     };
     let summary = format!(
-        "Base parameters β, the columns of `base_regressor`, each named after the inertial parameter that leads its \
-         group. {} of {} parameters enter the motion only in these sums{end}",
+        "Base parameters β, the columns of `base_regressor`. Each base parameter is a sum of inertial parameters and has \
+         the name of the leading one. {} of {} parameters enter the motion only in these sums{end}",
         names.len() - base.leaders.len(),
         names.len(),
     );
@@ -99,11 +99,11 @@ fn terms_text(model: &Model) -> String {
     let map = "Map from the inertial parameters to the base parameters: β[i] = Σ c π[j] over all (i, j, c)";
     match model.parameters.is_empty() {
         true => format!("{map}."),
-        false => format!("{map}, whatever the values of the free parameters."),
+        false => format!("{map}. The map holds for all values of the free parameters."),
     }
 }
 
-/// A note if the map of the base parameters is omitted; `None` if it is not omitted.
+/// Returns a note if the constant map to the base parameters is omitted; otherwise `None`.
 pub fn notes(functions: &[Function]) -> Option<Diagnostic> {
     let base = functions.iter().find(|function| function.name == "base_regressor")?;
     if base.constants.iter().any(|constant| constant.name == BASE_TERMS) {
@@ -112,12 +112,12 @@ pub fn notes(functions: &[Function]) -> Option<Diagnostic> {
     let message = format!(
         "`{BASE_TERMS}` is omitted: the map to base parameters depends on free lengths, gear ratios or gravity"
     );
-    let help = "for a constant map give these parameters as numbers; `BASE_PARAMETER_NAMES` and \
+    let help = "write numbers instead of these parameters if you need a constant map; `BASE_PARAMETER_NAMES` and \
                 `base_regressor` are valid for all values";
     Some(Diagnostic::note("base-parameters", message).help(help))
 }
 
-/// A group as text, for example `Izz_1 + 0.09 m_2 − Ixx_2 + c(p) J_1`.
+/// Writes a group as text, for example `Izz_1 + 0.09 m_2 − Ixx_2 + c(p) J_1`.
 fn group_text(group: &[Term], names: &[String]) -> String {
     let mut text = String::new();
     for (position, term) in group.iter().enumerate() {
@@ -153,7 +153,7 @@ pub(super) fn patterns(program: &Program, blocks: &[(&'static str, &str)]) -> Ve
             columns => nonzero.chunks(columns).map(<[bool]>::to_vec).collect(),
         };
         let summary = format!(
-            "Structure of `{output}`: `false` where the entry is zero in every state; {count} of {} are not.",
+            "Structure of `{output}`: `false` for entries that are zero in every state; {count} of {} entries are `true`.",
             found.entries.len()
         );
         Some(Constant { name, summary, items: Vec::new(), value: ConstantValue::Pattern(rows) })

@@ -2,15 +2,14 @@
 
 use crate::layout::{Dimension, Extent};
 
-/// A function of the positions of a robot with quaternions. Its text is the same for all robots with
-/// quaternions.
+/// A function of the positions of a robot with quaternions. Its text is the same for all these robots.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PositionFunction {
-    /// Sum `y ⊕ d`.
+    /// Sum `y ⊕ d` of positions and a displacement d.
     Integrate,
     /// Difference `to ⊖ from`.
     Difference,
-    /// Derivatives of `y ⊕ d`.
+    /// Derivatives of `y ⊕ d` with respect to y and d.
     IntegrateDerivatives,
     /// Normalization of each quaternion.
     Normalize,
@@ -67,7 +66,7 @@ impl PositionFunction {
     pub(crate) fn equation(self) -> &'static str {
         match self {
             Self::Integrate => {
-                "y ⊕ d: y + d, q ⊗ exp(d/2) for a quaternion, X exp(d) on SE(3) for a floating body"
+                "y ⊕ d: y + d for a joint with one position, q ⊗ exp(d/2) for a quaternion, X exp(d) on SE(3) for a floating body"
             }
             Self::Difference => "from ⊕ (to ⊖ from) = to",
             Self::IntegrateDerivatives => "(y ⊕ δy) ⊕ (d + δd) ≈ (y ⊕ d) ⊕ (∂/∂y δy + ∂/∂d δd)",
@@ -78,13 +77,16 @@ impl PositionFunction {
     /// The arguments.
     #[must_use]
     pub fn arguments(self) -> Vec<PositionValue> {
-        const Y: PositionValue = value("y", POSITIONS, "positions, their quaternions of unit length");
+        const Y: PositionValue = value("y", POSITIONS, "positions with quaternions of unit length");
         const D: PositionValue =
-            value("d", VELOCITIES, "velocities times a second, in the bodies' own frames");
+            value("d", VELOCITIES, "displacement: velocities times one second, in the frames of the bodies");
         match self {
             Self::Integrate | Self::IntegrateDerivatives => vec![Y, D],
             Self::Difference => {
-                vec![value("from", POSITIONS, "positions"), value("to", POSITIONS, "positions to reach")]
+                vec![
+                    value("from", POSITIONS, "positions"),
+                    value("to", POSITIONS, "positions after the displacement"),
+                ]
             }
             Self::Normalize => vec![value("y", POSITIONS, "positions, changed in place")],
         }
@@ -94,9 +96,9 @@ impl PositionFunction {
     #[must_use]
     pub fn results(self) -> Vec<PositionValue> {
         match self {
-            Self::Integrate => vec![value("y ⊕ d", POSITIONS, "positions, their quaternions of unit length")],
+            Self::Integrate => vec![value("y ⊕ d", POSITIONS, "positions with quaternions of unit length")],
             Self::Difference => {
-                vec![value("d", VELOCITIES, "the shortest such motion, each rotation at most π")]
+                vec![value("d", VELOCITIES, "the shortest displacement, with rotations of at most π")]
             }
             Self::IntegrateDerivatives => vec![
                 value("∂/∂y", SQUARE, "the adjoint matrix of exp(−d)"),
@@ -112,7 +114,7 @@ impl PositionFunction {
             Self::Integrate => &["Quaternions keep their unit length, also after many steps."],
             Self::Difference => &["The quaternions q and −q are the same attitude."],
             Self::IntegrateDerivatives => {
-                &["Both depend on d alone (Solà, Deray and Atchuthan 2018, sections III and IV)."]
+                &["Both matrices depend only on d (Solà, Deray and Atchuthan 2018, sections III and IV)."]
             }
             Self::Normalize => {
                 &["Returns `false` if a quaternion is zero or not finite, and replaces it by the identity."]
@@ -121,7 +123,7 @@ impl PositionFunction {
     }
 }
 
-/// Lengths of the dimensions of a value, for a robot with these numbers of position entries and velocities.
+/// Lengths of the dimensions of a value for these numbers of position entries and velocities.
 #[must_use]
 pub fn extents(value: &PositionValue, positions: usize, velocities: usize) -> Vec<Extent> {
     let length = |dimension: &Dimension| match dimension {

@@ -1,7 +1,7 @@
 //! Selection of functions, and omission of functions that cannot be generated.
 //!
-//! Without a selection all functions are requested, and a note lists the functions that cannot be generated.
-//! If a function requested by name cannot be generated, the reason is an error.
+//! Without a selection, all functions are requested, and a note lists the functions that cannot be generated.
+//! If a function requested by name cannot be generated, an error has the reason.
 
 use super::derive;
 use crate::diagnostic::{Diagnostic, Diagnostics};
@@ -16,7 +16,7 @@ use crate::kinematics::Mechanism;
 use crate::model::{Frame, Model};
 use crate::program::arrays::ArrayForm;
 
-/// Largest number of frames whose functions are generated without a request.
+/// Largest number of frames whose functions are generated if they are not requested by name.
 const MOST_FRAMES: usize = 500;
 
 /// A request for functions of a model.
@@ -44,7 +44,7 @@ impl Request<'_> {
 pub struct Selection {
     /// Functions with their own program.
     pub functions: Vec<Function>,
-    /// Functions that call the functions with their own program.
+    /// Functions that call other generated functions (`discretize`, `step`, `step_derivatives`).
     pub compositions: Vec<Composition>,
     /// Notes about omitted functions, with reasons.
     pub notes: Vec<Diagnostic>,
@@ -115,7 +115,7 @@ pub fn derive_functions(
     derive_in_form(model, selection, most, Form::Cheapest, &[])
 }
 
-/// Derives functions as [`derive_functions()`] does. The caller chooses the form of large functions.
+/// Derives functions like [`derive_functions()`], but the caller chooses the form of large functions.
 ///
 /// - `straight`: functions that are always straight-line code
 ///
@@ -172,7 +172,7 @@ impl Row<'_> {
     }
 }
 
-/// A request with the functions that its functions call.
+/// A request, completed by the functions that the requested functions call.
 struct Wanted<'a> {
     request: &'a Request<'a>,
     compositions: Vec<Composition>,
@@ -221,14 +221,14 @@ struct LeftOut {
     /// Errors of refused functions that are requested by name.
     problems: Vec<Diagnostic>,
     too_large: Vec<TooLarge>,
-    /// Number of functions of frames that are left out because there are very many.
+    /// Number of functions of frames that are left out, because the robot has very many frames.
     of_frames: usize,
-    /// Functions that call functions which are left out.
+    /// Functions that call a function which is left out.
     callers: Vec<String>,
 }
 
 impl LeftOut {
-    /// Whether a function is not refused.
+    /// Whether the function can be generated. A refusal is stored as an error or for a note.
     fn is_possible(&mut self, name: &str, refusal: Option<Refusal>, is_asked_for: bool) -> bool {
         let Some(refusal) = refusal else { return true };
         if is_asked_for {
@@ -243,8 +243,8 @@ impl LeftOut {
         false
     }
 
-    /// The rows without rows of frames if there are very many frames: a URDF may have thousands of frames,
-    /// and each has three functions.
+    /// Removes the rows of frames if there are very many frames. A URDF may have thousands of frames, and each
+    /// frame has three functions.
     fn many_frames<'m>(&mut self, model: &Model, wanted: &Wanted<'_>, rows: Vec<Row<'m>>) -> Vec<Row<'m>> {
         if model.frames.len() <= MOST_FRAMES || !wanted.selects_all() {
             return rows;
@@ -256,7 +256,7 @@ impl LeftOut {
         kept
     }
 
-    /// The rows of functions that are not known to be too large before they are derived.
+    /// Removes the rows of functions that are known to be too large before their derivation.
     fn too_large_before<'m>(
         &mut self,
         model: &Model,
@@ -276,7 +276,7 @@ impl LeftOut {
         or_problems(possible, problems)
     }
 
-    /// Whether a function is small enough.
+    /// Whether a derived function is within the limit of operations.
     fn fits(&mut self, model: &Model, wanted: &Wanted<'_>, function: &Function) -> Result<bool, Diagnostics> {
         let Some(too_large) = size::after(function, wanted.request.most) else {
             return Ok(true);
@@ -291,7 +291,9 @@ impl LeftOut {
     fn notes(&self, model: &Model, most: usize) -> Vec<Diagnostic> {
         let refused = self.refused.iter();
         let mut notes: Vec<Diagnostic> = refused
-            .map(|(refusal, names)| refusal.note(&format!("left out: {}", names.join(", "))))
+            .map(|(refusal, names)| {
+                refusal.note(&format!("these functions are left out: {}", names.join(", ")))
+            })
             .collect();
         if self.of_frames > 0 {
             let message =

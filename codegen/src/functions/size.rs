@@ -16,18 +16,18 @@ use crate::program::Program;
 use crate::program::arrays::{ArrayForm, Arrays, Step};
 use crate::program::cost::count;
 
-/// Default of the largest number of operations of a function. `inertial_regressor` of 60 joints has half of
-/// it. The compile time at this limit has not been measured.
+/// Default limit for the number of operations of a function. `inertial_regressor` of a robot with 60 joints has
+/// half of this number. The compile time at this limit has not been measured.
 pub const MOST_OPERATIONS: usize = 300_000;
 
-/// The interpreter needs loops written out, with some 200 bytes for each operation. Written-out loops may
-/// have this many times the operations that printed code may have.
+/// Ratio of the limit for unrolled loops to the limit for printed code. The interpreter needs unrolled loops,
+/// with about 200 bytes per operation.
 const UNROLLED: usize = 10;
 
 /// Estimate of the least number of operations of a function.
 fn estimated(estimate: Estimate, mechanism: &Mechanism<Number>) -> usize {
     let joints = mechanism.bodies.len();
-    // Each joint with itself included.
+    // Pairs include each joint with itself.
     let pairs = || mechanism.pairs() + joints;
     match estimate {
         Estimate::MassMatrix => match pairs() {
@@ -40,11 +40,11 @@ fn estimated(estimate: Estimate, mechanism: &Mechanism<Number>) -> usize {
     }
 }
 
-/// Number of pairs of joints beyond which even the plain mass matrix takes gigabytes. The estimate then is
-/// one operation for each pair.
+/// Number of pairs of joints above which even the plain mass matrix needs gigabytes. The estimate is then one
+/// operation for each pair.
 const MANY_PAIRS: usize = 3 * MOST_OPERATIONS;
 
-/// Joints up to which no function is so large that deriving it takes long.
+/// Largest number of joints of robots whose functions are all derived without an estimate.
 const FEW_JOINTS: usize = 50;
 
 /// A function that is left out because it is too large.
@@ -54,7 +54,7 @@ pub(super) struct TooLarge {
     operations: usize,
     /// Whether `operations` is a lower estimate.
     is_estimate: bool,
-    /// Whether `operations` counts loops that are written out.
+    /// Whether `operations` counts unrolled loops.
     are_loops: bool,
     /// Largest number of operations that is allowed.
     most: usize,
@@ -77,14 +77,14 @@ pub(super) fn before(model: &Model, names: &[String], forms: &Forms<'_>, most: u
     Estimate::ALL.into_iter().flat_map(of).collect()
 }
 
-/// Functions that are too large by one estimate.
+/// Functions that are too large according to one method of estimation.
 fn too_large(
     mechanism: &Mechanism<Number>,
     estimate: Estimate,
     functions: &[&(&String, Estimate, bool)],
     most: usize,
 ) -> Vec<TooLarge> {
-    // An estimate takes time of its own.
+    // The estimate takes time, so it is not made without need.
     if functions.is_empty() {
         return Vec::new();
     }
@@ -102,7 +102,7 @@ fn too_large(
     too_large.filter(|each| each.operations > each.most).collect()
 }
 
-/// Size of a derived function if the function is too large; otherwise `None`.
+/// Returns the size of a derived function if the function is too large; otherwise `None`.
 pub(super) fn after(function: &Function, most: usize) -> Option<TooLarge> {
     let operations = emitted(function);
     (operations > most).then(|| TooLarge {
@@ -114,17 +114,18 @@ pub(super) fn after(function: &Function, most: usize) -> Option<TooLarge> {
     })
 }
 
-/// Operations in the text of a function.
+/// Number of operations in the printed text of a function.
 pub(super) fn emitted(function: &Function) -> usize {
     match &function.arrays {
         None => operations(&function.program),
         Some(ArrayForm::Steps(arrays)) => emitted_in_loops(arrays),
-        // A call and a few loops.
+        // The text is a call and a few loops.
         Some(ArrayForm::Affine(_)) => 0,
     }
 }
 
-/// Operations of the setup and of the loop bodies. All other loops have the same text for all robots.
+/// Operations of the setup and of the loop bodies over joints. All other loops have the same text for all
+/// robots.
 fn emitted_in_loops(arrays: &Arrays) -> usize {
     let bodies = arrays.steps.iter().map(|step| match step {
         Step::Map(map) => operations(&map.body),
@@ -154,7 +155,7 @@ impl TooLarge {
         let takes = self.takes();
         Diagnostic::error(
             "too-large",
-            format!("`{}` of {joints} joints takes {takes}; the limit is {most}", self.name),
+            format!("`{}` needs {takes} for {joints} joints; the limit is {most}", self.name),
         )
         .help(format!(
             "raise the limit (`--max-operations {}`), or generate smaller functions (`gelenk generate \
@@ -163,7 +164,7 @@ impl TooLarge {
         ))
     }
 
-    /// Least `--max-operations` that admits the function.
+    /// Smallest `--max-operations` with which the function is generated.
     fn limit_needed(&self) -> usize {
         match self.are_loops {
             true => rounded_up(self.operations.div_ceil(UNROLLED)),
@@ -185,14 +186,14 @@ pub(super) fn note(model: &Model, left_out: &[TooLarge], callers: &str, most: us
     Diagnostic::note("left-out", message).help(format!("`--max-operations {needed}` generates all of them"))
 }
 
-/// Rounds up to two digits, with a margin for the estimate.
+/// Rounds up to two digits, with a margin for errors of the estimate.
 fn rounded_up(operations: usize) -> usize {
     let unit = 10_usize.pow(operations.max(10).ilog10() - 1);
     (operations / unit + 2) * unit
 }
 
-/// Operations of M in the plain formulation. For large robots the search for a cheaper formulation would take
-/// minutes.
+/// Number of operations of M in the plain formulation. The search for a cheaper formulation would take minutes
+/// for large robots.
 fn mass_matrix_operations(mechanism: &Mechanism<Number>) -> usize {
     let graph = Graph::new();
     let y = mechanism.positions_on(&graph);

@@ -1,14 +1,14 @@
-//! Sums in the order in which their terms become available.
+//! Reorders sums so that operands that are available early are added first.
 
 use super::build::Graph;
 use super::node::{Edge, Node};
 
-/// Rebuilds the results so that every sum adds early operands first.
+/// Rebuilds the results so that every sum adds its earliest operands first.
 ///
 /// A recursion over links is a long chain of dependent operations, during which a superscalar processor
-/// waits. If the latest term of a sum is added last, only one addition follows it, so the longest chain has
-/// fewer operations (Huffman's construction on the terms' depths). The number of operations does not
-/// increase. Values change by rounding.
+/// waits. If the operand of a sum that is available last is also added last, only one addition follows it.
+/// The longest chain then has fewer operations (Huffman's construction on the depths of the terms). The
+/// number of operations does not increase. Values change by rounding errors.
 pub fn balanced(graph: &Graph, results: &[Edge]) -> Vec<Edge> {
     let reachable = graph.reachable(results);
     let mut balance = Balance {
@@ -23,8 +23,8 @@ pub fn balanced(graph: &Graph, results: &[Edge]) -> Vec<Edge> {
     results.iter().map(|&edge| balance.successor(edge)).collect()
 }
 
-/// Marks the sums that are only operands of another sum. Sums with a name are not marked, because people read
-/// these names.
+/// Marks sums that are only used as operands of another sum. Sums with a name are not marked, because the
+/// name is shown to readers of the text.
 fn parts(graph: &Graph, reachable: &[Edge], results: &[Edge]) -> Vec<bool> {
     let mut uses = vec![0_u32; graph.len()];
     let operands = reachable.iter().flat_map(|&edge| graph.node(edge).operands());
@@ -49,7 +49,7 @@ struct Balance<'g> {
     graph: &'g Graph,
     is_part: Vec<bool>,
     rebuilt: Vec<Option<Edge>>,
-    /// Length of the longest chain up to each node, in clock cycles of a usual processor.
+    /// Length of the longest chain of operations up to each node, in clock cycles of a typical processor.
     depths: Vec<u32>,
 }
 
@@ -80,7 +80,7 @@ impl Balance<'_> {
         self.collect(edge, &mut terms);
         let mut terms: Vec<(u32, Edge)> = terms.into_iter().map(|term| (self.depth(term), term)).collect();
         while terms.len() > 1 {
-            // Stable: terms of one depth keep their order.
+            // The sort is stable: terms of equal depth keep their order.
             terms.sort_by_key(|&(depth, _)| std::cmp::Reverse(depth));
             let pair = (terms.pop(), terms.pop());
             if let (Some((_, a)), Some((_, b))) = pair {
@@ -91,7 +91,7 @@ impl Balance<'_> {
         terms.pop().map_or_else(|| self.graph.constant(0.0).edge(), |(_, sum)| sum)
     }
 
-    /// The new terms of a sum, including the terms of the sums that are its parts.
+    /// Collects the new terms of a sum, including the terms of marked sums.
     fn collect(&self, sum: Edge, terms: &mut Vec<Edge>) {
         let mut pending = vec![sum];
         while let Some(edge) = pending.pop() {
@@ -114,7 +114,7 @@ impl Balance<'_> {
     }
 }
 
-/// Clock cycles of an operation on a usual processor (Fog, instruction tables).
+/// Clock cycles of an operation on a typical processor (Fog, instruction tables).
 fn latency(node: Node) -> u32 {
     match node {
         Node::Constant(_) | Node::Input(..) | Node::Parameter(_) => 0,

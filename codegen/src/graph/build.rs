@@ -1,4 +1,4 @@
-//! Construction of nodes: interning, constant folding, and identities that only remove operations.
+//! Construction of nodes: equal nodes are shared, constants are folded, and identities remove operations.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -9,7 +9,7 @@ use rustc_hash::FxBuildHasher;
 use super::node::{Edge, Node};
 use gelenk_formula::Function;
 
-/// A growing set of nodes. Equal nodes are stored once. Operands precede the nodes that use them.
+/// A growing list of nodes. Equal nodes are stored once. Operands precede the nodes that use them.
 #[derive(Debug, Default)]
 pub struct Graph {
     nodes: RefCell<IndexSet<Node, FxBuildHasher>>,
@@ -82,7 +82,7 @@ impl Graph {
         Edge::plus(self.nodes.borrow_mut().insert_full(node).0)
     }
 
-    /// A folded constant, unless it overflowed.
+    /// A folded constant; `None` if the value overflowed.
     fn folded(&self, value: f64) -> Option<Edge> {
         value.is_finite().then(|| self.constant(value).edge())
     }
@@ -108,7 +108,7 @@ impl Graph {
         (x == y).then(|| self.mul(self.constant(c + d).edge(), x))
     }
 
-    /// `(x + c) + y = x + (c + y)`
+    /// Folds constants by `(x + c) + y = x + (c + y)`.
     fn fold_offset(&self, sum: Edge, y: f64) -> Option<Edge> {
         let Node::Sum(p, q) = self.node(sum) else {
             return None;
@@ -122,7 +122,8 @@ impl Graph {
         Some(self.add(x, self.folded(c + y)?))
     }
 
-    /// Splits `c · x` into the constant c and the rest x. The constant has the sign.
+    /// Splits `c · x` into the constant c and the remaining factor x. The sign of the edge is in the
+    /// constant.
     pub(super) fn scaled(&self, edge: Edge) -> (f64, Edge) {
         let sign = if edge.is_negative() { -1.0 } else { 1.0 };
         if let Node::Product(a, b) = self.node(edge) {

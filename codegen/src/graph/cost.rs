@@ -38,7 +38,7 @@ impl Cost {
         cost
     }
 
-    /// Weight for comparing formulations: roughly the number of instructions.
+    /// Weight for the comparison of formulations: approximately the number of instructions.
     pub fn weight(&self) -> u64 {
         self.multiplications + self.additions + 8 * self.divisions + 20 * (self.angles + self.calls)
     }

@@ -34,9 +34,9 @@ pub fn differentiate<'g>(graph: &'g Graph, results: &[Scalar<'g>], variable: Sca
         .collect()
 }
 
-/// Derivatives of one result with respect to many inputs, by reverse differentiation on the same graph. They
-/// need as many operations as a few evaluations of the result. `sign` and `|x|` are treated as in
-/// [`differentiate`].
+/// Derivatives of one result with respect to many inputs, by reverse differentiation on the same graph. The
+/// derivatives need as many operations as a few evaluations of the result. The derivatives of `sign` and
+/// `|x|` are defined as in [`differentiate`].
 pub fn gradient<'g>(graph: &'g Graph, result: Scalar<'g>, variables: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
     let zero = graph.constant(0.0);
     let mut adjoints = vec![zero; graph.len()];
@@ -76,7 +76,7 @@ pub fn gradient<'g>(graph: &'g Graph, result: Scalar<'g>, variables: &[Scalar<'g
     variables.iter().map(of).collect()
 }
 
-/// `f'(x)`, computed from `f(x)` if this is cheaper.
+/// The derivative `f'(x)`, computed from the value `f(x)` if this needs fewer operations.
 fn outer<'g>(function: Function, x: Scalar<'g>, value: Scalar<'g>) -> Scalar<'g> {
     match function {
         Function::Sin => x.call(Function::Cos),

@@ -1,9 +1,9 @@
-//! Expression graphs: equal nodes are stored once (hash-consing), and constants are folded at construction.
-//! This folder is independent of robots.
+//! Expression graphs. Equal nodes are stored once (hash-consing), and constants are folded at construction.
+//! This module does not depend on robots.
 //!
-//! A [`Graph`] owns the nodes. A [`Scalar`] is a signed reference to a node, so a negation is not an
-//! operation, and `a − b` shares its node with `b − a`. Products of sums are not expanded, because rules only
-//! remove operations.
+//! A [`Graph`] owns the nodes. A [`Scalar`] is a signed reference to a node. Therefore a negation is not an
+//! operation, and `a − b` shares its node with `b − a`. Products of sums are not expanded, because rules may
+//! only remove operations.
 
 mod balance;
 mod build;

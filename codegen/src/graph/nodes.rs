@@ -1,4 +1,4 @@
-//! Nodes without their graph, for types that store scalars.
+//! A list of nodes without its graph, for types that store scalars.
 
 use std::fmt;
 
@@ -8,9 +8,8 @@ use super::scalar::Scalar;
 
 /// The nodes of a graph in the order of their creation.
 ///
-/// Intermediate nodes are included. A graph with copies of all nodes therefore equals the graph in which the
-/// scalars were computed. This matters because the order of nodes determines the order of operands in
-/// generated text.
+/// Intermediate nodes are included, so a graph with copies of all nodes equals the original graph. This
+/// matters because the order of nodes determines the order of operands in generated text.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Nodes(Vec<Node>);
 
@@ -44,14 +43,14 @@ impl Graph {
 }
 
 impl Edge {
-    /// Scalar of this edge. `nodes` has the scalars of all nodes.
+    /// Scalar of this edge. `nodes` contains the scalars of all nodes.
     pub fn signed<'g>(self, nodes: &[Scalar<'g>]) -> Scalar<'g> {
         let node = nodes[self.index()];
         if self.is_negative() { -node } else { node }
     }
 }
 
-/// Shows parameters and formulas with their numbers. Constants are shown inside the formulas.
+/// Shows parameters and formulas with their node numbers. Constants are shown inside the formulas.
 impl fmt::Debug for Nodes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let operand = |edge: Edge| {

@@ -1,4 +1,4 @@
-//! Identified inertial parameters, written as bodies of a description.
+//! Conversion of identified inertial parameters to bodies of a description.
 
 use std::fmt::Write;
 
@@ -9,25 +9,25 @@ use crate::dynamics::parameters::regressor::PER_LINK;
 use crate::model::{Model, Motion};
 use crate::wording::toml_text;
 
-/// A body of a description. Its axes are those of the link's frame.
+/// A body of a description. Its axes are parallel to those of the link's frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BodyValues {
     /// Name of the body.
     pub name: String,
-    /// Key `link`: name of the link that carries the body; `None` if this key is not written.
+    /// Name of the link that carries the body (key `link`); `None` if the key is not written.
     pub link: Option<String>,
-    /// Mass \[kg\].
+    /// Mass in kg.
     pub mass: f64,
-    /// Centre of mass in the link's frame \[m\].
+    /// Centre of mass in the link's frame, in m.
     pub center_of_mass: [f64; 3],
-    /// Entries xx, yy, zz, xy, xz, yz of the inertia matrix about the centre of mass [kg m²].
+    /// Entries xx, yy, zz, xy, xz, yz of the inertia matrix about the centre of mass, in kg m².
     pub inertia: [f64; 6],
 }
 
 impl BodyValues {
-    /// A body with the ten inertial parameters of a link: m, m c, and the entries xx, xy, yy, xz, yz, zz of
-    /// the inertia matrix I_o about the origin of the link's frame. The inertia about the centre of mass is
-    /// `I_c = I_o − m (cᵀc 1 − c cᵀ)` (Steiner).
+    /// Creates a body from the ten inertial parameters of a link: m, m c, and the entries xx, xy, yy, xz,
+    /// yz, zz of the inertia matrix I_o about the origin of the link's frame. The inertia about the centre
+    /// of mass c is `I_c = I_o − m (cᵀc 1 − c cᵀ)` (parallel axis theorem).
     #[must_use]
     pub fn of_link(name: String, link: Option<String>, parameters: &[f64]) -> Self {
         let &[mass, hx, hy, hz, xx, xy, yy, xz, yz, zz] = parameters else {
@@ -45,7 +45,7 @@ impl BodyValues {
         Self { name, link, mass, center_of_mass: [x, y, z], inertia }
     }
 
-    /// The ten parameters of a link that consists of this body, in the order of [`Self::of_link`].
+    /// Returns the ten parameters of a link that consists of this body, in the order of [`Self::of_link`].
     #[must_use]
     pub fn parameters(&self) -> [f64; PER_LINK] {
         let mass = self.mass;
@@ -66,7 +66,7 @@ impl BodyValues {
         ]
     }
 
-    /// The table `[[bodies]]` of the description, as TOML.
+    /// Returns the table `[[bodies]]` of the description as TOML.
     #[must_use]
     pub fn toml(&self) -> String {
         let mut text = format!("[[bodies]]\nname = {}\n", toml_text(&self.name));
@@ -83,32 +83,33 @@ impl BodyValues {
     }
 }
 
-/// The bodies of a moving link with identified parameters.
+/// Bodies of a moving link, with identified parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinkBodies {
-    /// The first body. It takes all identified parameters of the link.
+    /// First body of the link, which has all identified parameters of the link.
     pub body: BodyValues,
-    /// The other bodies of the link, without mass and inertia.
+    /// Other bodies of the link, without mass and inertia.
     pub emptied: Vec<BodyValues>,
-    /// Part of the link's parameters that comes from rotors of held joints instead of bodies.
+    /// Part of the link's parameters that comes from rotors of held joints, not from bodies.
     pub fixed: Vec<f64>,
 }
 
 impl LinkBodies {
-    /// The tables `[[bodies]]` of the description, as TOML.
+    /// Returns the tables `[[bodies]]` of the description as TOML.
     pub fn toml(&self) -> impl Iterator<Item = String> + '_ {
         std::iter::once(&self.body).chain(&self.emptied).map(BodyValues::toml)
     }
 }
 
-/// Bodies with which the moving links of a description have the inertial parameters `parameters`: ten for
-/// each link, in the order of the moving joints.
+/// Returns bodies that give the moving links of a description the inertial parameters `parameters`. These
+/// are ten for each link, in the order of the moving joints.
 ///
-/// All bodies that are fixed to a moving link or held on it are one rigid body in the equations of motion.
-/// The first body of the link takes all parameters, and the other bodies become massless.
+/// All bodies that are fixed to a moving link, directly or by held joints, are one rigid body in the
+/// equations of motion. The first body of the link gets all parameters, and the other bodies become
+/// massless.
 ///
 /// # Errors
-/// Errors of [`InterpretedRobot::new`](super::InterpretedRobot::new).
+/// The errors are those of [`InterpretedRobot::new`](super::InterpretedRobot::new).
 pub fn bodies(model: &Model, parameters: &[f64]) -> Result<Vec<LinkBodies>, Diagnostics> {
     let fixed = without_bodies(model)?;
     let carriers: Vec<Option<usize>> = (0..model.links.len()).map(|link| carrier(model, link)).collect();
@@ -135,14 +136,15 @@ pub fn bodies(model: &Model, parameters: &[f64]) -> Result<Vec<LinkBodies>, Diag
     Ok(links.map(of_joint).collect())
 }
 
-/// Parameters of the moving links without their bodies: those of the rotors of held joints.
+/// Returns the parameters of the moving links without their bodies, which are those of the rotors of held
+/// joints.
 fn without_bodies(model: &Model) -> Result<Vec<f64>, Diagnostics> {
     let mut model = model.clone();
     model.links.iter_mut().for_each(|link| link.bodies.clear());
     parameters(&model)
 }
 
-/// Moving joint that carries a link; `None` for links on the base.
+/// Returns the index of the moving joint that carries a link; `None` for links on the base.
 fn carrier(model: &Model, link: usize) -> Option<usize> {
     let joint = model.links[link].joint.as_ref()?;
     match joint.motion {

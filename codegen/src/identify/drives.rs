@@ -1,4 +1,4 @@
-//! Identified drives, written as in a description.
+//! Identified drives as TOML of a description.
 
 use super::words::{number, text, weighted};
 use crate::dynamics::parameters::regressor::drives_with_rotor;
@@ -9,20 +9,21 @@ use gelenk_formula::Formula;
 /// Identified values of a joint's drive.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct IdentifiedDrive {
-    /// Axial inertia of the rotor [kg m²]; `None` if the rotor is not a parameter of the equations.
+    /// Axial inertia of the rotor in kg m²; `None` if the rotor is not a parameter of the equations.
     pub rotor: Option<f64>,
-    /// Inertia that the drive adds to its joint [kg m² or kg]; `None` if the description has a rotor or a
+    /// Inertia that the drive adds to its joint, in kg m² or kg; `None` if the description has a rotor or a
     /// gear.
     pub reflected: Option<f64>,
-    /// Motor constant K_M [N m/A]; `None` if it was not identified.
+    /// Motor constant K_M in N m/A; `None` if it was not identified.
     pub motor_constant: Option<f64>,
 }
 
-/// Inertia J_R of an identified drive [kg m²], and how it enters the mass matrix.
+/// Returns the rotor inertia J_R of an identified drive in kg m², and how it enters the mass matrix.
 ///
-/// - `rotor`: inertia as a parameter of the equations; every drive with a gear or a described rotor has one
-/// - `added`: inertia that was found for a drive without a gear and without a rotor; it is not a body that a
-///   carrier turns, so it enters only the diagonal
+/// - `rotor`: inertia as a parameter of the equations. Every drive with a gear or a described rotor has
+///   this parameter.
+/// - `added`: inertia that was found for a drive without a gear and without a rotor. It does not belong to
+///   a body that turns with a carrier, so it enters only the diagonal.
 pub(super) fn found_rotor(
     drive: &Drive,
     rotor: Option<f64>,
@@ -32,14 +33,14 @@ pub(super) fn found_rotor(
     (rotor.or(added), coupling)
 }
 
-/// Lines of TOML for each joint whose drive was identified, with the joint's name. The first line is the key
-/// `drive`. If no friction law of the joint was found, the key `friction` of the description follows, because
-/// friction at the drive would otherwise be lost. Drives with a table of their own are written by
+/// Returns lines of TOML for each joint whose drive was identified, with the joint's name. The first line
+/// is the key `drive`. If no friction law of the joint was found, the key `friction` of the description
+/// follows. Otherwise friction at the drive would be lost. Drives in the table `[[drives]]` are written by
 /// [`super::drive_table`].
 ///
 /// - `model`: model of the identified robot
 /// - `described`: model with the friction of the description
-/// - `identified`: identified values by coordinate
+/// - `identified`: identified values of each coordinate's drive
 /// - `has_law`: for each coordinate, whether a friction law was found
 #[must_use]
 pub fn drives(
@@ -61,8 +62,8 @@ pub fn drives(
     written.collect()
 }
 
-/// Key `friction` of a joint as in the description, including friction at the shaft of its drive. `None`
-/// without friction.
+/// Returns the key `friction` of a joint as in the description, including friction at the shaft of its
+/// drive; `None` if there is no friction.
 pub(super) fn joint_friction(described: &Model, name: &str) -> Option<String> {
     let joint = described.joints().find(|joint| joint.name == name)?;
     let names: Vec<&str> = described.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
@@ -74,7 +75,8 @@ pub(super) fn joint_friction(described: &Model, name: &str) -> Option<String> {
     (!keys.is_empty()).then(|| format!("friction = {{ {} }}", keys.join(", ")))
 }
 
-/// For each coordinate, the index of its drive's rotor among the rotor parameters; `None` without a rotor.
+/// Returns for each coordinate the index of its drive's rotor among the rotor parameters; `None` if there
+/// is no rotor.
 #[must_use]
 pub fn rotors(model: &Model) -> Vec<Option<usize>> {
     let place = |coordinate| {
@@ -84,9 +86,10 @@ pub fn rotors(model: &Model) -> Vec<Option<usize>> {
     (0..model.coordinates.len()).map(place).collect()
 }
 
-/// Keys of a drive with their values, except friction and the joints on which the drive acts.
+/// Returns the keys of a drive with their values, except friction and the joints on which the drive acts.
 ///
-/// - `rotor`: inertia of the rotor [kg m²] (`None`: as in the description), and how it enters the mass matrix
+/// - `inertia`: inertia of the rotor in kg m²; `None` keeps the described inertia
+/// - `coupling`: how the inertia enters the mass matrix
 pub(super) fn entries(
     model: &Model,
     drive: &Drive,
@@ -121,7 +124,7 @@ pub(super) fn entries(
     entries
 }
 
-/// Keys for the place of a rotor: carrier and axis.
+/// Returns the keys that describe how a rotor is mounted: carrier and axis.
 fn mounting(model: &Model, drive: &Drive) -> [String; 2] {
     let [x, y, z] = drive.axis.map(|x| format!("{x:?}"));
     [format!("carrier = {}", toml_text(&model.links[drive.carrier].name)), format!("axis = [{x}, {y}, {z}]")]

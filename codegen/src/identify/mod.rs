@@ -1,7 +1,7 @@
-//! Identification of robots with a description: the robot's functions for the estimator, and the estimates as
-//! a description.
+//! Identification of robots with a description: functions of the robot for the estimator, and the estimates
+//! as a description.
 //!
-//! The crate [`gelenk_identification`] makes the estimates. This module gives it the robot
+//! The crate [`gelenk_identification`] computes the estimates. This module provides the robot
 //! ([`InterpretedRobot`], whose functions are interpreted), and writes the results.
 
 mod bodies;
@@ -51,13 +51,13 @@ mod tests {
     fn inertia_of_a_drive_is_found_where_it_can_be_written() {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
         let takes = |name: &str| robot(&folder.join(format!("{name}.toml"))).takes_inertia();
-        // A cart whose drive has no rotor, and a pole without a drive.
+        // The drive of the cart has no rotor, and the pole has no drive.
         assert_eq!(takes("cart_pole"), [true, false]);
-        // Rotors are parameters.
+        // Rotors are parameters of this robot.
         assert_eq!(takes("geared_arm"), [false; 2]);
     }
 
-    /// An arm whose friction stands at its drives.
+    /// An arm whose friction is at its drives.
     const RUBBING_SHAFTS: &str = r#"
         name = "arm"
         gravity = [0, 0, -9.81]
@@ -91,7 +91,7 @@ mod tests {
         friction = { viscous = 1e-4, coulomb = { value = 2e-3, slope = 20 } }
     "#;
 
-    /// A drive of a file replaces that of the description as a whole.
+    /// A drive of the written file completely replaces the drive of the description.
     #[test]
     fn friction_of_drives_stays_where_no_law_of_their_joints_is_found() {
         let folder = tempfile::tempdir().unwrap();
@@ -126,12 +126,12 @@ mod tests {
         for v in [-1.5, -0.01, 0.3] {
             assert_eq!(friction(&read, v), friction(&described, v));
         }
-        // 3 + 50² · 2e-4 at the shoulder; (60² · 1e-4) v and 60 · 2e-3 at the elbow.
+        // The friction is 3 + 50² · 2e-4 at the shoulder, and (60² · 1e-4) v + 60 · 2e-3 at the elbow.
         let [shoulder, elbow] = [0, 1].map(|joint: usize| friction(&read, 3.0)[joint]);
         assert!((shoulder - 3.5 * 3.0).abs() < 1e-12 && (elbow - (0.36 * 3.0 + 0.12)).abs() < 1e-12);
     }
 
-    /// The file replaces the knuckle's friction alone.
+    /// The written file replaces only the friction of the knuckle.
     #[test]
     fn friction_of_followers_is_known() {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
@@ -142,12 +142,13 @@ mod tests {
             gripper.rigid_forces(&y, &[0.0, knuckle], &a, &mut forces);
             forces[1]
         };
-        // Two fingers turn as fast as the knuckle, with 0.002 N m s each. What depends on the square of the speed is even.
+        // Two fingers turn as fast as the knuckle, with 0.002 N m s each. Terms in the square of the speed
+        // are even functions of it.
         let friction = (forces(0.7) - forces(-0.7)) / 2.0;
         assert!((friction - 2.0 * 0.002 * 0.7).abs() < 1e-15, "{friction}");
     }
 
-    /// Parameters of heavier bodies, and of rotors.
+    /// Returns the parameters of heavier bodies and rotors.
     fn changed(robot: &InterpretedRobot) -> Vec<f64> {
         let parameters = robot.parameters();
         let heavier =

@@ -1,4 +1,4 @@
-//! Page of an identification.
+//! Report page of an identification.
 
 use gelenk_findings::digits;
 use gelenk_findings::{Severity, texts};
@@ -11,17 +11,17 @@ use gelenk_report::{Axis, Block, Cell, Figure, Marks, Plot, Report, Section, Tab
 
 use super::terms;
 
-/// Largest number of points of a curve. Only every k-th point of a longer curve is drawn.
+/// Largest number of points of a curve. If a curve has more points, only every k-th point is drawn.
 const MOST_POINTS: usize = 1500;
 /// Explanation of the rows if shafts replace joints.
 const SHAFTS: &str = "Efforts at the joints are $\\tau = W(y,\\dot y,\\ddot y)\\,\\pi + \\tau_F(\\dot y) + c$: inertial parameters $\\pi$, \
-     friction $\\tau_F$ and offsets $c$ in one weighted fit. Drives that act on several joints have rows of their own, which are named by \
-     the drive: torque, position and speed are those of the motor's shaft.";
-/// Points of a friction curve.
+     friction $\\tau_F$ and offsets $c$ in one weighted fit. Each drive that acts on several joints has a separate row with the name of \
+     the drive. Torque, position and speed in this row are those of the motor's shaft.";
+/// Number of points of a friction curve.
 const CURVE: usize = 200;
 
-/// Makes the page: friction curves, measured and predicted efforts, residuals, held-out errors, parameters,
-/// and the preparation of the logs.
+/// Creates the report page with friction curves, measured and predicted efforts, residuals, held-out
+/// errors, parameters, and the preparation of the logs.
 ///
 /// - `command`: command line that made the page
 #[must_use]
@@ -61,19 +61,19 @@ pub fn page(name: &str, robot: &dyn Robot, found: &Identification, command: &str
     report.section(parameters(robot, found)).section(data(found))
 }
 
-/// Noun for the rows of the tables: joints, or joints and shafts.
+/// Returns the noun for the rows of the tables: joints, or joints and shafts.
 #[must_use]
 pub fn rows_are(found: &Identification) -> &'static str {
     if found.joint_terms().is_some() { "joint or shaft" } else { "joint" }
 }
 
-/// Whether some joint rests in a part of the samples. The fit leaves these samples out.
+/// Returns whether some joint rests in a part of the samples. The fit does not use these samples.
 #[must_use]
 pub fn has_rest(found: &Identification) -> bool {
     found.estimate.joints.iter().any(|joint| joint.rest > 0.0)
 }
 
-/// Formula of the friction law of a joint, or a dash if the joint has no law.
+/// Returns the formula of the friction law of a joint, or a dash if the joint has no law.
 #[must_use]
 pub fn law(found: &Identification, joint: usize) -> String {
     found.law(joint).map_or_else(|| "–".to_owned(), |report| report.result.formula())
@@ -82,9 +82,9 @@ pub fn law(found: &Identification, joint: usize) -> String {
 fn summary(found: &Identification) -> Section {
     let mut table = Table::new(
         "joints",
-        "Held-out: each contiguous fold of the data is predicted by the fit to the others. $R^2$ is centred. Samples in which a \
-         joint rests are left out: dry friction can have any value up to the static friction. Column 'with rest' includes them. \
-         Predictions are those of the written description, without offsets of single runs.",
+        "Held-out: each contiguous fold of the data is predicted by the fit to the others. $R^2$ is centred. Samples at \
+         which a joint rests are left out: dry friction can have any value up to the static friction. The column 'with \
+         rest' includes these samples. Predictions are those of the written description, without offsets of single runs.",
     )
     .column(rows_are(found), "joint", "")
     .column("$R^2$ held-out", "r_squared_held_out", "")
@@ -108,8 +108,8 @@ fn summary(found: &Identification) -> Section {
     Section::new("summary", "How well it fits").block(Block::Table(table)).blocks(choices)
 }
 
-/// Lowest and highest offset of a joint in single runs, as text. These offsets are not part of the written
-/// description.
+/// Returns the lowest and the highest offset of a joint in single runs as text. These offsets are not part
+/// of the written description.
 #[must_use]
 pub fn offsets(joint: &JointEstimate) -> String {
     let error = joint.offset_errors.first().copied();
@@ -124,12 +124,12 @@ pub fn offsets(joint: &JointEstimate) -> String {
     }
 }
 
-/// R² of a joint that moves; empty if nothing acts on the joint.
+/// Returns R² of a joint that moves; empty if nothing acts on the joint.
 fn share(joint: &JointEstimate, r_squared: f64) -> Cell {
     if is_judged(joint) { Cell::Rounded(r_squared, 4) } else { Cell::Empty }
 }
 
-/// Whether R² of a joint is meaningful: the joint moves, and something acts on it.
+/// Returns whether R² of a joint is meaningful: the joint moves, and something acts on it.
 #[must_use]
 pub fn is_judged(joint: &JointEstimate) -> bool {
     joint.moves && !joint.held_out_r_squared.is_nan()
@@ -138,11 +138,12 @@ pub fn is_judged(joint: &JointEstimate) -> bool {
 fn friction(found: &Identification, units: &[&str]) -> Section {
     let words = match found.runs.is_empty() {
         true => {
-            "The written laws. Moments have no samples, so there are no points, efforts and residuals over time."
+            "The lines are the written friction laws. Moments do not contain samples, so there are no measured points, \
+             efforts and residuals."
         }
         false => {
-            "Points: measured effort minus the rigid body's, the offset, and friction under load if identified. Line: the \
-             written law without load."
+            "Points: measured effort minus the effort of the rigid bodies, the offset, and load-dependent friction if it \
+             is identified. Line: the written law without load-dependent friction."
         }
     };
     let mut section = Section::new("friction", "Friction").block(text(words));
@@ -186,7 +187,7 @@ fn front(subsets: &SubsetValidation, force: &str) -> Plot {
         .series("chosen", Marks::Points, vec![point(&subsets.best[subsets.chosen])])
 }
 
-/// Joints whose efforts were measured.
+/// Returns the joints whose efforts were measured.
 fn measured(found: &Identification) -> impl Iterator<Item = (usize, &JointEstimate)> {
     found.estimate.joints.iter().enumerate().filter(|(_, joint)| joint.measured)
 }
@@ -210,7 +211,7 @@ fn efforts(found: &Identification) -> Section {
     Section::new("efforts", "Efforts over time").block(Block::Figure(figure))
 }
 
-/// Times of all runs one after the other, with a gap after each run.
+/// Returns the times of all runs in sequence, with a gap after each run.
 fn times(runs: &[PreparedRun]) -> Vec<f64> {
     let mut times = Vec::new();
     let mut start = 0.0;
@@ -225,8 +226,10 @@ fn times(runs: &[PreparedRun]) -> Vec<f64> {
 }
 
 fn residuals(found: &Identification, units: &[&str]) -> Section {
-    let mut section = Section::new("residuals", "Residuals")
-        .block(text("Measured minus predicted effort. This residual should depend on no other quantity."));
+    let mut section = Section::new("residuals", "Residuals").block(text(
+        "Measured minus predicted effort. If the model is complete, this residual does not depend on any of \
+                     these quantities.",
+    ));
     for (index, joint) in measured(found) {
         let unit = units[index];
         let over = |label: &str, axis: &str, signal: &dyn Fn(&PreparedRun) -> &[f64]| {
@@ -246,7 +249,7 @@ fn residuals(found: &Identification, units: &[&str]) -> Section {
         let mut figure = Figure::new(format!("residual_{}", index + 1), "")
             .plot(over("time", "s", &|run| &run.times))
             .plot(over("velocity", &format!("{unit}/s"), &|run| &run.velocities[index]));
-        // The way of a joint with a quaternion says nothing of where it is.
+        // The path of a joint with a quaternion does not show its pose.
         if !joint.exact {
             figure = figure.plot(over("position", unit, &|run| &run.positions[index]));
         }
@@ -259,7 +262,8 @@ fn parameters(robot: &dyn Robot, found: &Identification) -> Section {
     let mut table = Table::new(
         "inertial_parameters",
         &format!(
-            "Described and estimated inertial parameters with {:.0} % intervals: parameters that the data do not determine stay near the description.",
+            "Described and estimated inertial parameters with {:.0} % intervals. Parameters that the data do not determine \
+             stay near the described values.",
             100.0 * found.estimate.confidence
         ),
     )
@@ -279,7 +283,7 @@ fn data(found: &Identification) -> Section {
     let hashes = recording.hashes.iter().map(|(path, hash)| plain(format!("{path}: sha256 {hash}")));
     let columns = recording.columns.iter().cloned().map(plain);
     let unused = (!recording.unused.is_empty())
-        .then(|| plain(format!("Columns that nothing uses: {}.", recording.unused.join(", "))));
+        .then(|| plain(format!("Columns that are not used: {}.", recording.unused.join(", "))));
     let findings = texts(&recording.findings, Severity::Note).into_iter().map(plain);
     let notes = texts(&found.preparation.findings, Severity::Note).into_iter().map(plain);
     Section::new("data", "Data")
@@ -312,7 +316,7 @@ fn preparation(found: &Identification) -> Table {
     table
 }
 
-/// Every k-th point.
+/// Returns every k-th point, so that at most [`MOST_POINTS`] points remain.
 pub(super) fn thinned(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     let step = points.len().div_ceil(MOST_POINTS).max(1);
     points.into_iter().step_by(step).collect()

@@ -8,7 +8,7 @@ use crate::functions::size::MOST_OPERATIONS;
 use crate::model::Model;
 use crate::program::interpret::interpret;
 
-/// Inertial parameters of a model with the values of the description.
+/// Returns the inertial parameters of a model with the values of the description.
 pub(super) fn parameters(model: &Model) -> Result<Vec<f64>, Diagnostics> {
     let name = ["inertial_parameters".to_owned()];
     let functions = derive_in_form(model, &name, MOST_OPERATIONS, Form::Straight, &name)?;
@@ -16,7 +16,7 @@ pub(super) fn parameters(model: &Model) -> Result<Vec<f64>, Diagnostics> {
     Ok(functions.first().map_or(Vec::new(), |function| result(function, &[], &free)))
 }
 
-/// The first result of a function.
+/// Returns the first result of a function.
 pub(super) fn result(function: &Function, inputs: &[&[f64]], free: &[f64]) -> Vec<f64> {
     let results = interpret(&function.program, inputs, free);
     let results = results.unwrap_or_else(|error| {

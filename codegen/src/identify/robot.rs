@@ -1,4 +1,4 @@
-//! The robot model that identification needs. The interpreter evaluates its regressor.
+//! The robot model for the identification. An interpreter evaluates its regressor.
 
 use std::sync::OnceLock;
 
@@ -21,8 +21,8 @@ use crate::model::{
     QuaternionKind,
 };
 
-/// Functions of a described robot that identification calls. They are interpreted, so no compiler is needed.
-/// The inertial parameters are those of `INERTIAL_PARAMETER_NAMES`.
+/// Functions of a described robot that the identification calls. An interpreter evaluates them, so no
+/// compiler is needed. The inertial parameters are those of `INERTIAL_PARAMETER_NAMES`.
 #[derive(Debug)]
 pub struct InterpretedRobot {
     model: Model,
@@ -30,13 +30,13 @@ pub struct InterpretedRobot {
     inverse_dynamics: Function,
     parameters: Vec<f64>,
     input_matrix: Vec<f64>,
-    /// W with three additional free parameters for gravity. It is derived at the first use.
+    /// Regressor W with three additional free parameters for gravity. It is derived at the first use.
     at_rest: OnceLock<Option<Function>>,
-    /// B(y); `None` without inputs at frames.
+    /// Input matrix B(y); `None` if no input acts at a frame.
     input_matrix_at: Option<Function>,
-    /// Joints that something else moves.
+    /// Whether each joint is moved from outside.
     unmeasured: Vec<bool>,
-    /// The drives whose shafts' friction is identified.
+    /// Shafts of drives whose friction is identified.
     shafts: Vec<Shaft>,
     /// Described friction of the joints that shafts replace in the fit.
     joint_terms: Vec<(JointTerm, FrictionTerm)>,
@@ -46,36 +46,37 @@ pub struct InterpretedRobot {
     free: Vec<f64>,
 }
 
-/// Choices about a robot before identification.
+/// Choices about a robot before the identification.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct RobotChoices {
-    /// Names of joints that something else moves. Logs have the motion of these joints, but not their forces.
+    /// Names of joints that are moved from outside. Logs contain the motion of these joints, but not their
+    /// forces.
     pub unmeasured: Vec<String>,
-    /// Identifies friction at joints only. Friction of the shafts of drives that act on several joints stays
-    /// as described.
+    /// Whether friction is identified only at joints. Friction of the shafts of drives that act on several
+    /// joints then stays as described.
     pub friction_at_joints: bool,
 }
 
 impl InterpretedRobot {
-    /// The robot with default choices, see [`Self::with`].
+    /// Creates the robot with default choices, see [`Self::with`].
     ///
     /// # Errors
-    /// Errors of [`Self::with`].
+    /// The errors are those of [`Self::with`].
     pub fn new(model: &Model) -> Result<Self, Diagnostics> {
         Self::with(model, &RobotChoices::default())
     }
 
-    /// Derives the functions of a model without the friction that is identified. They include the friction
-    /// that is not identified:
+    /// Creates the robot and derives its functions. They do not contain the friction that is identified.
+    /// They contain the friction that is not identified:
     ///
     /// - friction of spherical and floating joints
-    /// - friction of joints that follow other joints, because no written file replaces their law
+    /// - friction of joints that follow other joints, because the written description does not replace
+    ///   their law
     /// - friction of the shafts of drives, if [`RobotChoices::friction_at_joints`] is set or the shaft
     ///   replaces no joint in the fit
     ///
     /// # Errors
-    /// Errors of [`derive_in_form`] if a function of the robot cannot be generated; `driven-joint` if joints
-    /// are driven.
+    /// The errors are those of [`derive_in_form`], and `driven-joint` if joints are driven.
     pub fn with(model: &Model, choices: &RobotChoices) -> Result<Self, Diagnostics> {
         IDENTIFICATION.check(model)?;
         let mut model = model.clone();
@@ -97,7 +98,7 @@ impl InterpretedRobot {
             joint.load_friction.clear();
         }
         let input_matrix_at = input_matrix_at(&model)?;
-        // Their forces depend on the positions.
+        // The forces of these inputs depend on the positions.
         let frame_inputs = std::mem::take(&mut model.force_inputs);
         let names = ["inertial_regressor", "inverse_dynamics", "inertial_parameters", "input_matrix"];
         let names = names.map(str::to_owned);
@@ -124,8 +125,8 @@ impl InterpretedRobot {
         })
     }
 
-    /// Names of the drives on several joints whose shafts replace no joint in the fit. Their friction stays
-    /// as described.
+    /// Returns the names of the drives on several joints whose shafts replace no joint in the fit. The
+    /// friction of these drives stays as described.
     #[must_use]
     pub fn shafts_as_described(&self) -> Vec<&str> {
         let is_shaft = |name: &str| self.shafts.iter().any(|shaft| shaft.name == name);
@@ -133,8 +134,8 @@ impl InterpretedRobot {
         names.filter(|name| !is_shaft(name)).collect()
     }
 
-    /// Limits of a joint that follows coordinates, or of a motor that moves several joints. `None` if it
-    /// follows a driven joint.
+    /// Returns the limits of a joint that follows coordinates, or of a motor that moves several joints;
+    /// `None` if it follows a driven joint.
     fn follower(&self, one: &Dependent<'_>) -> Option<FollowerLimits> {
         let (ratios, of_driven) = one.ratios.as_ref()?.split_at(self.model.coordinates.len());
         of_driven.iter().all(|ratio| *ratio == 0.0).then(|| FollowerLimits {
@@ -146,14 +147,14 @@ impl InterpretedRobot {
         })
     }
 
-    /// The model without the friction that is identified.
+    /// Returns the model without the friction that is identified.
     #[must_use]
     pub fn model(&self) -> &Model {
         &self.model
     }
 }
 
-/// Described friction of each joint, or of the shaft that takes its row.
+/// Returns the described friction of each joint, or of the shaft that replaces the joint in its row.
 fn described_friction(model: &Model, shafts: &[Shaft]) -> Vec<Vec<FrictionTerm>> {
     let of_row = |(row, joint): (usize, &Joint)| {
         let shaft = shafts.iter().find(|shaft| shaft.joint == row);
@@ -163,7 +164,7 @@ fn described_friction(model: &Model, shafts: &[Shaft]) -> Vec<Vec<FrictionTerm>>
     model.joints().enumerate().map(of_row).collect()
 }
 
-/// The regressor of a model with three additional free parameters for gravity.
+/// Returns the regressor of a model with three additional free parameters for gravity.
 fn regressor_under_gravity(model: &Model) -> Option<Function> {
     let mut model = model.clone();
     model.force_inputs.clear();
@@ -182,7 +183,7 @@ fn regressor_under_gravity(model: &Model) -> Option<Function> {
     derive_in_form(&model, &name, MOST_OPERATIONS, Form::Straight, &name).ok()?.into_iter().next()
 }
 
-/// B(y) of a model with inputs at frames.
+/// Returns the input matrix B(y) of a model with inputs at frames.
 fn input_matrix_at(model: &Model) -> Result<Option<Function>, Diagnostics> {
     if model.force_inputs.is_empty() {
         return Ok(None);
@@ -191,7 +192,7 @@ fn input_matrix_at(model: &Model) -> Result<Option<Function>, Diagnostics> {
     Ok(derive_in_form(model, &name, MOST_OPERATIONS, Form::Straight, &name)?.into_iter().next())
 }
 
-/// B with columns of zeros for `more` inputs.
+/// Returns the input matrix B with columns of zeros for `more` inputs.
 fn with_zero_columns(drives: &[f64], more: usize, model: &Model) -> Vec<f64> {
     let (n, m) = (model.coordinates.len(), model.inputs().count());
     let row = |i: usize| drives[i * m..(i + 1) * m].iter().copied().chain(std::iter::repeat_n(0.0, more));
@@ -307,8 +308,8 @@ impl Robot for InterpretedRobot {
         self.unmeasured.clone()
     }
 
-    /// Whether each joint has an input of its own. If the robot has couplings or inputs at frames, no joint
-    /// has one, because the generator does not support friction under load there.
+    /// Returns whether each joint has its own input. No joint has one if the robot has couplings or inputs
+    /// at frames, because the generator does not support load-dependent friction for such robots.
     fn own_inputs(&self) -> Vec<bool> {
         let joints = self.model.joints().len();
         if self.model.is_coupled() || !self.model.force_inputs.is_empty() {
@@ -318,8 +319,8 @@ impl Robot for InterpretedRobot {
         (0..joints).map(driven).collect()
     }
 
-    /// Whether an inertia may be added to each row. A drive is written with one inertia, so the row's rotor
-    /// must not be a parameter.
+    /// Returns whether an inertia may be added to each row. A drive is written with only one inertia, so
+    /// the rotor of the row must not be a parameter.
     fn takes_inertia(&self) -> Vec<bool> {
         let takes = |row: usize| {
             let shaft = self.shafts.iter().find(|shaft| shaft.joint == row);

@@ -1,9 +1,9 @@
 //! Rounding of identified bodies to significant digits.
 //!
-//! A value gets two digits of half the width of its interval. Rounding must not change two properties: a body
-//! that is physically possible stays possible, and the written bodies explain the data as well as the
-//! identified bodies. If rounding changes them, a body gets more digits. A value that equals the described
-//! value to these digits is written as in the description.
+//! A value has two digits of half the width of its confidence interval. Rounding must not change two
+//! properties: a physically possible body stays possible, and the written bodies explain the data as well
+//! as the identified ones. If rounding changes one of these properties, the body gets more digits. If a
+//! value equals the described value when rounded to these digits, the described value is written.
 
 use gelenk_findings::digits::rounded;
 use gelenk_identification::estimation::Estimate;
@@ -16,9 +16,9 @@ use crate::dynamics::parameters::regressor::PER_LINK;
 
 /// Largest change of a joint's R² by rounding.
 const MOST_LOST: f64 = 1e-4;
-/// Number of additional digits at which a body is written without rounding.
+/// Number of additional digits from which on a body is written without rounding.
 const MOST_DIGITS: i32 = 8;
-/// Largest change of a parameter of a load by rounding, as a share of half its interval.
+/// Largest change of a parameter of a load by rounding, as a share of half the width of its interval.
 const NOTICED: f64 = 0.1;
 
 /// Rounds the bodies of all links.
@@ -48,19 +48,19 @@ pub fn round_bodies(links: &mut [LinkBodies], described: &[LinkBodies], estimate
     links.iter_mut().zip(written).for_each(|(link, body)| link.body = body);
 }
 
-/// The largest change of a joint's R² by changes of parameters from a link's on.
+/// Returns the largest change of a joint's R² if the parameters of a link change.
 fn lost(estimate: &Estimate, link: usize, change: &[f64]) -> f64 {
     let mut all = vec![0.0; estimate.parameters.len()];
     all[PER_LINK * link..][..change.len()].copy_from_slice(change);
     estimate.r_squared_lost(&all).into_iter().map(f64::abs).fold(0.0, f64::max)
 }
 
-/// A body with the errors of its values, in the order of [`BodyValues::numbers`].
+/// A body with the errors of its values. The values are in the order of [`BodyValues::numbers`].
 struct Found<'a> {
     body: &'a BodyValues,
-    /// Parameters of the link that come from rotors of held joints instead of bodies.
+    /// Parameters of the link that come from rotors of held joints, not from bodies.
     fixed: &'a [f64],
-    /// The numbers of the described body.
+    /// Numbers of the described body.
     described: [Option<f64>; PER_LINK],
     /// Half the width of each value's interval; `None` if it is unknown.
     errors: [Option<f64>; PER_LINK],
@@ -85,7 +85,7 @@ impl<'a> Found<'a> {
         }
     }
 
-    /// The body with `digits` digits more than the intervals support.
+    /// Returns the body with `digits` digits more than the intervals justify.
     fn written(&self, digits: i32) -> BodyValues {
         if digits >= MOST_DIGITS {
             return self.body.clone();
@@ -107,14 +107,14 @@ impl<'a> Found<'a> {
         }
     }
 
-    /// Change of the link's parameters by rounding to `digits`.
+    /// Returns the change of the link's parameters if the body is rounded to `digits`.
     fn change(&self, digits: i32) -> Vec<f64> {
         let [before, after] = [self.body.parameters(), self.written(digits).parameters()];
         after.iter().zip(before).map(|(after, before)| after - before).collect()
     }
 
-    /// The least number of digits, beginning with `digits`, for which rounding keeps a possible body
-    /// possible, and its link, too.
+    /// Returns the smallest number of digits, beginning with `digits`, for which rounding keeps a possible
+    /// body and its link possible.
     fn possible_from(&self, digits: i32) -> i32 {
         let is_kept = |digits: &i32| {
             let [before, after] = [self.body.parameters(), self.written(*digits).parameters()];
@@ -129,14 +129,14 @@ fn keeps_existing(before: &[f64; PER_LINK], after: &[f64; PER_LINK]) -> bool {
     margin(before) <= 0.0 || margin(after) > 0.0
 }
 
-/// Half the width of an interval in standard errors.
+/// Returns half the width of an interval in standard errors.
 fn half_widths_of_errors(estimate: &Estimate) -> f64 {
     let uncertain = estimate.parameters.iter().filter(|p| p.standard_error > 0.0);
     let factors = uncertain.map(|p| 0.5 * (p.interval[1] - p.interval[0]) / p.standard_error);
     factors.fold(1.0, f64::max)
 }
 
-/// Derivatives of a body's numbers by the ten parameters of its link.
+/// Returns the derivatives of a body's numbers with respect to the ten parameters of its link.
 fn slopes(body: &BodyValues) -> DMatrix<f64> {
     let mut slopes = DMatrix::zeros(PER_LINK, PER_LINK);
     let [x, y, z] = body.center_of_mass;
@@ -147,7 +147,8 @@ fn slopes(body: &BodyValues) -> DMatrix<f64> {
             slopes[(1 + axis, 1 + axis)] = 1.0 / body.mass;
         }
     }
-    // xx, yy, zz, xy, xz, yz about the centre: their own place among the parameters, and what mass and m c change.
+    // Rows for xx, yy, zz, xy, xz, yz about the centre: the index of the parameter, and the effects of mass
+    // and m c.
     let moments = [
         (4, [y * y + z * z, 0.0, -2.0 * y, -2.0 * z]),
         (6, [x * x + z * z, -2.0 * x, 0.0, -2.0 * z]),
@@ -163,8 +164,9 @@ fn slopes(body: &BodyValues) -> DMatrix<f64> {
     slopes
 }
 
-/// A load with the digits of its intervals. Rounding changes no inertial parameter by more than a tenth of
-/// half its interval, because the mass times the centre may be known better than mass and centre.
+/// Returns a load with the digits that its intervals justify. Rounding does not change an inertial
+/// parameter by more than a tenth of half the width of its interval. This matters because the product of
+/// mass and centre may be known better than the two factors.
 #[must_use]
 pub fn rounded_load(body: &BodyValues, payload: &Payload) -> BodyValues {
     let half =
@@ -183,7 +185,7 @@ pub fn rounded_load(body: &BodyValues, payload: &Payload) -> BodyValues {
 }
 
 impl BodyValues {
-    /// Mass, centre and moments.
+    /// Returns mass, centre of mass and moments of inertia.
     fn numbers(&self) -> [f64; PER_LINK] {
         let [x, y, z] = self.center_of_mass;
         let [xx, yy, zz, xy, xz, yz] = self.inertia;
@@ -227,11 +229,12 @@ mod tests {
         let (digits, written) = of(&body, 0, none, Some(0.012));
         assert_eq!((digits, written.mass, written.center_of_mass), (0, 2.0, [0.05, -0.03, 0.2]));
         assert_eq!(of(&body, MOST_DIGITS, none, Some(0.012)).1, body);
-        // A plate: with a digit less its moments break the triangle inequality.
+        // A plate, whose moments would violate the triangle inequality with one digit less.
         body.inertia = [0.1004, 0.1004, 0.2007, 0.0, 0.0, 0.0];
         let (digits, written) = of(&body, 0, none, Some(0.02));
         assert!(digits == 1 && margin(&written.parameters()) <= 0.0);
-        // Without an error it keeps its digits, and what is as described is written so.
+        // A body without errors keeps its digits. A value that equals the described one is written as
+        // described.
         assert_eq!(of(&body, 0, none, None).1, body);
         let mut described = none;
         described[0] = Some(2.000_03);

@@ -1,19 +1,19 @@
-//! Choice of the joints that shafts replace. The fit has a row of equations for each joint. The shaft of a
-//! drive on several joints takes the row of one of these joints.
+//! Choice of the joints that shafts replace in the fit. The fit has a row of equations for each joint. The
+//! shaft of a drive that acts on several joints replaces one of these joints in its row.
 
 use nalgebra::{DMatrix, RowDVector};
 
-/// Share of a shaft's largest entry below which an entry is rounding.
+/// Magnitude below which an entry counts as rounding error, as a share of the shaft's largest entry.
 const ROUNDING: f64 = 1e-9;
 
-/// For each shaft, the joint whose row in the fit it takes. `None` if the motion of the shaft depends only on
-/// rows that are taken already or may not be taken.
+/// Returns for each shaft the joint whose row in the fit it replaces. The result is `None` if the motion of
+/// the shaft depends only on rows that are already replaced or must not be replaced.
 ///
-/// Shafts choose in their order. A shaft takes the joint along which it turns most while all other rows keep
-/// their motion. If several joints are equal, it takes the first of these joints.
+/// Shafts choose in their order. A shaft replaces the joint along which it turns most while the motions of
+/// all other rows are fixed. If several joints are equal, it replaces the first one.
 ///
-/// - `ratios`: for each shaft, its motion for a unit of motion of each joint
-/// - `free`: for each joint, whether its row may be taken
+/// - `ratios`: for each shaft, its displacement for a unit displacement of each joint
+/// - `free`: for each joint, whether its row may be replaced
 pub(super) fn seats(ratios: &[Vec<f64>], free: &[bool]) -> Vec<Option<usize>> {
     let joints = free.len();
     let mut rows = DMatrix::<f64>::identity(joints, joints);
@@ -41,9 +41,9 @@ mod tests {
     fn shafts_take_the_rows_of_joints_without_drives() {
         let differential = [vec![80.0, 80.0], vec![80.0, -80.0]];
         assert_eq!(seats(&differential, &[true, true]), [Some(0), Some(1)]);
-        // A motor behind a joint that has a motor of its own, as in many wrists.
+        // The second joint has no drive of its own, and the motor acts on both joints, as in many wrists.
         assert_eq!(seats(&[vec![32.0, 32.0]], &[false, true]), [Some(1)]);
-        // Three motors move two joints, and two turn alike.
+        // Three motors move two joints, and two motors turn equally.
         assert_eq!(
             seats(&[vec![1.0, 1.0], vec![1.0, -1.0], vec![1.0, 2.0]], &[true; 2]),
             [Some(0), Some(1), None]

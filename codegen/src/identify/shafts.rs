@@ -1,4 +1,4 @@
-//! Drives that act on several joints: the shafts whose friction is identified, and their tables in a
+//! Drives that act on several joints: their shafts, whose friction is identified, and their tables in a
 //! description.
 
 use gelenk_identification::result::FrictionResult;
@@ -12,10 +12,10 @@ use crate::dynamics::parameters::regressor::drives_with_rotor;
 use crate::model::{Drive, FrictionTerm, Model};
 use crate::wording::toml_text;
 
-/// The drives on several coordinates whose shafts replace joints in the fit
+/// Returns the drives on several coordinates whose shafts replace joints in the fit
 /// ([`gelenk_identification::shafts`]).
 ///
-/// - `unmeasured`: names of the joints that something else moves
+/// - `unmeasured`: names of the joints that are moved from outside
 pub(super) fn shafts(model: &Model, unmeasured: &[String], free: &[f64]) -> Vec<Shaft> {
     let shared: Vec<&Drive> = shared_drives(model).collect();
     let ratios: Vec<Vec<f64>> = shared.iter().map(|drive| ratios(model, drive, free)).collect();
@@ -34,12 +34,12 @@ pub(super) fn shafts(model: &Model, unmeasured: &[String], free: &[f64]) -> Vec<
     shared.into_iter().zip(ratios).zip(seats).filter_map(shaft).collect()
 }
 
-/// The drives with an input that act on several coordinates.
+/// Returns the drives with an input that act on several coordinates.
 pub(super) fn shared_drives(model: &Model) -> impl Iterator<Item = &Drive> {
     model.input_drives().filter(|drive| drive.acts_on.len() > 1)
 }
 
-/// Motion of a shaft for a unit of motion of each coordinate.
+/// Returns the displacement of a shaft for a unit displacement of each coordinate.
 fn ratios(model: &Model, drive: &Drive, free: &[f64]) -> Vec<f64> {
     let gear = drive.gear_ratio.evaluate(free, 0.0, 0.0);
     let mut ratios = vec![0.0; model.coordinates.len()];
@@ -49,7 +49,7 @@ fn ratios(model: &Model, drive: &Drive, free: &[f64]) -> Vec<f64> {
     ratios
 }
 
-/// Terms of the described friction of the joints that shafts replace.
+/// Returns the terms of the described friction of the joints that shafts replace.
 pub(super) fn joint_terms(model: &Model, shafts: &[Shaft], free: &[f64]) -> Vec<(JointTerm, FrictionTerm)> {
     let names: Vec<&str> = model.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
     let taken = model.joints().enumerate().filter(|(row, _)| shafts.iter().any(|shaft| shaft.joint == *row));
@@ -60,7 +60,7 @@ pub(super) fn joint_terms(model: &Model, shafts: &[Shaft], free: &[f64]) -> Vec<
     taken.flat_map(|(row, joint)| joint.friction.iter().map(move |of_joint| term(row, of_joint))).collect()
 }
 
-/// Tables `[[joints]]` with friction terms and their estimated factors.
+/// Returns tables `[[joints]]` with friction terms, whose coefficients are scaled by the estimated factors.
 #[must_use]
 pub fn joint_tables(model: &Model, terms: &[(&JointTerm, f64)]) -> Vec<String> {
     let joints = model.joints().enumerate();
@@ -76,8 +76,9 @@ pub fn joint_tables(model: &Model, terms: &[(&JointTerm, f64)]) -> Vec<String> {
     joints.filter_map(table).collect()
 }
 
-/// The table `[[joints]]` with the described friction of the joint that a drive moves alone. `None` without
-/// friction. Friction at the drive is included, because it would be lost if the drive is replaced.
+/// Returns the table `[[joints]]` with the described friction of the joint that a drive moves; `None` if
+/// there is no friction. Friction at the drive is included, because it would be lost if the drive is
+/// replaced.
 #[must_use]
 pub fn kept_friction(model: &Model, described: &Model, drive: &Drive) -> Option<String> {
     let joint = model.joints().nth(drive.coordinate()?)?;
@@ -90,31 +91,32 @@ pub fn kept_friction(model: &Model, described: &Model, drive: &Drive) -> Option<
 pub struct IdentifiedShaft<'a> {
     /// Name of the drive.
     pub name: &'a str,
-    /// Friction of the shaft; `None` keeps the friction of the description. If the shaft moves one joint, its
-    /// friction is part of the friction of the joint.
+    /// Friction of the shaft; `None` keeps the friction of the description. If the shaft moves only one
+    /// joint, its friction is part of the joint's friction.
     pub friction: Option<&'a FrictionResult>,
-    /// Axial inertia of the rotor as a parameter of the equations [kg m²]; `None` if the description has no
-    /// rotor.
+    /// Axial inertia of the rotor in kg m², as a parameter of the equations; `None` if the description has
+    /// no rotor.
     pub rotor: Option<f64>,
-    /// Inertia at the shaft [kg m²]; `None` if the description has a rotor.
+    /// Inertia that is added at the shaft, in kg m²; `None` if the description has a rotor.
     pub added: Option<f64>,
-    /// Motor constant K_M [N m/A]; `None` if it was not identified.
+    /// Motor constant K_M in N m/A; `None` if it was not identified.
     pub motor_constant: Option<f64>,
 }
 
-/// Index of a drive's rotor among the rotor parameters; `None` without a rotor.
+/// Returns the index of a drive's rotor among the rotor parameters; `None` if the drive has no rotor.
 #[must_use]
 pub fn shaft_rotor(model: &Model, name: &str) -> Option<usize> {
     drives_with_rotor(model).position(|drive| drive.name == name)
 }
 
-/// The table `[[drives]]` of an identified drive, with all other keys of its description. `None` if the
-/// description has no table for this drive.
+/// Returns the table `[[drives]]` of an identified drive, including all other keys of its description;
+/// `None` if the description has no table for this drive.
 ///
 /// - `described`: model with the friction of the description
 ///
 /// # Errors
-/// An error if a description cannot express the friction law.
+/// [`IdentificationError`](gelenk_identification::IdentificationError) if a description cannot express the
+/// friction law.
 pub fn drive_table(
     described: &Model,
     found: &IdentifiedShaft,

@@ -1,4 +1,4 @@
-//! Friction terms and the evidence for them, for the page and for JSON.
+//! Tables of friction terms and of the evidence for them, for the page and for JSON.
 
 use gelenk_findings::digits::{plain, significant};
 use gelenk_identification::friction::{Candidate, FrictionReport};
@@ -7,14 +7,16 @@ use gelenk_identification::methods::subset::ValidatedSubset;
 use gelenk_report::{Cell, Table};
 use serde_json::{Value, json};
 
-/// Digits of numbers whose error is not known.
+/// Number of digits of values whose error is unknown.
 const DIGITS: usize = 4;
 
-/// The terms of all friction laws with their intervals, and the probability that a law has the term.
+/// Returns the terms of all friction laws with their intervals, and the probability that a law contains the
+/// term.
 pub(super) fn table(found: &Identification) -> Table {
     let mut table = Table::new(
         "friction_terms",
-        "Candidate terms of the laws; terms that were not chosen have no coefficient. Probability: the weight of all subsets that contain the term, by the Bayesian information criterion.",
+        "Candidate terms of the friction laws. Terms that were not chosen have no coefficient. The probability of a term is \
+         the total weight of the subsets that contain the term, by the Bayesian information criterion.",
     )
     .columns(&["joint", "term", "coefficient", "lowest", "highest", "probability"]);
     for joint in &found.friction {
@@ -35,13 +37,13 @@ fn row(joint: &str, candidate: &Candidate) -> Vec<Cell> {
     names.into_iter().chain(numbers).chain([probability]).collect()
 }
 
-/// A number with the digits that its error supports.
+/// Returns a number with the digits that its error justifies.
 pub(super) fn measured(value: f64, error: Option<f64>) -> Cell {
     Cell::Rounded(value, significant(value, error).unwrap_or(DIGITS))
 }
 
-/// Pareto tables of the chosen friction laws, with the columns joint, number of terms, rms error on left-out
-/// data, `*` for the chosen row, and terms.
+/// Returns the Pareto tables of the chosen friction laws as rows of text. The columns are joint, number of
+/// terms, rms error on left-out data, `*` for the chosen row, and terms.
 #[must_use]
 pub fn front(found: &Identification) -> Vec<Vec<String>> {
     let head = ["joint", "terms", "rms error, left out", "", "terms of the law"].map(str::to_owned).to_vec();
@@ -65,7 +67,7 @@ pub fn front(found: &Identification) -> Vec<Vec<String>> {
     table
 }
 
-/// The Pareto table of a friction law, for JSON.
+/// Returns the Pareto table of a friction law as JSON.
 #[must_use]
 pub fn front_as_json(report: &FrictionReport) -> Value {
     let Some(subsets) = &report.subsets else { return Value::Null };
@@ -80,7 +82,7 @@ pub fn front_as_json(report: &FrictionReport) -> Value {
     subsets.best.iter().enumerate().map(of).collect()
 }
 
-/// The terms of a friction law, for JSON. Terms that were left out have no coefficient.
+/// Returns the terms of a friction law as JSON. Terms that were not chosen have no coefficient.
 #[must_use]
 pub fn terms_as_json(report: &FrictionReport) -> Value {
     let of = |candidate: &Candidate| {

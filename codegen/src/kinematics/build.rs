@@ -1,4 +1,4 @@
-//! Conversion of a model to its mechanism, and copies of the mechanism on the graph of each function.
+//! Converts a model to its mechanism, and copies the mechanism to the graph of each function.
 
 use super::inertia::{RegroupChoice, regroup};
 use super::mechanism::{Body, Mechanism, Rotor};
@@ -27,7 +27,7 @@ impl Mechanism<Number> {
 }
 
 impl Mechanism<Scalar<'_>> {
-    /// Moves inertial constants that act only as sums towards the base (regrouping). M, k, q and energies do
+    /// Regrouping: shifts inertial constants that act only as sums towards the base. M, k, q and energies do
     /// not change.
     pub fn regrouped(mut self, choices: &[RegroupChoice]) -> Self {
         regroup(&mut self.bodies, &mut self.base_moments, choices);
@@ -41,7 +41,7 @@ impl Mechanism<Scalar<'_>> {
 }
 
 impl<S: Numbers> Mechanism<S> {
-    /// The same mechanism with another type of numbers.
+    /// The same mechanism with another number type.
     fn with<T: Numbers>(&self, graph: T::Graph, to: impl Fn(S) -> T) -> Mechanism<T> {
         Mechanism {
             graph,

@@ -1,9 +1,9 @@
 //! Link frames of trees by the modified Denavit–Hartenberg convention.
 //!
 //! The z axis is the joint's axis. The x axis is on the common normal of z and the axis of the main child,
-//! which is the child with the largest subtree. The origin is where this normal meets z (Craig 1986; Khalil
-//! and Kleinfinger 1986). Other children of a branching body have an additional angle γ. If the convention
-//! leaves a choice (leaves of the tree, parallel or coincident axes), offsets are set to zero.
+//! which is the child with the largest subtree. The origin is the intersection of this normal and z (Craig
+//! 1986; Khalil and Kleinfinger 1986). Other children of a branching body have an additional angle γ. If the
+//! convention leaves a choice (leaves of the tree, parallel or coincident axes), offsets are set to zero.
 
 use nalgebra::{Matrix3, Vector3 as Numeric3};
 
@@ -17,17 +17,19 @@ use crate::model::{self, Model, RotorCoupling};
 use crate::numeric;
 use crate::spatial::{Angle, MassMoments, Pose, Twist, Vector3, cleaned, rotate};
 
-/// Axes whose cross product is shorter are parallel; constants that small are rounding.
+/// Axes are parallel if the length of their cross product is below this value. Smaller constants are rounding
+/// errors.
 const PARALLEL: f64 = 1e-12;
 
-/// Axes with a smaller sine between them have their common normal too far away: the moments of mass about a
-/// point there would lose digits (a vendor's 1.5708 for 90° puts it kilometres away).
+/// Axes are treated as parallel if the sine of the angle between them is at most this value. Their common
+/// normal would be far away, and moments of mass about a point there would lose digits. For example, 1.5708
+/// instead of 90° moves the normal by kilometres.
 const NEARLY_PARALLEL: f64 = 1e-2;
 
-/// Lengths below this are rounding (m).
+/// Lengths below this value \[m\] are rounding errors.
 const ROUNDING: f64 = 1e-14;
 
-/// A frame in the described frame of its body. `None` if the tree does not determine this part of the frame.
+/// A frame in the frame of the description. A part is `None` if the tree does not determine it.
 #[derive(Clone, Copy)]
 struct Draft<'g> {
     z: Numeric3<f64>,
@@ -35,7 +37,7 @@ struct Draft<'g> {
     origin: Option<Vector3<Scalar<'g>>>,
 }
 
-/// Chooses the frames and expresses all quantities in them.
+/// Chooses the frames of all bodies, and expresses all quantities in these frames.
 pub fn assign<'g>(graph: &'g Graph, model: &Model, tree: &DescribedTree<'g>) -> Mechanism<Scalar<'g>> {
     let directions = directions(model, tree);
     let drafts = common_normals(model, tree, &directions);
@@ -97,9 +99,14 @@ pub fn assign<'g>(graph: &'g Graph, model: &Model, tree: &DescribedTree<'g>) -> 
     mechanism
 }
 
-/// The displacement from the frame of a body's parent to the frame of the body: a translation perpendicular
-/// to z, a rotation, then a translation along z (lift) and a rotation about z. The joint's position is added
-/// to the lift or to the angle.
+/// The displacement from the frame of a body's parent to the frame of the body:
+///
+/// - a translation perpendicular to z
+/// - a constant rotation
+/// - a translation along z (lift)
+/// - a rotation about z
+///
+/// The joint's position is added to the lift or to the angle about z.
 struct Step<'g> {
     translation: Vector3<Scalar<'g>>,
     twist: Twist,
@@ -113,13 +120,14 @@ impl<'g> Step<'g> {
         let z = twist.matrix().column(2).into_owned();
         let zero = graph.constant(0.0);
         let along = || (0..3).fold(zero, |sum, k| sum + relative.translation[k] * z[k]).cleaned(ROUNDING);
-        // What lies before a rotation by a quaternion is not along the axis behind it.
+        // In a chain, a rotation by a quaternion follows the translation, so the translation is not along the
+        // axis.
         let lift = if is_in_chain { zero } else { along() };
         let lateral = relative.translation - Vector3([0, 1, 2].map(|k| lift * z[k]));
         Self { translation: lateral.map(|x| x.cleaned(ROUNDING)), twist, lift, offset }
     }
 
-    /// Moves the zero of a joint.
+    /// Shifts the zero position of a joint.
     fn shift(&mut self, graph: &'g Graph, axis: JointAxis, shift: f64) {
         match axis.turns() {
             _ if shift == 0.0 => {}
@@ -151,7 +159,7 @@ fn joint<'m>(model: &'m Model, described: &DescribedBody<'_>) -> &'m model::Join
     model.links[described.link].joint.as_ref().expect("a moving body has a joint")
 }
 
-/// The name of a body's joint; its slide has another name.
+/// The name of a body's joint. `(slide)` is appended for the slide of a helical joint.
 fn name(model: &Model, described: &DescribedBody<'_>) -> String {
     let name = &joint(model, described).name;
     match described.is_screw_slide {
@@ -160,7 +168,7 @@ fn name(model: &Model, described: &DescribedBody<'_>) -> String {
     }
 }
 
-/// Label of the values of a body.
+/// Name of a body's values in generated code.
 fn identifier(model: &Model, described: &DescribedBody<'_>) -> String {
     let identifier = &joint(model, described).identifier;
     match described.is_screw_slide {
@@ -169,7 +177,8 @@ fn identifier(model: &Model, described: &DescribedBody<'_>) -> String {
     }
 }
 
-/// Axes that are antiparallel to their parent's are turned around, and so is the coordinate's sign.
+/// Sign of each joint's axis: −1 if the axis is antiparallel to the axis of its parent and is therefore
+/// reversed. The sign of the coordinate is then reversed, too.
 fn directions(model: &Model, tree: &DescribedTree<'_>) -> Vec<f64> {
     let mut directions = vec![1.0; tree.bodies.len()];
     for (index, described) in tree.bodies.iter().enumerate() {
@@ -177,7 +186,7 @@ fn directions(model: &Model, tree: &DescribedTree<'_>) -> Vec<f64> {
             continue;
         };
         if model.quaternion_joint_of(described.joint).is_some() {
-            // Its velocities are those of the described frame.
+            // The velocities of this joint are in the frame of the description.
             continue;
         }
         let z = described.pose.rotation * Numeric3::from(joint(model, described).axis);
@@ -189,7 +198,8 @@ fn directions(model: &Model, tree: &DescribedTree<'_>) -> Vec<f64> {
     directions
 }
 
-/// From the leaves to the root: axes and origins that the main child determines.
+/// Visits the bodies from the leaves to the root, and computes the axes and origins that the main child
+/// determines.
 fn common_normals<'g>(model: &Model, tree: &DescribedTree<'g>, directions: &[f64]) -> Vec<Draft<'g>> {
     let main = main_children(tree);
     let mut drafts: Vec<Draft<'g>> = tree
@@ -206,7 +216,7 @@ fn common_normals<'g>(model: &Model, tree: &DescribedTree<'g>, directions: &[f64
         let Some(child) = main[index] else { continue };
         let described = &tree.bodies[child];
         if model.quaternion_joint_of(described.joint).is_some() {
-            // Where its axes point is not known.
+            // The axes of this joint do not have constant directions.
             continue;
         }
         let z = described.pose.rotation * drafts[child].z;
@@ -215,10 +225,11 @@ fn common_normals<'g>(model: &Model, tree: &DescribedTree<'g>, directions: &[f64
             None => described.pose.translation,
         };
         let (x, along) = normal_to_line(drafts[index].z, point, z);
-        // Where both axes are parallel and nothing fixes the child along its own, nothing fixes this one either.
+        // If both axes are parallel and the child's position along its axis is free, the position of this
+        // body along its axis is free, too.
         let along = along.filter(|_| drafts[child].origin.is_some() || !are_parallel(drafts[index].z, z));
-        // A prismatic joint has no angle about its axis: its x follows from the parent, and the child's twist
-        // has a γ.
+        // A prismatic joint has no angle about its axis. Its x axis follows from the parent, and the child's
+        // twist has an angle γ.
         if tree.bodies[index].motion == JointAxis::Revolute {
             drafts[index].x = x;
         }
@@ -230,7 +241,8 @@ fn common_normals<'g>(model: &Model, tree: &DescribedTree<'g>, directions: &[f64
     drafts
 }
 
-/// For each body the child with the largest subtree (the first child if several subtrees are equally large).
+/// The main child of each body: the child with the largest subtree, or the first of several equally large
+/// subtrees.
 fn main_children(tree: &DescribedTree<'_>) -> Vec<Option<usize>> {
     let mut sizes = vec![1; tree.bodies.len()];
     let mut main: Vec<Option<usize>> = vec![None; tree.bodies.len()];
@@ -244,8 +256,9 @@ fn main_children(tree: &DescribedTree<'_>) -> Vec<Option<usize>> {
     main
 }
 
-/// The common normal of the axis through 0 along `a` and the axis through `point` along `b`: its direction
-/// where it is determined, and where it meets the first axis.
+/// The common normal of two axes: the axis through 0 along `a`, and the axis through `point` along `b`.
+/// Returns the direction of the normal if it is determined, and its intersection with the first axis as a
+/// distance from 0.
 fn normal_to_line<'g>(
     a: Numeric3<f64>,
     point: Vector3<Scalar<'g>>,
@@ -268,7 +281,7 @@ fn are_parallel(a: Numeric3<f64>, b: Numeric3<f64>) -> bool {
     a.cross(&b).norm() <= NEARLY_PARALLEL
 }
 
-/// The direction of a vector with parameters in it, where only one component is not zero.
+/// The direction of a vector that contains parameters, if only one component is non-zero.
 fn single_direction(v: Vector3<Scalar<'_>>) -> Option<Numeric3<f64>> {
     let mut present = (0..3).filter(|&k| !v[k].cleaned(ROUNDING).is_zero());
     let (axis, None) = (present.next()?, present.next()) else {
@@ -279,12 +292,13 @@ fn single_direction(v: Vector3<Scalar<'_>>) -> Option<Numeric3<f64>> {
     Some(direction)
 }
 
-/// Unit length, without the rounding of directions along an axis.
+/// Scales a vector to unit length, and removes rounding errors of directions along an axis.
 fn tidy(v: Numeric3<f64>) -> Numeric3<f64> {
     v.normalize().map(|x| if x.abs() < PARALLEL { 0.0 } else { x }).normalize()
 }
 
-/// From the root to the leaves: chooses the free offsets so that most of them vanish.
+/// Completes the frame of a body with the choice of free offsets for which most offsets are zero. Bodies are
+/// visited from the root to the leaves.
 fn complete<'g>(
     draft: &Draft<'g>,
     described: &DescribedBody<'g>,
@@ -310,7 +324,8 @@ fn complete<'g>(
     Pose { rotation, translation: translation.map(|x| x.cleaned(ROUNDING)) }
 }
 
-/// The foot of the parent's origin on the axis, so that no translation along the axis remains.
+/// The foot of the perpendicular from the parent's origin to the axis, so that no translation along the axis
+/// remains.
 fn on_axis<'g>(
     z: Numeric3<f64>,
     parent_origin: Vector3<Scalar<'g>>,
@@ -330,7 +345,7 @@ fn any_frame(z: Numeric3<f64>) -> Matrix3<f64> {
     Matrix3::from_columns(&[x, z.cross(&x), z])
 }
 
-/// `R = R_z(γ) R_x(α) R_z(θ)` with γ = 0 if possible.
+/// Angles of `R = R_z(γ) R_x(α) R_z(θ)`, with γ = 0 if possible.
 fn decompose(rotation: &Matrix3<f64>) -> (Twist, Angle) {
     let z = rotation.column(2);
     let sine = numeric::length([z[0], z[1]]);
@@ -345,7 +360,7 @@ fn decompose(rotation: &Matrix3<f64>) -> (Twist, Angle) {
     (twist, Angle::new(numeric::atan2(turn[(1, 0)], turn[(0, 0)])))
 }
 
-/// Sine and cosine of exactly unit length, with multiples of 90° exact.
+/// Scales sine and cosine to unit length. Multiples of 90° become exact.
 fn exact((sine, cosine): (f64, f64)) -> (f64, f64) {
     if sine.abs() < PARALLEL {
         (0.0, cosine.signum())
@@ -357,7 +372,8 @@ fn exact((sine, cosine): (f64, f64)) -> (f64, f64) {
     }
 }
 
-/// Rotors: their axial inertia belongs to the carrier, what turns relative to it becomes a [`Rotor`].
+/// Adds the rotors. The axial inertia of a rotor belongs to its carrier, and its rotation relative to the
+/// carrier is described by a [`Rotor`].
 fn add_rotors(model: &Model, mechanism: &mut Mechanism<Scalar<'_>>) {
     for drive in &model.drives {
         let inertia = lower(mechanism.graph, &drive.rotor_inertia);

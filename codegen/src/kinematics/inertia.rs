@@ -1,4 +1,4 @@
-//! Moments of mass, and their transfer towards the base without changing the equations.
+//! Moments of mass, and their transfer towards the base, which does not change the equations.
 
 use super::joint::JointAxis;
 use super::lower::lower;
@@ -7,14 +7,14 @@ use crate::graph::{Graph, Scalar};
 use crate::model;
 use crate::spatial::{MassMoments, Symmetric3, Vector3};
 
-/// Choice of the mass that is shifted between a body and its parent, at a point on the joint's axis.
+/// Choice of the mass that is shifted from a body to its parent, at a point on the joint's axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RegroupChoice {
     /// The body becomes massless.
     Massless,
     /// The parent's first moment of mass becomes zero along x.
     BalanceParent,
-    /// This component of the parent's first moment of mass (0, 1, 2 for x, y, z) becomes zero. The masses of
+    /// The component 0, 1 or 2 (x, y or z) of the parent's first moment of mass becomes zero. The masses of
     /// all children with this choice are computed together.
     Take(usize),
 }
@@ -27,11 +27,12 @@ pub fn moments_of_body<'g>(graph: &'g Graph, body: &model::Body) -> MassMoments<
     MassMoments::of_inertia(mass, center, inertia)
 }
 
-/// Moves masses that act only as sums from a body to its parent (base parameters; Gautier and Khalil 1990).
-/// These are the masses on a revolute joint's axis, and the second moment of a prismatic joint's body. M, k
-/// and q do not change.
+/// Shifts masses that act only as sums from a body to its parent (base parameters; Gautier and Khalil 1990):
+/// masses on the axis of a revolute joint, and the second moment of a prismatic joint's body. M, k and q do
+/// not change.
 ///
-/// `base` gets the moments that reach the base, in the base frame. Its second moment is then meaningless.
+/// `base` receives the moments that reach the base, in the base frame. The second moment of `base` has no
+/// meaning afterwards.
 pub fn regroup<'g>(
     bodies: &mut [Body<Scalar<'g>>],
     base: &mut MassMoments<Scalar<'g>>,
@@ -40,7 +41,7 @@ pub fn regroup<'g>(
     for index in (0..bodies.len()).rev() {
         balance_by_children(bodies, choices, index);
         if bodies[index].chain.is_some() {
-            // Only the last body of the chain moves as the joint does.
+            // Only the last body of a chain has the motion of the joint.
             continue;
         }
         let given = match bodies[index].axis {
@@ -49,7 +50,7 @@ pub fn regroup<'g>(
         };
         bodies[index].moments = (bodies[index].moments - given).map(|x| x.cleaned(f64::MIN_POSITIVE));
         let Body { twist, translation, lift, parent, axis, offset, .. } = bodies[index];
-        // Masses on a revolute joint's axis look the same from all sides.
+        // Masses on the axis of a revolute joint do not change if the joint turns.
         let ahead = match axis {
             JointAxis::Revolute => None,
             JointAxis::Prismatic => offset.constant_turn(given.mass.graph()),
@@ -67,7 +68,7 @@ pub fn regroup<'g>(
     }
 }
 
-/// The moments of the masses on the z axis.
+/// The moments of masses on the z axis: m, h_z and Σ_zz.
 fn on_axis(moments: MassMoments<Scalar<'_>>) -> MassMoments<Scalar<'_>> {
     let zero = moments.mass.constant(0.0);
     let mut second = Symmetric3::zero(zero);
@@ -75,13 +76,14 @@ fn on_axis(moments: MassMoments<Scalar<'_>>) -> MassMoments<Scalar<'_>> {
     MassMoments { mass: moments.mass, first: Vector3([zero, zero, moments.first[2]]), second }
 }
 
-/// The second moment alone. This moment depends only on the orientation, which a prismatic joint does not change.
+/// Only the second moment. It depends only on the orientation, which a prismatic joint does not change.
 fn second_only(moments: MassMoments<Scalar<'_>>) -> MassMoments<Scalar<'_>> {
     let zero = moments.mass.constant(0.0);
     MassMoments { mass: zero, first: Vector3::zero(zero), second: moments.second }
 }
 
-/// Shortest lever arm (m) for balancing. Shorter lever arms require masses so large that digits are lost.
+/// Shortest lever arm \[m\] for balancing. Shorter lever arms require masses that are so large that digits
+/// are lost.
 pub const SHORTEST_LEVER: f64 = 1e-3;
 
 /// A mass at the origin of a child's joint, which belongs to both bodies.
@@ -89,11 +91,12 @@ struct Shared<'g> {
     child: usize,
     /// Moments of a unit mass, in the parent's frame.
     in_parent: MassMoments<Scalar<'g>>,
-    /// The component of the parent's first moment that is to vanish.
+    /// Component of the parent's first moment that becomes zero.
     component: usize,
 }
 
-/// Shifts masses between a body and its children, all at once, until components of its first moment vanish.
+/// Shifts masses between a body and its children until components of the body's first moment are zero. The
+/// masses of all children are computed together.
 fn balance_by_children<'g>(bodies: &mut [Body<Scalar<'g>>], choices: &[RegroupChoice], index: usize) {
     let shared: Vec<Shared<'g>> = (index + 1..bodies.len())
         .filter(|&child| bodies[child].parent == Some(index) && bodies[child].chain.is_none())
@@ -119,7 +122,7 @@ fn shared_with<'g>(body: &Body<Scalar<'g>>, choice: RegroupChoice, child: usize)
     (body.axis == JointAxis::Revolute).then_some(Shared { child, in_parent, component })
 }
 
-/// The masses that balance a first moment; `None` if levers are not constants or digits would be lost.
+/// The masses that balance a first moment. `None` if the levers are not constant or digits would be lost.
 fn balancing_masses(shared: &[Shared<'_>], first: Vector3<Scalar<'_>>) -> Option<Vec<f64>> {
     let row = |component: usize| -> Option<Vec<f64>> {
         let levers = shared.iter().map(|each| each.in_parent.first[component].value());
@@ -129,8 +132,8 @@ fn balancing_masses(shared: &[Shared<'_>], first: Vector3<Scalar<'_>>) -> Option
     if rows.is_empty() { None } else { solved(rows) }
 }
 
-/// The solution of linear equations, whose right side is the last column; `None` if a pivot is too small (Gauss–Jordan
-/// elimination with row pivots).
+/// Solution of linear equations by Gauss–Jordan elimination with row pivots. The last column is the right
+/// side. `None` if a pivot is too small.
 fn solved(mut rows: Vec<Vec<f64>>) -> Option<Vec<f64>> {
     let size = rows.len();
     for k in 0..size {
@@ -148,7 +151,7 @@ fn solved(mut rows: Vec<Vec<f64>>) -> Option<Vec<f64>> {
     Some((0..size).map(|k| rows[k][size] / rows[k][k]).collect())
 }
 
-/// Shifts mass between a revolute joint's origin and its parent until the parent's h_x vanishes.
+/// Shifts mass between a revolute joint's origin and its parent until h_x of the parent is zero.
 fn balance_parent(bodies: &mut [Body<Scalar<'_>>], index: usize, parent: usize) {
     let origin = bodies[index].origin_in_parent();
     let (Some(hx), Some(px)) = (bodies[parent].moments.first[0].value(), origin[0].value()) else {

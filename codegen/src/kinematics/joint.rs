@@ -4,9 +4,8 @@ use crate::graph::Scalar;
 use crate::model::JointKind;
 use crate::spatial::{Force, Motion, Vector3};
 
-/// Elementary motion of a joint. It determines the motion subspace S, a column with the motion of the joint's
-/// body per unit velocity, in the frame after the joint (Featherstone 2008, section 3.5). z is the joint's
-/// axis.
+/// Elementary motion of a joint. It determines the motion subspace S: the motion of the joint's body per unit
+/// of velocity, in the frame after the joint (Featherstone 2008, section 3.5). z is the joint's axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum JointAxis {
     /// Rotation about z.
@@ -16,13 +15,13 @@ pub enum JointAxis {
 }
 
 impl JointAxis {
-    /// Elementary motions of a kind of joint, from the base outwards. Each has its rate per unit of the
-    /// joint's velocity.
+    /// Elementary motions of a type of joint, from the base outwards. Each motion has its rate per unit of
+    /// the joint's velocity.
     pub fn of(kind: JointKind) -> Vec<(Self, f64)> {
         match kind {
             JointKind::Revolute | JointKind::Continuous => vec![(Self::Revolute, 1.0)],
             JointKind::Prismatic => vec![(Self::Prismatic, 1.0)],
-            // The turn stands last: what lies on its axis then moves to the slide, which only slides.
+            // The rotation is last, so masses on its axis can be shifted to the slide, which only translates.
             JointKind::Helical { pitch } => vec![(Self::Prismatic, pitch), (Self::Revolute, 1.0)],
             JointKind::Fixed => vec![],
         }
@@ -41,7 +40,7 @@ impl JointAxis {
         self == Self::Revolute
     }
 
-    /// S: motion of the joint's body per unit velocity, about the body's origin.
+    /// S: motion of the joint's body per unit of velocity, about the body's origin.
     pub fn unit_motion(self, any: Scalar<'_>) -> Motion<'_> {
         let zero = any.constant(0.0);
         self.along(Vector3([zero, zero, any.constant(1.0)]), Vector3::zero(any))

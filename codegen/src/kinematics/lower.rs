@@ -1,4 +1,4 @@
-//! Conversion of numbers and formulas of a model to scalars of a graph.
+//! Converts numbers and formulas of a model to scalars of a graph.
 
 use nalgebra::Matrix3;
 
@@ -8,7 +8,7 @@ use crate::model::{self, FollowedCoordinate};
 use crate::spatial::{Pose, Vector3};
 use gelenk_formula::{Formula, Function};
 
-/// A pose of a model, with scalars of the graph.
+/// Converts a pose of a model to a pose with scalars of the graph.
 pub fn lower_pose<'g>(graph: &'g Graph, pose: &model::Pose) -> Pose<Scalar<'g>> {
     Pose {
         rotation: Matrix3::from_fn(|row, column| pose.rotation[row][column]),
@@ -16,7 +16,7 @@ pub fn lower_pose<'g>(graph: &'g Graph, pose: &model::Pose) -> Pose<Scalar<'g>> 
     }
 }
 
-/// The coordinates that a joint or a drive follows, with scalars of the graph as ratios.
+/// Converts the coordinates that a joint or a drive follows. The ratios become scalars of the graph.
 pub fn lower_followed<'g>(graph: &'g Graph, terms: &[FollowedCoordinate]) -> Transmission<Scalar<'g>> {
     let term = |term: &FollowedCoordinate| Followed {
         coordinate: term.coordinate,
@@ -25,12 +25,12 @@ pub fn lower_followed<'g>(graph: &'g Graph, terms: &[FollowedCoordinate]) -> Tra
     Transmission { terms: terms.iter().map(term).collect() }
 }
 
-/// A formula without joint variables as a scalar of the graph.
+/// Converts a formula without position and velocity to a scalar of the graph.
 pub fn lower<'g>(graph: &'g Graph, formula: &Formula) -> Scalar<'g> {
     lower_with(graph, formula, graph.constant(0.0), graph.constant(0.0))
 }
 
-/// A formula as a scalar of the graph. `y` and `v` are the position and the velocity of the joint.
+/// Converts a formula to a scalar of the graph. `y` and `v` are the position and the velocity of the joint.
 pub fn lower_with<'g>(graph: &'g Graph, formula: &Formula, y: Scalar<'g>, v: Scalar<'g>) -> Scalar<'g> {
     let go = |part: &Formula| lower_with(graph, part, y, v);
     match formula {
@@ -49,7 +49,7 @@ pub fn lower_with<'g>(graph: &'g Graph, formula: &Formula, y: Scalar<'g>, v: Sca
     }
 }
 
-/// `base` to a whole power by repeated squaring.
+/// Raises `base` to an integer power by repeated squaring.
 fn power(base: Scalar<'_>, exponent: u32) -> Scalar<'_> {
     match exponent {
         0 => base.constant(1.0),

@@ -25,7 +25,7 @@ pub struct Mechanism<S: Numbers> {
     pub gravity: Vector3<S>,
     /// Rotors that turn relative to the body that carries them.
     pub rotors: Vec<Rotor<S>>,
-    /// Moments of the moving mass that acts as if it were fixed to the base, in the base frame.
+    /// Moments of the moving mass that acts like mass fixed to the base, in the base frame.
     pub base_moments: MassMoments<S>,
     /// For each link of the model, the body that carries the link (`None`: base), and the pose of the link in
     /// the body's frame.
@@ -48,8 +48,8 @@ pub struct Body<S> {
     pub transmission: Transmission<S>,
     /// Place of this body in the chain of bodies of a joint with a quaternion; `None` for other joints.
     pub chain: Option<ChainPlace>,
-    /// Rotation by the quaternion; `None` except for the first body of a chain. It comes after the twist with
-    /// its offset, and before the body's motion.
+    /// Rotation by the quaternion; `None` except for the first body of a chain. The rotation follows the
+    /// twist and the offset, and precedes the body's motion.
     pub attitude: Option<Attitude<S>>,
     /// Index of the parent body; `None` if the base carries the joint.
     pub parent: Option<usize>,
@@ -115,13 +115,12 @@ impl<S: Numbers> Mechanism<S> {
         self.bodies.iter().any(|body| body.chain.is_some())
     }
 
-    /// Number of coordinates that are not driven.
+    /// Number of free coordinates, that is of coordinates that are not driven.
     pub fn free(&self) -> usize {
         self.coordinates - self.driven
     }
 
-    /// Bodies with independent joints that are not driven, parents first. A helical joint has one of these
-    /// bodies.
+    /// Bodies with independent joints that are not driven, parents first. A helical joint has one such body.
     pub fn independent(&self) -> impl Iterator<Item = &Body<S>> {
         self.bodies.iter().filter(|body| body.joint < self.free() && !body.is_screw_slide)
     }
@@ -132,7 +131,7 @@ impl<S: Numbers> Mechanism<S> {
     }
 
     /// Whether every rotor is on the base or on the parent of the body that it drives. A rotor on another
-    /// body couples bodies that are not neighbours.
+    /// body would couple bodies that are not neighbours.
     pub fn rotors_are_neighbours(&self) -> bool {
         let sits_near = |rotor: &Rotor<S>| match rotor.driven {
             _ if rotor.carrier.is_none() => true,
@@ -142,7 +141,7 @@ impl<S: Numbers> Mechanism<S> {
         self.rotors.iter().all(sits_near)
     }
 
-    /// The number of pairs of joints on one path to the base.
+    /// Number of pairs of joints of which one is on the other's path to the base.
     pub fn pairs(&self) -> usize {
         let mut depths: Vec<usize> = Vec::with_capacity(self.bodies.len());
         for body in &self.bodies {
@@ -170,7 +169,7 @@ impl<S: Numbers> Mechanism<S> {
 
 impl<S> Body<S> {
     /// Label of motions and forces in generated code: the identifier of the joint. For a joint with a
-    /// quaternion, the suffix of the velocity is left out.
+    /// quaternion, the label does not contain the suffix of the velocity.
     pub fn label(&self) -> &str {
         let whole = self.chain.and(self.identifier.rsplit_once('_'));
         whole.map_or(self.identifier.as_str(), |(joint, _)| joint)
@@ -207,8 +206,8 @@ impl<S: Numbers> Mechanism<S> {
 }
 
 impl<'g> Mechanism<Scalar<'g>> {
-    /// Gives each body its own unit of length (m), so that one of its lengths becomes 1. Moments of force
-    /// keep their values. Forces and accelerations are scaled. All joints must be revolute.
+    /// Gives each body its own unit of length \[m\], so that one of its lengths becomes 1. Torques keep their
+    /// values, but forces and accelerations are scaled. All joints must be revolute.
     pub fn in_length_units(mut self, units: &[f64]) -> Self {
         for (body, &unit) in self.bodies.iter_mut().zip(units) {
             let parent_unit = body.parent.map_or(unit, |parent| units[parent]);
@@ -222,13 +221,14 @@ impl<'g> Mechanism<Scalar<'g>> {
         self
     }
 
-    /// Gravitational acceleration in the base frame, in the unit of length of a body on the base.
+    /// Gravitational acceleration in the base frame, in the unit of length of body `root`, which is on the
+    /// base.
     pub fn gravity_for(&self, root: usize) -> Vector3<Scalar<'g>> {
         self.gravity.map(|x| scaled_down(x, self.bodies[root].length_unit))
     }
 
-    /// Moves the origin of a revolute body along its axis, so that its lift becomes 0. The lift is added to
-    /// the translations of its children.
+    /// Moves the origin of a revolute body along its axis, so that the body's lift becomes 0. The lift is
+    /// added to the translations of the children.
     pub fn leave_lift_to_children(&mut self, index: usize) {
         let zero = self.graph.constant(0.0);
         let lift = std::mem::replace(&mut self.bodies[index].lift, zero);
@@ -242,8 +242,8 @@ impl<'g> Mechanism<Scalar<'g>> {
         }
     }
 
-    /// Adds the lift of a revolute body to the translation from its parent. A lever that equals a sibling's
-    /// lever up to rounding becomes the same number.
+    /// Adds the lift of a revolute body to the translation from its parent. If the new lever is equal to a
+    /// sibling's lever within rounding, both become the same number.
     pub fn leave_lift_to_parent(&mut self, index: usize) {
         let origin = self.bodies[index].origin_in_parent();
         let parent = self.bodies[index].parent;
@@ -259,7 +259,7 @@ impl<'g> Mechanism<Scalar<'g>> {
         body.lift = self.graph.constant(0.0);
     }
 
-    /// Turns a leaf's frame about its axis so that its first moment has no y component.
+    /// Rotates a leaf's frame about its axis so that the first moment of mass has no y component.
     pub fn align_first_moment(&mut self, index: usize) {
         let first = self.bodies[index].moments.first;
         if let (Some(x), Some(y)) = (first[0].value(), first[1].value())
@@ -270,7 +270,7 @@ impl<'g> Mechanism<Scalar<'g>> {
         }
     }
 
-    /// Turns a leaf's frame about its axis so that its second moment has no xy component.
+    /// Rotates a leaf's frame about its axis so that the second moment of mass has no xy component.
     pub fn align_second_moment(&mut self, index: usize) {
         let second = self.bodies[index].moments.second;
         if let (Some(xx), Some(xy), Some(yy)) = (second.xx.value(), second.xy.value(), second.yy.value())
@@ -281,10 +281,11 @@ impl<'g> Mechanism<Scalar<'g>> {
         }
     }
 
-    /// Turns the frame of a leaf about its axis; all that is given in it turns the other way.
+    /// Rotates the frame of a leaf about its axis. All quantities in this frame are rotated in the opposite
+    /// direction.
     ///
-    /// The angle is rounded to 2⁻⁵⁰: other shifts of mass lead to it with other last bits, and then two
-    /// functions of one angle would have to be computed.
+    /// The angle is rounded to 2⁻⁵⁰. Otherwise different shifts of mass would give angles with different last
+    /// bits, and sines of both angles would be computed.
     fn turn_leaf(&mut self, index: usize, angle: f64) {
         const STEPS: f64 = (1_u64 << 50) as f64;
         let angle = (angle * STEPS).round() / STEPS;
@@ -310,10 +311,10 @@ impl<'g> Mechanism<Scalar<'g>> {
     }
 }
 
-/// Largest difference of sums of lengths that are equal up to rounding (m).
+/// Levers are equal if they differ by at most this value \[m\].
 const SAME_LEVER: f64 = 1e-15;
 
-/// `x / unit`, exact if both are the same constant.
+/// The quotient `x / unit`, which is exactly 1 if both are the same constant.
 fn scaled_down(x: Scalar<'_>, unit: f64) -> Scalar<'_> {
     match x.value() {
         Some(value) => x.constant(value / unit),

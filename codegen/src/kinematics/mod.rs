@@ -1,9 +1,9 @@
-//! Conversion of a model to a [`Mechanism`]: the moving bodies, in frames that give short equations. Each
-//! function copies the mechanism [to its graph](Mechanism::on).
+//! Converts a model to a [`Mechanism`]: the moving bodies, in frames that give short equations. Each function
+//! copies the mechanism [to its graph](Mechanism::on).
 //!
-//! Fixed and held links are part of the body that carries them. Link frames follow the modified
-//! Denavit–Hartenberg convention (Craig 1986; Khalil and Kleinfinger 1986) independently of the description.
-//! Inertial constants that act only through sums are moved towards the base.
+//! Fixed and held links become part of the body that carries them. Link frames follow the modified
+//! Denavit–Hartenberg convention (Craig 1986; Khalil and Kleinfinger 1986), whatever frames the description
+//! uses. Inertial constants that act only as sums are shifted towards the base.
 
 mod build;
 mod frames;

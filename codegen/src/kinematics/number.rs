@@ -6,7 +6,7 @@ use crate::graph::{Edge, Graph, Nodes, Scalar};
 
 /// A type of numbers for mechanisms: [`Scalar`] or [`Number`].
 pub trait Numbers: Copy {
-    /// Owner of the formulas.
+    /// Owner of the formulas: the graph for [`Scalar`], a list of nodes for [`Number`].
     type Graph;
 }
 
@@ -15,7 +15,7 @@ impl<'g> Numbers for Scalar<'g> {
     type Graph = &'g Graph;
 }
 
-/// Constants need no graph. Formulas refer to the nodes of the mechanism.
+/// Constants need no graph. Formulas refer to the nodes that the mechanism stores.
 impl Numbers for Number {
     type Graph = Nodes;
 }

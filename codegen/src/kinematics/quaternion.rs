@@ -1,8 +1,8 @@
 //! Joints with quaternions in a mechanism.
 //!
-//! A joint with a quaternion is a chain of bodies, one for each velocity. The last body has the mass and
-//! carries other bodies. All joints of the chain are at position 0, because the pose from the positions comes
-//! before the first body. The velocities are those of the last body in its own frame.
+//! A joint with a quaternion is a chain of bodies, one per velocity. The last body has the mass and carries
+//! other bodies. All joints of the chain are at position 0, because the pose from the position entries
+//! precedes the first body. The velocities are velocities of the last body in the frame of this body.
 
 use nalgebra::{Matrix3, Vector3 as Numeric3};
 
@@ -21,7 +21,7 @@ pub struct ChainPlace {
     pub axis: usize,
 }
 
-/// Place in the chain of the body that belongs to a velocity; `None` for joints without a quaternion.
+/// Place in the chain of the body that belongs to a coordinate; `None` for joints without a quaternion.
 ///
 /// - `index`: index of the body in a list that contains the chain
 pub(super) fn chain_place(model: &Model, coordinate: usize, index: usize) -> Option<ChainPlace> {
@@ -34,7 +34,7 @@ pub(super) fn chain_place(model: &Model, coordinate: usize, index: usize) -> Opt
 /// Every chain begins with a motion along or about x.
 const FIRST: usize = 0;
 
-/// Axes of the described frame that are the axes x, y, z of the body that moves along `axis`.
+/// Axes of the description's frame that become the axes x, y, z of the body that moves along `axis`.
 fn axes(axis: usize) -> [usize; 3] {
     [(axis + 1) % 3, (axis + 2) % 3, axis]
 }
@@ -46,16 +46,16 @@ pub(super) fn frame(graph: &Graph, place: ChainPlace) -> Pose<Scalar<'_>> {
     Pose { rotation: Matrix3::from_columns(&columns), ..Pose::identity(graph) }
 }
 
-/// Displacement of the first body of a joint's chain by the positions.
+/// Displacement of the first body of a joint's chain. It depends on the position entries.
 pub(super) struct Displaced<'g> {
     /// Rotation of the first body's frame by the quaternion.
     pub attitude: Attitude<Scalar<'g>>,
-    /// Origin in the described frame of the joint; `None` for a spherical joint.
+    /// Origin in the joint's frame of the description; `None` for a spherical joint.
     pub origin: Option<Vector3<Scalar<'g>>>,
 }
 
-/// Displacement of the first body of a joint's chain. The positions are entries of the first input array, as
-/// in all functions with positions.
+/// Displacement of the first body of a joint's chain. The positions are entries of the first input array,
+/// which all functions with positions have.
 pub(super) fn displaced<'g>(graph: &'g Graph, model: &Model, joint: &QuaternionJoint) -> Displaced<'g> {
     let entries = position_entries(graph, model, joint);
     Displaced {

@@ -1,9 +1,9 @@
-//! Transmission of motion: motions of joints and rotors as functions of the coordinates.
+//! Transmission of motion: the motions of joints and rotors as functions of the coordinates.
 
 use crate::graph::Scalar;
 
-/// A joint or rotor that follows coordinates: `position = Σ ratio · y[coordinate]` plus a constant offset,
-/// which is part of the frames. The ratios are a row of G in `y_joint = G y + g₀`.
+/// A joint or rotor that follows coordinates. Its position is `Σ ratio · y[coordinate]` plus a constant
+/// offset, which is a part of the frames. The ratios are a row of G in `y_joint = G y + g₀`.
 ///
 /// A joint whose axis was reversed has the ratio −1. A follower has a term for each coordinate that it
 /// follows.
@@ -57,8 +57,8 @@ impl<'g> Transmission<Scalar<'g>> {
         Self { terms: self.terms.into_iter().map(term).collect() }
     }
 
-    /// Sum of the motions of several joints. Ratios of equal coordinates are added first, so ratios that
-    /// cancel, as in a parallelogram, cost no operation.
+    /// Sum of the motions of several joints. Ratios of equal coordinates are added first. Therefore ratios
+    /// that cancel, for example in a parallelogram, need no operation.
     pub fn sum_of_motions<'a>(
         chain: impl Iterator<Item = &'a Self> + Clone,
         zero: Scalar<'g>,
@@ -78,7 +78,8 @@ impl<'g> Transmission<Scalar<'g>> {
         moving.fold(zero, |sum, (&ratio, &x)| sum + x * ratio)
     }
 
-    /// `Σ ratio · x[coordinate]`. `x` has the positions, velocities or accelerations of all coordinates.
+    /// Motion `Σ ratio · x[coordinate]`. `x` contains the positions, velocities or accelerations of all
+    /// coordinates.
     pub fn motion(&self, x: &[Scalar<'g>]) -> Scalar<'g> {
         let terms = self.terms.iter().map(|term| x[term.coordinate] * term.ratio);
         let sum = terms.reduce(|sum, term| sum + term);
@@ -107,8 +108,8 @@ impl<'g> Transmission<Scalar<'g>> {
         self.add_force(force, &mut matrix[row]);
     }
 
-    /// Adds an entry of a symmetric matrix and its mirror image. If the motion follows this coordinate, both
-    /// entries are on the diagonal.
+    /// Adds an entry and its mirror image to a symmetric matrix. If the motion follows `coordinate`, the two
+    /// entries are the same diagonal entry.
     pub fn add_coupling(&self, coordinate: usize, force: Scalar<'g>, matrix: &mut [Vec<Scalar<'g>>]) {
         self.add_row_entry(coordinate, force, matrix);
         self.add_column_entry(coordinate, force, matrix);

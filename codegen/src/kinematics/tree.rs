@@ -46,7 +46,7 @@ pub fn moving_bodies<'g>(graph: &'g Graph, model: &Model) -> DescribedTree<'g> {
         tree.attach(graph, link, joint);
     }
     for (link, &(body, pose)) in model.links.iter().zip(&tree.links) {
-        // What is fixed to the base never moves.
+        // Bodies that are fixed to the base never move.
         let Some(index) = body else { continue };
         let moments = &mut tree.bodies[index].moments;
         for described in &link.bodies {
@@ -56,8 +56,8 @@ pub fn moving_bodies<'g>(graph: &'g Graph, model: &Model) -> DescribedTree<'g> {
     tree
 }
 
-/// Moments of mass of the link of each carrying joint, in the order of these joints and in the described
-/// frame of the link. Rotors of held joints are included.
+/// Moments of mass of the links of all carrying joints, in the order of these joints. Each is in the link's
+/// frame of the description. Rotors of held joints are included.
 pub fn described_moments<'g>(graph: &'g Graph, model: &Model) -> Vec<MassMoments<Scalar<'g>>> {
     let tree = moving_bodies(graph, model);
     let mut moments = vec![MassMoments::zero(graph); model.moving_joints().len()];
@@ -91,7 +91,7 @@ impl<'g> DescribedTree<'g> {
         self.links.push((carrier, pose.then(displacement(graph, joint, position))));
     }
 
-    /// Adds the body of a joint that moves, and before it a body that slides if the joint is helical.
+    /// Adds the body of a moving joint. A sliding body precedes it if the joint is helical.
     fn attach_moving(
         &mut self,
         graph: &'g Graph,

@@ -12,14 +12,15 @@ const SEED: u64 = 0x6469_7374_616e_6365;
 
 /// Number of the closest states from which descents begin.
 const STARTS: usize = 8;
-/// Most steps of a descent: a descent takes about 12 steps, and about 60 if the distance only touches zero.
+/// Largest number of steps of a descent. A descent takes about 12 steps, and about 60 steps if the distance
+/// only touches zero.
 const STEPS: usize = 100;
-/// Step of the differences [rad or m].
+/// Step of the central differences, in rad or m.
 const DIFFERENCE: f64 = 1e-6;
 
 /// Number of intervals of a joint's range.
 const INTERVALS: u32 = 720;
-/// Halvings after which an interval is one of neighbouring numbers.
+/// Number of halvings after which the ends of an interval are neighbouring floating-point numbers.
 const HALVINGS: u32 = 64;
 
 /// Positions in a joint's range, including both ends.
@@ -28,7 +29,7 @@ pub(super) fn places([low, high]: [f64; 2]) -> Vec<f64> {
     (0..=INTERVALS).map(|k| low + (high - low) * part(k)).collect()
 }
 
-/// The last position at which a condition is false, and the first position at which it is true, by bisection.
+/// Returns two neighbouring positions by bisection: a condition is false at the first and true at the second.
 pub(super) fn crossing([mut before, mut behind]: [f64; 2], is_so: impl Fn(f64) -> bool) -> [f64; 2] {
     for _ in 0..HALVINGS {
         let middle = 0.5 * (before + behind);
@@ -64,7 +65,7 @@ impl<'m> Distances<'m> {
         Self::with_parameters(model, between, described)
     }
 
-    /// The distances for other values of the free parameters.
+    /// Distances for these values of the free parameters.
     ///
     /// - `described`: values of the free parameters
     pub(super) fn with_parameters(
@@ -88,7 +89,7 @@ impl<'m> Distances<'m> {
         self.states.iter().map(|state| self.gap(state).norm()).collect()
     }
 
-    /// Least distance from descents that begin at the closest states, within the limits of the coordinates.
+    /// Least distance that descents from the closest states find, within the limits of the coordinates.
     pub(super) fn closest(&self) -> Closest {
         let mut starts: Vec<(f64, &Vec<f64>)> =
             self.states.iter().map(|state| (self.gap(state).norm(), state)).collect();

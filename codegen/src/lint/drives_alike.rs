@@ -10,7 +10,7 @@ use crate::wording::list;
 use gelenk_findings::Rule;
 
 /// Sees: drives of several joints whose torques act on the coordinates in the same way.
-/// Matters: forces at the joints do not determine their torques.
+/// Matters: forces at the joints do not determine the torques of these drives.
 /// Example: two motors of a differential whose weights have the same signs.
 /// Fixture: `drives_that_act_alike_are_noted` in `codegen/tests/meaning.rs`.
 const DRIVES_ALIKE: Rule = Rule::note("drives-alike");
@@ -34,7 +34,7 @@ pub(super) fn note(robot: &RobotDescription, model: &Model, report: &mut Report)
             directions.column_mut(column).unscale_mut(norm);
         }
     }
-    // Unlike singular values, these are found in a fixed number of steps, also of no drives.
+    // A QR decomposition takes a fixed number of steps, unlike singular values, and also exists without drives.
     let triangle = directions.clone().col_piv_qr().unpack_r();
     let alike = (0..triangle.nrows()).filter(|&k| triangle[(k, k)] > ROUNDING).count();
     if alike == drives.len() {
@@ -50,12 +50,12 @@ pub(super) fn note(robot: &RobotDescription, model: &Model, report: &mut Report)
     };
     let last = pair.map_or(drives.len() - 1, |(_, b)| b);
     let message = format!(
-        "{who}: forces at the joints do not determine the torques of these drives, so B has no left inverse"
+        "{who}: forces at the joints do not determine the torques of these drives, so the input matrix B has no left inverse"
     );
     report.push(Some(place(robot, drives[last])), DRIVES_ALIKE.found(message));
     report.help(
         "a differential has weights of opposite signs (`on = { pitch = 1, roll = -1 }`); a joint \
-                 moved by `[[drives]]` needs no `drive` of its own",
+                 moved by `[[drives]]` needs no key `drive`",
     );
 }
 

@@ -23,8 +23,8 @@ pub(super) fn note(robot: &RobotDescription, model: &Model, report: &mut Report)
     }
 }
 
-/// A note if a joint undoes the motion of the joint that carries it, as fingers of a gripper do without their
-/// `parent`.
+/// Adds a note if a follower cancels the motion of the joint that carries it. Fingers of a gripper do this if
+/// they have no `parent`.
 fn note_stillness(
     robot: &RobotDescription,
     model: &Model,
@@ -47,7 +47,7 @@ fn note_stillness(
     let Some(described) = robot.joints.iter().find(|described| described.name.value == *name) else { return };
     report.push(Some(described.name.span), STANDS_STILL.found(message));
     report.help(
-        "without `parent` a joint is carried by the joint before it; give the second finger of a \
+        "a joint without `parent` is carried by the previous joint; give the second finger of a \
                  gripper the `parent` of the first",
     );
 }

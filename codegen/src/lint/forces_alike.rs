@@ -29,7 +29,7 @@ pub(super) fn note(robot: &RobotDescription, model: &Model, report: &mut Report)
             other.name, force.name
         );
         report.push(Some(place.name.span), FORCES_ALIKE.found(message));
-        report.help("remove one if the same spring was described twice");
+        report.help("remove one of the forces if the same spring was described twice");
     }
 }
 

@@ -33,9 +33,10 @@ const SHORTEST: f64 = 1e-9;
 const CONSTANT: f64 = 1e-9;
 /// Rates of a distance at which laws are evaluated [m/s], with both signs. The rate 0 is added.
 const RATES: [f64; 5] = [1e-3, 1e-2, 0.1, 1.0, 10.0];
-/// A law that is this many times larger between the distances than at the distances has a pole there.
+/// A law has a pole between two of the evaluated distances if it is this many times larger there than at all
+/// evaluated distances.
 const POLE: f64 = 1e6;
-/// Steps of the search for a pole.
+/// Number of steps of the search for a pole.
 const THIRDS: u32 = 80;
 const FINITE: &str =
     "a force law must be finite at every distance within the joints' limits, including standstill";
@@ -74,7 +75,7 @@ pub(super) fn between<'m>(force: &PointForceDescription, model: &'m Model) -> Op
     pairs(model).find(|between| between.each_ref().map(|at| &at.name) == frames)
 }
 
-/// The frames of all forces between two.
+/// Returns the two frames of each force between frames.
 fn pairs(model: &Model) -> impl Iterator<Item = &[Attachment; 2]> {
     let pulls = model.force_inputs.iter().filter_map(|input| match &input.effect {
         ForceEffect::Pull(between) => Some(between),
@@ -92,7 +93,7 @@ fn has_direction(force: &PointForceDescription, found: &[f64], report: &mut Repo
         report.help("the distance must stay above 0 at every position within the joints' limits");
     } else if longest - shortest <= CONSTANT * longest {
         let message = format!(
-            "`{a}` and `{b}` keep the distance {} m, so a force between them moves nothing",
+            "the distance of `{a}` and `{b}` is always {} m, so a force between them moves nothing",
             three_digits(longest)
         );
         report.error(force.between[1].span, "constant-length", message);
@@ -103,7 +104,7 @@ fn has_direction(force: &PointForceDescription, found: &[f64], report: &mut Repo
     shortest >= SHORTEST
 }
 
-/// Adds the least distance between the states to the distances, and reports it if it is zero.
+/// Adds the least distance over all positions to the found distances. Reports a distance of zero.
 fn keeps_direction(
     force: &PointForceDescription,
     distances: &Distances<'_>,
@@ -126,10 +127,10 @@ fn keeps_direction(
         report.error(force.between[1].span, "zero-length", message);
         report.help("the distance must stay above 0 at every position within the joints' limits");
     } else {
-        // Where nothing limits a joint, as a floating base, the robot's surroundings may.
+        // The surroundings of the robot may limit a joint without described limits, for example a floating base.
         report.note(Some(force.between[1].span), "zero-length", message);
         report.help(
-            "functions of this robot are not finite there: give joint limits that exclude this position",
+            "the generated functions are not finite at this position: give joint limits that exclude it",
         );
     }
     !closest.is_limited
@@ -218,8 +219,8 @@ fn maximum([mut low, mut high]: [f64; 2], value: impl Fn(f64) -> f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// A note about a cylinder with a drive on the only joint between its ends. Usually the drive of the joint
-/// should have been removed.
+/// Adds a note about a cylinder with a drive on the only joint between its ends. Usually the drive of the
+/// joint should have been removed.
 fn note_drive_beside(
     force: &PointForceDescription,
     between: &[Attachment; 2],
@@ -239,12 +240,12 @@ fn note_drive_beside(
         let joint = model.links[*link].joint.as_ref().map_or("", |joint| &joint.name);
         let message = format!("joint `{joint}` has both a drive and the input `{}`", force.name.value);
         report.push(Some(force.name.span), DRIVE_BESIDE.found(message));
-        report.help("with `drive = \"none\"` at the joint only the input acts");
+        report.help("write `drive = \"none\"` at the joint if only the input acts");
     }
 }
 
-/// An error if a joint has load-dependent friction and the robot has inputs at frames or wrenches. The load
-/// of a joint is the force of its drive, and other inputs and wrenches do not pass through its gear.
+/// Reports an error if a joint has load-dependent friction and the robot has inputs at frames or wrenches.
+/// The load of a joint is the force of its drive; other inputs and wrenches do not pass through its gear.
 fn refuse_load(robot: &RobotDescription, model: &Model, report: &mut Report) {
     if model.force_inputs.is_empty() && model.wrenches.is_empty() {
         return;

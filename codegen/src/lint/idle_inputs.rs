@@ -48,7 +48,7 @@ fn is_moved(link: usize, model: &Model) -> bool {
 pub(super) fn refuse_on_driven(name: &Name, model: &Model, report: &mut Report) {
     let driven: Vec<&str> = model.driven_joints().map(|joint| joint.name.as_str()).collect();
     let driven = list(driven.into_iter());
-    let message = format!("input `{}` moves nothing: it acts only on driven joints, {driven}", name.value);
+    let message = format!("input `{}` moves nothing: it acts only on the driven joints {driven}", name.value);
     report.error(name.span, MOVES_NOTHING.code, message);
     report.help(
         "no input changes the motion of a driven joint: remove the input, or remove `motion` from the joint",

@@ -7,7 +7,7 @@ use crate::model::{Actuator, ForceEffect, Model};
 use gelenk_findings::Rule;
 
 /// Sees: inputs that act in the same ratio at every position, of which one is at a frame.
-/// Matters: forces at the joints do not determine them.
+/// Matters: forces at the joints do not determine these inputs.
 /// Example: two cylinders between the same links.
 /// Fixture: `inputs_that_act_alike_are_noted` in `codegen/tests/doubts.rs`.
 const INPUTS_ALIKE: Rule = Rule::note("inputs-alike");
@@ -46,7 +46,7 @@ fn are_parallel(a: &[[f64; 2]], b: &[[f64; 2]]) -> bool {
 fn note_inputs(robot: &RobotDescription, [first, second]: [&str; 2], report: &mut Report) {
     let message = format!(
         "inputs `{first}` and `{second}` have the same effect at every position, so forces at the joints do \
-         not determine them and B has no left inverse"
+         not determine the inputs, and the input matrix B has no left inverse"
     );
     report.push(Some(place(robot, second)), INPUTS_ALIKE.found(message));
     report.help("describe parallel cylinders as one input with the sum of their limits, unless each is commanded separately");

@@ -12,7 +12,8 @@ pub(super) const ROUNDING: f64 = 1e-9;
 /// Number of seeded states.
 const STATES: u64 = 16;
 
-/// Columns of B by state, with the running error of each entry in units of the rounding of 1.
+/// Columns of the input matrix B at each seeded state. An entry is a pair: its value, and a running bound of
+/// its rounding error in units of the unit roundoff.
 ///
 /// - `parameters`: values of the free parameters
 pub(super) fn columns(model: &Model, parameters: &[f64]) -> Vec<Vec<Vec<[f64; 2]>>> {

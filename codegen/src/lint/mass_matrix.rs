@@ -7,7 +7,7 @@ use crate::model::{Joint, Model};
 use crate::wording::list;
 use gelenk_findings::Rule;
 
-/// Sees: a mass matrix with a negative eigenvalue, in a robot that is accepted by choice.
+/// Sees: a mass matrix with a negative eigenvalue, in a robot that the user accepts as unphysical.
 /// Matters: forces can accelerate joints backwards.
 /// Example: a URDF with a negative inertia, and `--accept-unphysical`.
 /// Fixture: `a_mass_matrix_that_is_not_positive_definite_is_refused` in `codegen/tests/wild_urdf.rs`.
@@ -43,7 +43,7 @@ fn report_indefinite(
     report: &mut Report,
 ) {
     let message = format!(
-        "the mass matrix is not positive definite at {} of {STATES} seeded states: a force can accelerate \
+        "the mass matrix is not positive definite at {} of {STATES} pseudo-random states: a force can accelerate \
          {} against its direction",
         pivots.indefinite_states,
         list(joints.iter().map(|joint| joint.name.as_str())),

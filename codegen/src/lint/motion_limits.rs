@@ -17,8 +17,8 @@ const NARROWER: Rule = Rule::note("narrower-limits");
 /// Ends of a stroke are rounded inwards to whole multiples of 1/FINENESS rad or m.
 const FINENESS: f64 = 1e6;
 
-/// Narrows the limits of coordinates, so that they keep the limits of motors and cylinders. Motors that move
-/// several coordinates have rows of their own ([`Model::dependent`]).
+/// Narrows the limits of coordinates to the limits that motors and cylinders imply. Motors that move several
+/// coordinates have separate rows ([`Model::dependent`]).
 pub(super) fn narrow(robot: &RobotDescription, model: &mut Model, report: &mut Report) {
     for (name, motor) in robot.motors() {
         if let Some(speed) = &motor.speed {
@@ -60,8 +60,8 @@ fn narrow_by_motor(name: &str, speed: &At<f64>, model: &mut Model, report: &mut 
     narrow_speed(model, link, speed.value / ratio.abs(), &format!("motor `{name}`"), speed.span, report);
 }
 
-/// An error if a motor of several coordinates has the name of a follower. The speed limit of the motor and
-/// the limits of followers are found by name.
+/// Reports an error if a motor of several coordinates has the name of a follower. Controllers find the speed
+/// limit of the motor and the limits of followers by name.
 fn refuse_name_of_follower(name: &str, span: Span, model: &Model, report: &mut Report) {
     let mut joints = model.links.iter().filter_map(|link| link.joint.as_ref());
     if joints.any(|joint| joint.name == name && matches!(joint.motion, Motion::Follower(_))) {
@@ -73,7 +73,7 @@ fn refuse_name_of_follower(name: &str, span: Span, model: &Model, report: &mut R
     }
 }
 
-/// Lowers the limit of a coordinate's speed, and says so where another one was described.
+/// Lowers the speed limit of a coordinate. Adds a note if a higher limit was described.
 fn narrow_speed(model: &mut Model, link: usize, limit: f64, who: &str, span: Span, report: &mut Report) {
     let Some((joint, limits)) = limits_of(model, link) else { return };
     let described = limits.velocity;
@@ -83,7 +83,7 @@ fn narrow_speed(model: &mut Model, link: usize, limit: f64, who: &str, span: Spa
     limits.velocity = Some(limit);
     if let Some(described) = described {
         let message = format!(
-            "{who} limits the speed of joint `{joint}` to {}, below its own limit of {}",
+            "{who} limits the speed of joint `{joint}` to {}, below the joint's limit of {}",
             three_digits(limit),
             as_written(described)
         );
@@ -148,7 +148,7 @@ impl Path {
                 format!("the length of `{name}` is limited, but the position of joint `{joint}` is not");
             report.error(span, "length-without-range", message);
             report.help(
-                "give the joint limits within which the length is monotonic; the stroke is searched there",
+                "give the joint `position` limits within which the length is monotonic; they then bound the stroke",
             );
             return None;
         };
@@ -206,7 +206,7 @@ fn narrow_by_force(
     }
 }
 
-/// Positions of the coordinate at which a stroke is kept.
+/// Range of the coordinate within which the length stays within the stroke.
 fn allowed(
     force: &PointForceDescription,
     stroke: &At<[f64; 2]>,
@@ -244,7 +244,7 @@ fn allowed(
     }
     let is_within = |position: &f64| (shortest..=longest).contains(&length(*position));
     let inside = places(path.range).into_iter().find(is_within).unwrap_or_else(|| {
-        // A stroke between two places: where its middle is.
+        // The stroke lies between two of the places. This is the position of its middle.
         crossing(path.range, |position| (length(position) > 0.5 * (shortest + longest)) == grows)[0]
     });
     let [low, high] = path.range.map(|end| {

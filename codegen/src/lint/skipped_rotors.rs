@@ -13,7 +13,7 @@ use gelenk_findings::Rule;
 /// Fixture: `codegen/tests/snapshots/foreign/transmissions.urdf.snap`.
 const SKIPPED: Rule = Rule::warning("rotor-skipped");
 
-/// Warns of rotors of a URDF that cannot be assigned to a joint, with their terms in M.
+/// Warns of rotors of a URDF that cannot be assigned to a joint, with the terms that M lacks.
 pub(super) fn warn(robot: &RobotDescription, model: &Model, report: &mut Report) {
     if robot.skipped_rotors.is_empty() {
         return;
@@ -24,9 +24,9 @@ pub(super) fn warn(robot: &RobotDescription, model: &Model, report: &mut Report)
         let ratio = rotor.ratios.first().copied().unwrap_or(1.0);
         let entries = model.joints().zip(&diagonal).filter(|(joint, _)| rotor.joints.contains(&joint.name));
         let entries: Vec<String> =
-            entries.map(|(joint, entry)| format!("{} of `{}`", three_digits(*entry), joint.name)).collect();
+            entries.map(|(joint, entry)| format!("{} at `{}`", three_digits(*entry), joint.name)).collect();
         let message = format!(
-            "a rotor of {} kg m² was skipped because {}: i² J = {} kg m²{}",
+            "a rotor of {} kg m² was skipped because {}: the mass matrix M lacks i² J = {} kg m²{}",
             as_written(inertia),
             match (rotor.joints.len(), rotor.ratios.len()) {
                 (1, 1) => "its joint is not a coordinate with one position",
@@ -38,7 +38,7 @@ pub(super) fn warn(robot: &RobotDescription, model: &Model, report: &mut Report)
             if entries.is_empty() {
                 String::new()
             } else {
-                format!(", where M has {}", listed(entries.into_iter()))
+                format!(", compared with its diagonal {}", listed(entries.into_iter()))
             },
         );
         report.push(Some(rotor.inertia.span), SKIPPED.found(message));

@@ -18,7 +18,7 @@ const BEYOND_STALL: Rule = Rule::warning("beyond-stall-torque");
 /// Fixture: `limits_beyond_a_torque_speed_line_are_told` in `codegen/tests/doubts.rs`.
 const BEYOND_SPEED: Rule = Rule::note("beyond-no-load-speed");
 
-/// Limits are written numbers.
+/// Relative tolerance for rounded decimal numbers of a description.
 const ROUNDING: f64 = 1e-9;
 
 /// Reports torque–speed lines that cannot be constants of the module, and limits that contradict a line.
@@ -62,8 +62,8 @@ fn doubt_limits(name: &str, motor: &DriveDescription, report: &mut Report) {
     if let Some(torque) = beyond(motor.torque.nominal) {
         report.push(Some(*span), BEYOND_STALL.found(told("", torque)));
         report.help(
-            "`torque` and `stall_torque` are at the motor's shaft, where the stall torque is the \
-                     largest unless the motor brakes",
+            "`torque` and `stall_torque` are torques at the motor's shaft; only a braking motor \
+                     exceeds its stall torque",
         );
     } else if let Some(torque) = beyond(motor.torque.peak) {
         report.note(Some(*span), BEYOND_STALL.code, told("peak ", torque));
@@ -84,7 +84,7 @@ fn doubt_limits(name: &str, motor: &DriveDescription, report: &mut Report) {
     }
 }
 
-/// An effort of the joint that its motor does not have.
+/// Notes an effort limit of a joint that its motor cannot reach.
 fn note_effort(name: &str, drive: &Drive, model: &Model, span: Span, report: &mut Report) {
     let joint = drive.coordinate().and_then(|coordinate| model.joints().nth(coordinate));
     let effort = joint.and_then(|joint| joint.limits.effort);
@@ -93,7 +93,7 @@ fn note_effort(name: &str, drive: &Drive, model: &Model, span: Span, report: &mu
     if effort > most * (1.0 + ROUNDING) {
         let unit = joint.kind.effort_unit();
         let message = format!(
-            "joint `{}` has an effort of {} {unit}, but its motor `{name}` gives {} {unit} at rest",
+            "joint `{}` has an effort limit of {} {unit}, but its motor `{name}` gives {} {unit} at rest",
             joint.name,
             as_written(effort),
             three_digits(most)

@@ -1,4 +1,4 @@
-//! Signs of the eigenvalues of M.
+//! Test whether the mass matrix M is positive definite.
 
 use super::Model;
 use super::regularity::Pivots;
@@ -10,12 +10,13 @@ pub enum Definiteness {
     Positive,
     /// Some eigenvalues are zero, because some motions of joints move no inertia.
     Semidefinite,
-    /// Some eigenvalues are negative, because some bodies are not physical.
+    /// Some eigenvalues are negative, because some bodies have physically impossible inertias.
     Indefinite,
 }
 
 impl Model {
-    /// Definiteness of M at seeded states, with the parameter values of the description.
+    /// Determines the signs of the eigenvalues of M at pseudo-random states that are the same in every call.
+    /// Parameters have the values of the description.
     #[must_use]
     pub fn definiteness(&self) -> Definiteness {
         let pivots = Pivots::of(self);
@@ -26,8 +27,8 @@ impl Model {
         }
     }
 
-    /// Motions that move no inertia and make M singular, with the parameter values of the description. A
-    /// motion is a joint or a sum of joints, as text.
+    /// Joint motions that move no mass and therefore make M singular. Each text names one joint or a sum of
+    /// joints, for example `a` − 0.5 `b`. Parameters have the values of the description.
     #[must_use]
     pub fn motions_without_inertia(&self) -> Vec<String> {
         Pivots::of(self).free_motions(self)

@@ -1,4 +1,4 @@
-//! Joints and motors that move with constant sums of coordinates and have their own limits.
+//! Joints and motors whose motion is a weighted sum of coordinates and which have their own limits.
 
 use super::{FollowedCoordinate, Model};
 use gelenk_formula::Formula;
@@ -13,16 +13,16 @@ pub struct Dependent<'m> {
     pub ratios: Option<Vec<f64>>,
     /// Position if all coordinates are 0 (rad or m); 0 for a motor.
     pub offset: f64,
-    /// Lowest and highest position (rad or m).
+    /// Lowest and highest position (rad or m); infinite without a limit.
     pub position: [f64; 2],
-    /// Highest speed (rad/s or m/s).
+    /// Highest speed (rad/s or m/s); infinite without a limit.
     pub velocity: f64,
 }
 
 const UNLIMITED: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
 impl Model {
-    /// The followers in order, then the motors with a speed limit whose drives act on several coordinates.
+    /// Followers in order, then motors with a speed limit whose drives act on several coordinates.
     ///
     /// - `parameters`: values of the free parameters
     #[must_use]
@@ -54,7 +54,7 @@ impl Model {
         shared.filter_map(|drive| Some((drive, drive.speed?)))
     }
 
-    /// Ratios to all coordinates, times a factor.
+    /// Ratios to all coordinates, each multiplied by `factor`.
     fn row(&self, follows: &[FollowedCoordinate], factor: &Formula, parameters: &[f64]) -> Option<Vec<f64>> {
         let mut row = vec![0.0; self.motion_count()];
         for term in follows {

@@ -1,4 +1,4 @@
-//! Drives: motors behind gears, with rotors and inputs.
+//! Drives: motors with gears, rotors and inputs.
 
 use super::{FollowedCoordinate, FrictionTerm};
 use gelenk_formula::{Formula, Function};
@@ -35,7 +35,7 @@ pub struct Drive {
     /// Friction of the shaft as a function of the shaft's angle `y` and speed `v`, for a drive on several
     /// coordinates. Empty for a drive on one coordinate, because the joint's friction includes this friction.
     pub friction: Vec<FrictionTerm>,
-    /// Whether the description has the drive under `[[drives]]` and not at a joint.
+    /// Whether the description defines the drive under `[[drives]]` and not at a joint.
     pub stands_apart: bool,
 }
 
@@ -47,7 +47,7 @@ impl Drive {
         terms.any(|term| term.basis.calls(Function::Sign))
     }
 
-    /// The coordinate if the drive moves exactly one coordinate, with the ratio 1; otherwise `None`.
+    /// The coordinate on which the drive acts, if there is exactly one and its ratio is 1; otherwise `None`.
     #[must_use]
     pub fn coordinate(&self) -> Option<usize> {
         match &self.acts_on[..] {
@@ -66,7 +66,7 @@ pub struct MotorTorque {
     pub peak: Option<f64>,
 }
 
-/// The torque–speed line of a motor, `|τ + τ₀ ω/ω₀| ≤ τ₀` at its shaft.
+/// The torque–speed line of a motor: `|τ + τ₀ ω/ω₀| ≤ τ₀` with the torque τ and the speed ω of its shaft.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TorqueSpeedLine {
     /// τ₀: stall torque (N m).
@@ -80,7 +80,7 @@ pub struct TorqueSpeedLine {
 pub enum RotorCoupling {
     /// The rotor is a body on its carrier: i² J_R on the diagonal and coupling terms.
     Body,
-    /// The rotor only adds i² J_R to the diagonal.
+    /// The rotor only adds i² J_R to the diagonal of M.
     Diagonal,
 }
 
@@ -89,7 +89,7 @@ pub enum RotorCoupling {
 pub enum Input {
     /// Motor torque (N m). The input matrix has the gear ratio.
     Torque,
-    /// No input: a rotor that moves with joints, or friction of a transmission.
+    /// No input. The drive only describes a rotor that moves with joints, or friction of a transmission.
     None,
     /// Motor current (A). The input matrix has the gear ratio times the motor constant K_M (N m/A).
     Current(Formula),

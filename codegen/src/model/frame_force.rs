@@ -3,7 +3,7 @@
 use super::Pose;
 use gelenk_formula::Formula;
 
-/// A point of action: a frame fixed to a link.
+/// A frame fixed to a link, at which a force or a wrench acts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Attachment {
     /// Name of the frame or link in the description.
@@ -17,12 +17,12 @@ pub struct Attachment {
 /// A force between the origins of two frames, for example of a spring.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PointForce {
-    /// Name in the description, or the names of the two frames.
+    /// Name in the description. A force without a name has the names of its two frames.
     pub name: String,
-    /// The two frames.
+    /// The two frames. The force acts along the line between their origins.
     pub between: [Attachment; 2],
-    /// Force law (N). The force is positive if it pulls the frames together. The position of the law is the
-    /// distance of the origins (m), and the velocity is the rate of the distance (m/s).
+    /// Force law (N). A positive force pulls the frames together. In the law, `y` is the distance of the
+    /// origins (m) and `v` is the rate of this distance (m/s).
     pub law: Formula,
 }
 
@@ -33,7 +33,7 @@ pub struct ForceInput {
     pub name: String,
     /// Lowest and highest value of the input; `None` without limits.
     pub limits: Option<[f64; 2]>,
-    /// Effect of a unit of the input.
+    /// Effect of one unit of the input.
     pub effect: ForceEffect,
 }
 
@@ -54,7 +54,7 @@ pub enum ForceEffect {
     Wrench {
         /// The frame.
         at: Attachment,
-        /// Force and moment for a unit of the input.
+        /// Force (N) and moment (N m) for one unit of the input.
         wrench: [Formula; 6],
     },
     /// A force (N) that pulls the origins of two frames together.
@@ -68,7 +68,7 @@ pub struct Wrench {
     pub name: String,
     /// Frame of the wrench.
     pub at: Attachment,
-    /// Axes of force and moment.
+    /// Axes of the force and moment components.
     pub axes: WrenchAxes,
 }
 

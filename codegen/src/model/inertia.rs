@@ -3,14 +3,16 @@
 use crate::numeric::length;
 use crate::wording::telling;
 
-/// Published numbers have some six digits: relative to the largest principal moment.
+/// Tolerance relative to the largest principal moment. Published inertias have about six digits.
 const DIGITS: f64 = 1e-6;
 
-/// Rounding of double precision, with room for a few thousand operations: CAD programs move inertias from the
-/// origin of the link to the centre of mass, which leaves rounding of m l², l the distance between both.
+/// Tolerance relative to m l² for rounding errors of a few thousand operations. m is the mass and l the
+/// distance from the link's origin to the centre of mass. CAD programs shift inertias by m l² from the origin
+/// to the centre of mass.
 const ARITHMETIC: f64 = 1e-12;
 
-/// Bodies are taken as at least so large [m], so that rounding of a body at the origin has a measure too.
+/// Smallest distance l [m] in the tolerance, so that the tolerance is positive if the centre of mass is at the
+/// link's origin.
 const SMALLEST_EXTENT: f64 = 1e-3;
 
 /// Reason why a body is physically impossible.
@@ -26,7 +28,7 @@ pub(crate) enum Flaw {
 }
 
 impl std::fmt::Display for Flaw {
-    /// `principal moments 0.1 + 0.2 < 0.4`
+    /// Writes the flaw for a message, for example `principal moments 0.1 + 0.2 < 0.4`.
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Massless => out.write_str("an inertia but no mass"),
@@ -43,7 +45,7 @@ impl std::fmt::Display for Flaw {
     }
 }
 
-/// Moments that are rounding errors next to the largest are returned as 0.
+/// Replaces moments by 0 if they are rounding errors of the largest moment.
 fn without_rounding(moments: [f64; 3]) -> [f64; 3] {
     let largest = largest(&moments);
     moments.map(|moment| match moment.abs() > ARITHMETIC * largest {
@@ -56,8 +58,8 @@ fn largest(moments: &[f64]) -> f64 {
     moments.iter().fold(0.0, |most, moment| most.max(moment.abs()))
 }
 
-/// Checks a body: mass (kg), centre of mass in the link's frame (m), and the entries xx, xy, xz, yy, yz, zz
-/// of the inertia about the centre of mass (kg m²). `None` if the body is possible.
+/// Checks a body: mass (kg), centre of mass in the link's frame (m), and the entries xx, xy, xz, yy, yz, zz of
+/// the inertia about the centre of mass (kg m²). Returns `None` if the inertia is physically possible.
 ///
 /// Principal moments are sums of two of the second moments ∫x², ∫y², ∫z², which are not negative. Therefore
 /// no principal moment is negative or exceeds the sum of the other two. Limiting cases are allowed: a point
@@ -98,7 +100,8 @@ pub(crate) fn principal_axes([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> ([f64; 3], [
     ([a[0][0], a[1][1], a[2][2]], axes)
 }
 
-/// One rotation in the plane p, q that makes `a[p][q]` zero; the columns of `axes` turn with it.
+/// Performs one Jacobi rotation in the plane p, q, which makes `a[p][q]` zero. The columns of `axes` are
+/// rotated, too.
 fn rotate_away(a: &mut [[f64; 3]; 3], axes: &mut [[f64; 3]; 3], p: usize, q: usize) {
     if a[p][q] == 0.0 {
         return;

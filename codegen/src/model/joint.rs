@@ -3,7 +3,7 @@
 use super::Pose;
 use gelenk_formula::{Formula, FrictionTerm, Function};
 
-/// A joint that follows coordinates: `y_joint = Σ ratio · y[coordinate] + offset`.
+/// A joint that follows coordinates: its position is `Σ ratio · y[coordinate] + offset` with the coordinates y.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Follower {
     /// Index of the link that the joint carries.
@@ -31,7 +31,8 @@ impl FollowedCoordinate {
     }
 }
 
-/// A moving joint, with its row of G in `y_joint = G y + g₀`.
+/// A moving joint, with its ratios to the coordinates y. Its position is the sum of ratio times coordinate,
+/// plus an offset.
 #[derive(Debug, Clone)]
 pub struct MovingJoint<'m> {
     /// The joint.
@@ -56,7 +57,8 @@ pub struct Joint {
     pub parent: usize,
     /// Type of the joint.
     pub kind: JointKind,
-    /// Pose of the joint frame in the parent link's frame. At position 0 it is the pose of the link's frame.
+    /// Pose of the joint frame in the parent link's frame. At position 0 the joint frame is the frame of the
+    /// carried link.
     pub origin: Pose,
     /// Axis in the joint frame, with unit length.
     pub axis: [f64; 3],
@@ -64,26 +66,28 @@ pub struct Joint {
     pub motion: Motion,
     /// Limits on position, speed and force.
     pub limits: Limits,
-    /// Forces of springs and dampers on this joint as functions of y and v (N m or N). They are a part of q.
+    /// Forces of springs and dampers on this joint as functions of position y and velocity v (N m or N). They
+    /// are a part of the generalized forces q.
     pub springs: Vec<Formula>,
-    /// Terms of the friction torque τ(v) = Σ coefficient · basis. It is positive for positive velocity, and
-    /// is subtracted from q.
+    /// Terms of the friction torque τ(v) = Σ coefficient · basis. The torque is positive at positive velocity.
+    /// It is subtracted from the generalized forces q.
     pub friction: Vec<FrictionTerm>,
-    /// Terms of the friction s₁(v) = Σ coefficient · basis per unit of the load τ_l. The joint has the
-    /// friction |τ_l| s₁ in addition to `friction`. Empty without load-dependent friction. If it is not
-    /// empty, the joint has its own input, and |s₁| < 1.
+    /// Terms of the load-dependent friction: s₁(v) = Σ coefficient · basis is the friction per unit of the load
+    /// τ_l. The friction |τ_l| s₁ is added to `friction`. The list is empty without load-dependent friction.
+    /// Otherwise the joint has its own input, and |s₁| < 1.
     pub load_friction: Vec<FrictionTerm>,
 }
 
-/// Positions of a joint without limits, for seeded states: a turn to each side, or half a metre.
+/// Range of seeded positions of a rotating joint without limits: half a turn to each side \[rad\].
 const TURN: f64 = std::f64::consts::PI;
 const SLIDE: f64 = 0.5;
 
-/// Farther positions would only add rounding: limits of ±1e9 m mean that the joint has no limits.
+/// Largest magnitude of seeded positions (rad or m). Positions within limits of ±1e9 m, which stand for a
+/// missing limit, would only add rounding errors.
 const FARTHEST: f64 = 20.0;
 
 impl Joint {
-    /// Whether friction or a spring is discontinuous, because it has an exact `sign`.
+    /// Whether the friction or a spring law contains an exact `sign` and is therefore discontinuous.
     #[must_use]
     pub fn jumps(&self) -> bool {
         let friction = self.friction.iter().chain(&self.load_friction);
@@ -92,7 +96,7 @@ impl Joint {
         laws.any(|law| law.calls(Function::Sign))
     }
 
-    /// Range of positions for seeded states, within the position limits.
+    /// Range of positions for pseudo-random states, within the position limits.
     pub(crate) fn seeded_range(&self) -> [f64; 2] {
         let free = match self.kind {
             JointKind::Prismatic => SLIDE,
@@ -121,7 +125,8 @@ pub enum JointKind {
     Prismatic,
     /// Rotation about the axis by the position, and translation along it by pitch · position.
     Helical {
-        /// Translation for each radian (m/rad): finite, not 0, negative for a left-handed screw.
+        /// Translation per radian (m/rad). The pitch is finite and non-zero, and negative for a left-handed
+        /// screw.
         pitch: f64,
     },
 }
@@ -184,7 +189,7 @@ pub enum Motion {
     Follower(usize),
 }
 
-/// Limits of a joint; `None` without a limit in the description.
+/// Limits of a joint. A field is `None` if the description has no such limit.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Limits {
     /// Lowest and highest position (rad or m).

@@ -1,8 +1,14 @@
 //! The robot as data: the [`Model`].
 //!
-//! Every `Model` is valid: names and their Rust identifiers are distinct, the links form one tree in which
-//! parents precede children, axes have unit length, limits are ordered, numbers are finite. Later stages need
-//! no checks.
+//! Every `Model` is valid:
+//!
+//! - names and their Rust identifiers are distinct
+//! - the links form one tree in which parents precede children
+//! - axes have unit length
+//! - limits are ordered
+//! - numbers are finite
+//!
+//! Later stages therefore need no checks.
 
 mod definiteness;
 mod dependent;

@@ -9,7 +9,7 @@ const KEYWORDS: [&str; 54] = [
     "virtual", "where", "while", "yield", "raw", "safe",
 ];
 
-/// Names with a meaning of their own in formulas.
+/// Names of arguments, constants and functions in formulas.
 const IN_FORMULAS: [&str; 12] =
     ["y", "v", "pi", "sin", "cos", "tanh", "exp", "abs", "sign", "sqrt", "pow", "powi"];
 
@@ -18,7 +18,7 @@ pub(crate) fn is_keyword(name: &str) -> bool {
     KEYWORDS.contains(&name)
 }
 
-/// Whether the name has another meaning in formulas.
+/// Whether formulas use the name for an argument, a constant or a function.
 pub(crate) fn has_meaning(name: &str) -> bool {
     IN_FORMULAS.contains(&name)
 }

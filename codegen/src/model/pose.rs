@@ -1,4 +1,4 @@
-//! Poses: products, and rotations from angles that are exact at multiples of 90°.
+//! Poses: products, and rotations that are exact at multiples of 90°.
 
 use crate::numeric;
 use gelenk_formula::Formula;
@@ -7,7 +7,7 @@ use std::f64::consts::FRAC_PI_2;
 /// A rotation matrix, rows first.
 pub(crate) type Rotation = [[f64; 3]; 3];
 
-/// The rotation by 0.
+/// The identity rotation.
 pub(crate) const IDENTITY: Rotation = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 /// Pose of a frame in another frame.
@@ -19,7 +19,7 @@ pub struct Pose {
     pub rotation: [[f64; 3]; 3],
 }
 
-/// Parts of a pose that a description leaves out.
+/// Whether a description leaves out parts of a pose.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Unsaid {
     pub translation: bool,
@@ -27,7 +27,7 @@ pub(crate) struct Unsaid {
 }
 
 impl Unsaid {
-    /// Returns `pose`. The parts that the description leaves out are taken from `known`, the pose that it
+    /// Returns `pose`. Parts that the description leaves out are taken from `known`, the pose that `pose`
     /// replaces.
     pub fn filled(self, pose: Pose, known: Option<&Pose>) -> Pose {
         let Some(known) = known else { return pose };
@@ -54,7 +54,7 @@ impl Pose {
         Self { translation: self.point(&next.translation), rotation: product(&self.rotation, &next.rotation) }
     }
 
-    /// Transforms a point from the inner to the outer frame.
+    /// Transforms a point from this frame to the outer frame.
     pub fn point(&self, point: &[Formula; 3]) -> [Formula; 3] {
         let turned = rotate(&self.rotation, point);
         let [x, y, z] = &self.translation;
@@ -72,12 +72,12 @@ pub(crate) fn rotate(rotation: &Rotation, point: &[Formula; 3]) -> [Formula; 3] 
     [row(&rotation[0]), row(&rotation[1]), row(&rotation[2])]
 }
 
-/// The rotated vector `R a`, for numbers.
+/// The rotated vector `R a`, with numbers as entries.
 pub(crate) fn rotate_numbers(rotation: &Rotation, a: &[f64; 3]) -> [f64; 3] {
     std::array::from_fn(|i| (0..3).map(|j| rotation[i][j] * a[j]).sum::<f64>() + 0.0)
 }
 
-/// The rotated inertia `R I Rᵀ`, with the entries xx, xy, xz, yy, yz, zz.
+/// The inertia in rotated axes, `R I Rᵀ`, with the entries xx, xy, xz, yy, yz, zz.
 pub(crate) fn rotate_inertia(rotation: &Rotation, inertia: &[Formula; 6]) -> [Formula; 6] {
     if *rotation == IDENTITY {
         return inertia.clone();
@@ -124,7 +124,7 @@ pub(crate) fn about_z(angle: f64) -> Rotation {
     [[c, 0.0 - s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]
 }
 
-/// Sine and cosine; exactly 0 and ±1 if the angle is a multiple of 90° to within its rounding.
+/// Sine and cosine of the angle. They are exactly 0 or ±1 if the angle is a multiple of 90° within rounding.
 fn sin_cos(angle: f64) -> (f64, f64) {
     match right_angles(angle, 4.0 * f64::EPSILON * angle.abs().max(1.0)) {
         Some(0) => (0.0, 1.0),
@@ -139,12 +139,12 @@ fn sin_cos(angle: f64) -> (f64, f64) {
 /// than the tolerance.
 fn right_angles(angle: f64, tolerance: f64) -> Option<u8> {
     let count = (angle / FRAC_PI_2).round();
-    // Beyond 1e6 turns the remainder is rounding noise; below it the cast is exact.
+    // Above 1e6 turns the remainder is a rounding error. Below 1e6 turns the cast is exact.
     let near = count.abs() < 4e6 && (angle - count * FRAC_PI_2).abs() <= tolerance;
     near.then_some(count.rem_euclid(4.0) as u8)
 }
 
-/// The nearest multiple of 90° if it is within the tolerance, otherwise the angle.
+/// The nearest multiple of 90° if the angle differs from it by at most the tolerance; otherwise the angle.
 pub(crate) fn snapped(angle: f64, tolerance: f64) -> f64 {
     match right_angles(angle, tolerance) {
         Some(_) => (angle / FRAC_PI_2).round() * FRAC_PI_2,
@@ -152,7 +152,7 @@ pub(crate) fn snapped(angle: f64, tolerance: f64) -> f64 {
     }
 }
 
-/// Whether snapping with this tolerance would change the sine or cosine.
+/// Whether rounding the angle with this tolerance would change its sine or cosine.
 pub(crate) fn is_nearly_right(angle: f64, tolerance: f64) -> bool {
     let (s, c) = sin_cos(angle);
     right_angles(angle, tolerance).is_some() && s != 0.0 && c != 0.0

@@ -2,12 +2,12 @@
 
 use super::{Model, MovingJoint};
 
-/// A spherical or floating joint. Its orientation is a unit quaternion, so it has one position entry more
-/// than velocities.
+/// A spherical or floating joint. Its orientation is a unit quaternion, so the joint has one more position
+/// entry than velocities.
 ///
-/// In the model it is a chain of joints, one for each velocity. All joints of the chain are at position 0 and
-/// follow the pose from the positions. Their motions are therefore the motions of the whole joint in the
-/// frame of its body.
+/// In the model, the joint is a chain of joints with one velocity each. The pose from the position entries
+/// precedes this chain, and all joints of the chain stay at position 0. The velocities of the chain are
+/// therefore the velocities of the whole joint in the frame of its body.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct QuaternionJoint {
     /// Name in the description.
@@ -21,26 +21,26 @@ pub struct QuaternionJoint {
 /// Type of a joint with a quaternion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum QuaternionKind {
-    /// A spherical joint. Its velocity is the angular velocity in the body's own frame.
+    /// A spherical joint. Its velocity is the angular velocity in the frame of its body.
     Spherical,
-    /// A floating joint. Its velocity is the linear velocity of the body's origin, then the angular velocity,
-    /// in the body's own frame.
+    /// A floating joint. Its velocity is the linear velocity of the body's origin, then the angular velocity.
+    /// Both are in the frame of the body.
     Floating,
 }
 
-/// Help text: why a velocity of a joint with a quaternion has no force law of a position.
-pub(crate) const NO_LAW_OF_POSITION: &str = "a law of such a velocity depends only on `v`, because the \
+/// Help text: force laws at a velocity of a joint with a quaternion cannot depend on a position.
+pub(crate) const NO_LAW_OF_POSITION: &str = "a law at such a velocity may depend only on `v`, because the \
                                              velocity has no position; for springs in any direction use \
                                              `[[forces]]` between two frames";
 
-/// Help text: why a velocity of a joint with a quaternion has no rotor.
-pub(crate) const NO_ROTOR: &str = "a rotor turns about one axis, this joint about three: use `drive = \
+/// Help text: a velocity of a joint with a quaternion has no rotor.
+pub(crate) const NO_ROTOR: &str = "a rotor turns about one axis, but this joint turns about three: use `drive = \
                                    \"ideal\"` for a torque in the body's frame, and a link with its own \
                                    joint for a reaction wheel";
 
 impl QuaternionKind {
-    /// Help text: why a velocity has no position limits. Limits of a module are listed by velocity, and
-    /// controllers use deviations along the velocities.
+    /// Help text: a velocity of this joint has no position limits. Generated limits have one entry per
+    /// velocity, but the position entries are a quaternion.
     pub(crate) fn why_unlimited(self, index: usize) -> &'static str {
         match self {
             Self::Floating if index < 3 => {
@@ -73,8 +73,8 @@ impl QuaternionKind {
         }
     }
 
-    /// Number of position entries: a quaternion x y z w. For a floating joint, the position of the origin
-    /// precedes it.
+    /// Number of position entries: 4 for a quaternion x y z w, and 3 more for the position of the origin of a
+    /// floating joint, which precedes the quaternion.
     #[must_use]
     pub fn positions(self) -> usize {
         self.velocities() + 1
@@ -107,7 +107,7 @@ impl QuaternionKind {
 }
 
 impl QuaternionJoint {
-    /// Unit quaternion x y z w of a rotation vector.
+    /// Unit quaternion x y z w of a rotation vector in rad.
     pub(crate) fn attitude(turn: [f64; 3]) -> [f64; 4] {
         let angle = turn.iter().map(|x| x * x).sum::<f64>().sqrt();
         let (sine, cosine) = crate::numeric::sin_cos(angle / 2.0);
@@ -192,8 +192,8 @@ impl Model {
         carrying.collect()
     }
 
-    /// Positions y with NY entries from one value per velocity. For a joint with a quaternion the values are
-    /// the position and rotation vector of its body.
+    /// Positions y (NY entries) from one value per velocity. The values of a joint with a quaternion are the
+    /// position (m) and the rotation vector (rad) of its body.
     pub(crate) fn positions_by(&self, values: &[f64]) -> Vec<f64> {
         let mut positions = Vec::with_capacity(self.position_count());
         for joint in self.joint_positions() {

@@ -12,21 +12,22 @@ use crate::wording::three_digits;
 
 type Matrix = [[f64; 6]; 6];
 
-/// A pivot below this share of the composite inertia about the same axis is rounding.
+/// A pivot is treated as zero if it is below this fraction of the composite inertia about the same axis.
 const ROUNDING: f64 = 1e-12;
 
-/// Number of states that are tried. The first is in general position, the others are within the limits.
+/// Number of tested states. The first state is in general position. The positions of the other states are
+/// within the limits.
 pub(crate) const STATES: usize = 16;
 const SEED: u64 = 0x7069_766f_7473;
 
-/// Messages quote M for robots of at most this many coordinates. The memory for M grows with their square,
-/// and the time of its factorization with their cube.
+/// Largest number of coordinates of robots for which messages quote M. The memory for M grows with the square
+/// of this number, and the time for its factorization with the cube.
 const LARGEST: usize = 500;
 
-/// Pivots of M at seeded states.
+/// Signs of the pivots of M at pseudo-random states.
 #[derive(Debug, Default)]
 pub(crate) struct Pivots {
-    /// Links of the joints whose pivots are zero at every state. Motions of these joints move no inertia.
+    /// Links of the joints whose pivots are zero at every state. Motions of these joints move no mass.
     pub zero: Vec<usize>,
     /// Links of the joints whose pivots are negative at some state.
     pub negative: Vec<usize>,
@@ -41,9 +42,11 @@ impl Pivots {
     }
 
     /// Motions x with M x = 0 at a general position, as text. There is one motion for each coordinate with a
-    /// zero pivot. Its entry is 1 at this coordinate and 0 at the other coordinates with a zero pivot. Joints
-    /// with a quaternion are at angle 0, so their velocities are those in the body's frame. If there is no
-    /// zero pivot at this position or more than 500 coordinates, the result has the joints' names.
+    /// zero pivot. Its entry is 1 at this coordinate and 0 at the other coordinates with a zero pivot.
+    /// Velocities of joints with a quaternion are in the frame of the body.
+    ///
+    /// If no pivot is zero at this position, or if the robot has more than 500 coordinates, the result contains
+    /// only the joints' names.
     pub fn free_motions(&self, model: &Model) -> Vec<String> {
         let of_joints =
             || model.joints_of(&self.zero).iter().map(|joint| format!("`{}`", joint.name)).collect();
@@ -61,13 +64,13 @@ impl Pivots {
         let (zero, others): (Vec<usize>, Vec<usize>) = (0..model.coordinates.len()).partition(is_zero);
         let names: Vec<&str> = model.joints().map(|joint| joint.name.as_str()).collect();
         if zero.is_empty() {
-            // Hinges of a joint with a quaternion may be singular together away from 0.
+            // At a rotated position, several parts of a joint with a quaternion may be singular together.
             return of_joints();
         }
         zero.iter().map(|&own| sum(&null_vector(&mass, &others, own), &names)).collect()
     }
 
-    /// Pivots at seeded states, with the parameter values of the description.
+    /// Determines the pivots at pseudo-random states, with the parameter values of the description.
     pub fn of(model: &Model) -> Self {
         let described = model.described_parameters();
         let mut random = Random::new(SEED);
@@ -99,7 +102,7 @@ impl Pivots {
     }
 }
 
-/// Positions of the links' joints. Positions of followers are computed.
+/// Positions of the joints of all links. Positions of followers are computed from the coordinates.
 ///
 /// - `choose`: maps the index of a link and the range of its joint to a position
 pub(crate) fn positions(
@@ -122,13 +125,13 @@ pub(crate) fn positions(
     positions
 }
 
-/// An irrational stride keeps angles of different joints in general position.
+/// Position of a link's joint. The irrational factor keeps the angles of different joints in general position.
 fn general(link: usize) -> f64 {
     0.4 + (link as f64 * 0.618_033_988_75).fract()
 }
 
-/// `x = −M_oo⁻¹ M_ok` for the coordinates o without a zero pivot and the coordinate k, by Gauss's
-/// elimination.
+/// The vector x with M x = 0, x = 1 at coordinate k (`own`), and `x_o = −M_oo⁻¹ M_ok` at the other coordinates
+/// o without a zero pivot. It is computed by Gaussian elimination.
 fn null_vector(mass: &[Vec<f64>], others: &[usize], own: usize) -> Vec<f64> {
     let row = |&i: &usize| others.iter().map(|&j| mass[i][j]).chain([-mass[i][own]]).collect();
     let mut rows: Vec<Vec<f64>> = others.iter().map(row).collect();
@@ -147,10 +150,10 @@ fn null_vector(mass: &[Vec<f64>], others: &[usize], own: usize) -> Vec<f64> {
     direction
 }
 
-/// A smaller part of a motion is rounding.
+/// Coefficients of a motion below this magnitude are treated as rounding errors.
 const VISIBLE: f64 = 1e-6;
 
-/// A velocity as a sum over joints: `a` − 0.5 `b`.
+/// Writes a motion as a sum over joints, for example `a` − 0.5 `b`.
 fn sum(direction: &[f64], names: &[&str]) -> String {
     let mut text = String::new();
     for (share, name) in direction.iter().zip(names).filter(|(share, _)| share.abs() > VISIBLE) {
@@ -167,8 +170,8 @@ fn sum(direction: &[f64], names: &[&str]) -> String {
     text
 }
 
-/// Diagonal of M with all coordinates at 0. Rotors add only i² J, also on moving links. Empty for robots with
-/// more than 500 coordinates.
+/// Diagonal of M if all coordinates are 0. Rotors add only i² J to the diagonal, even on moving links. The
+/// result is empty for robots with more than 500 coordinates.
 pub(crate) fn diagonal_at_zero(model: &Model) -> Vec<f64> {
     if model.coordinates.len() > LARGEST {
         return Vec::new();
@@ -179,7 +182,7 @@ pub(crate) fn diagonal_at_zero(model: &Model) -> Vec<f64> {
     mass.iter().enumerate().map(|(k, row)| row[k]).collect()
 }
 
-/// A pivot, zero if it is rounding.
+/// Sign of a pivot. A pivot within the rounding error is zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Pivot {
     Negative,
@@ -203,7 +206,8 @@ fn pivots(model: &Model, described: &[f64], positions: &[f64]) -> Vec<Option<Piv
             let axis = motion_axis(joint);
             let pivot = quadratic(&rest, &axis) + armature[index];
             let rounding = ROUNDING * (quadratic(&whole, &axis).abs() + armature[index]);
-            // A negative pivot is a fault of the description: what large terms may have left does not count.
+            // A negative pivot is reported as a fault of the description. Rounding errors of large terms must
+            // not count.
             let large = ROUNDING * (magnitude(&whole, &axis) + armature[index]);
             pivots[index] = Some(match pivot {
                 pivot if pivot > rounding => Pivot::Positive,
@@ -220,7 +224,7 @@ fn pivots(model: &Model, described: &[f64], positions: &[f64]) -> Vec<Option<Piv
     pivots
 }
 
-/// `i² J_R` of each link's joint.
+/// `i² J_R` at each link's joint: squared gear ratio times the rotor's axial inertia.
 fn armatures(model: &Model, defaults: &[f64]) -> Vec<f64> {
     let mut result = vec![0.0; model.links.len()];
     for drive in &model.drives {
@@ -317,7 +321,7 @@ fn add(sum: &mut Matrix, other: &Matrix) {
     }
 }
 
-/// The quadratic form of the magnitudes.
+/// The sum of the magnitudes of all terms of the quadratic form `aᵀ M a`.
 fn magnitude(matrix: &Matrix, a: &[f64; 6]) -> f64 {
     let row = |i: usize| (0..6).map(move |j| (a[i] * matrix[i][j] * a[j]).abs());
     (0..6).flat_map(row).sum()
@@ -327,7 +331,7 @@ fn quadratic(matrix: &Matrix, a: &[f64; 6]) -> f64 {
     (0..6).map(|i| (0..6).map(|j| a[i] * matrix[i][j] * a[j]).sum::<f64>()).sum()
 }
 
-/// `I − I S Sᵀ I / D`
+/// Replaces I by `I − I S Sᵀ I / D` with the axis S and the pivot D.
 fn project(matrix: &mut Matrix, axis: &[f64; 6], pivot: f64) {
     let u: [f64; 6] = std::array::from_fn(|i| (0..6).map(|j| matrix[i][j] * axis[j]).sum());
     for i in 0..6 {
@@ -337,7 +341,7 @@ fn project(matrix: &mut Matrix, axis: &[f64; 6], pivot: f64) {
     }
 }
 
-/// `Xᵀ I X`
+/// The congruence transformation `Xᵀ I X`.
 fn congruent(matrix: &Matrix, x: &Matrix) -> Matrix {
     let right: Matrix =
         std::array::from_fn(|i| std::array::from_fn(|j| (0..6).map(|k| matrix[i][k] * x[k][j]).sum()));

@@ -12,7 +12,7 @@ use std::collections::BTreeSet;
 pub struct Model {
     /// Name of the generated module: a Rust identifier in snake case.
     pub name: String,
-    /// Text of the description, one line per entry. It is escaped in documentation.
+    /// Text of the description, one entry per line. Generated documentation escapes this text.
     pub description: Vec<String>,
     /// Gravitational acceleration in the base frame (m/s²).
     pub gravity: [Formula; 3],
@@ -20,28 +20,29 @@ pub struct Model {
     pub parameters: Vec<Parameter>,
     /// All links. `links[0]` is the base. Parents precede children.
     pub links: Vec<Link>,
-    /// Indices of the links that the joints of the coordinates carry: coordinate `i` moves
+    /// Indices of the links that the joints of the coordinates carry: the joint of coordinate `i` carries
     /// `links[coordinates[i]]`.
     pub coordinates: Vec<usize>,
     /// Indices of the links that the driven joints carry. In lists of all moving joints, driven joints follow
-    /// the joints of the coordinates: driven joint `k` is `Motion::Coordinate(coordinates.len() + k)`.
+    /// the joints of the coordinates. The motion of driven joint `k` is
+    /// `Motion::Coordinate(coordinates.len() + k)`.
     pub driven: Vec<usize>,
     /// Spherical and floating joints, in the order of their coordinates. Each of these joints has several
     /// coordinates.
     pub quaternion_joints: Vec<QuaternionJoint>,
-    /// Joints that follow coordinates. In lists of all moving joints they are last.
+    /// Joints that follow coordinates. In lists of all moving joints, they are the last entries.
     pub followers: Vec<Follower>,
-    /// Drives. Drives with an input are in the order of the inputs u.
+    /// Drives. Drives with an input have the order of the inputs u.
     pub drives: Vec<Drive>,
     /// Forces between two frames.
     pub point_forces: Vec<PointForce>,
-    /// Inputs that are forces at frames. In u they follow the inputs of drives.
+    /// Inputs that are forces at frames. In u, these inputs follow the inputs of drives.
     pub force_inputs: Vec<ForceInput>,
     /// Wrenches that are arguments of functions.
     pub wrenches: Vec<Wrench>,
     /// Named frames.
     pub frames: Vec<Frame>,
-    /// Options of the generator in the description.
+    /// Options of the generator that the description sets.
     pub options: Options,
 }
 
@@ -65,7 +66,7 @@ pub struct Link {
     pub name: String,
     /// Joint between the parent link and this link; `None` only for the base.
     pub joint: Option<Joint>,
-    /// Rigid bodies that are fixed to this link. The kinematics stage combines them.
+    /// Rigid bodies that are fixed to this link. Generation combines them to one body.
     pub bodies: Vec<Body>,
 }
 
@@ -88,7 +89,7 @@ impl Model {
         self.coordinates.iter().map(|&link| self.joint_of(link))
     }
 
-    /// Values of the free parameters in the description.
+    /// Values of the free parameters that the description gives.
     #[must_use]
     pub fn described_parameters(&self) -> Vec<f64> {
         self.parameters.iter().map(|parameter| parameter.default).collect()
@@ -112,7 +113,7 @@ impl Model {
         self.moving_joints().iter().any(|moving| moving.joint.jumps()) || self.drives.iter().any(Drive::jumps)
     }
 
-    /// Sorted pairs of coordinates (i, j): the friction at coordinate i jumps where velocity j changes its
+    /// Sorted pairs of coordinates (i, j): the friction force at coordinate i jumps if velocity j changes its
     /// sign.
     #[must_use]
     pub fn friction_jumps(&self) -> Vec<[usize; 2]> {
@@ -191,19 +192,20 @@ impl Model {
         drives.filter(|drive| drive.acts_on.is_empty() && drive.coupling == RotorCoupling::Body)
     }
 
-    /// Drives whose shafts have their own friction.
+    /// Drives on several coordinates whose shafts have friction.
     pub fn rubbing_drives(&self) -> impl Iterator<Item = &Drive> {
         self.drives.iter().filter(|drive| !drive.friction.is_empty())
     }
 
-    /// Whether B depends on the coordinates.
+    /// Whether the input matrix B depends on the positions.
     #[must_use]
     pub fn inputs_depend_on_position(&self) -> bool {
         !self.force_inputs.is_empty()
     }
 
-    /// Unit of an input. For a drive it is the unit of the motor's torque or current, or N for a drive
-    /// without gear and rotor on a prismatic joint. For a force at frames it is N or N m.
+    /// Unit of an input. For a drive it is the unit of the motor's torque or current, or N for a drive without
+    /// gear and rotor on a prismatic joint. For a force at frames it is N, or N m for a wrench whose force is
+    /// zero.
     pub fn input_unit(&self, input: Actuator<'_>) -> &'static str {
         match input {
             Actuator::Drive(drive) => self.drive_unit(drive),
@@ -223,7 +225,7 @@ impl Model {
         }
     }
 
-    /// The joints that carry these links.
+    /// The joints that carry the given links.
     pub(crate) fn joints_of(&self, links: &[usize]) -> Vec<&Joint> {
         let joints = links.iter().filter_map(|&link| self.links.get(link)?.joint.as_ref());
         joints.collect()
@@ -249,7 +251,7 @@ impl<'m> Actuator<'m> {
         }
     }
 
-    /// The coordinate that the input moves; `None` if it moves several coordinates or acts at frames.
+    /// The coordinate on which the input acts; `None` if it acts on several coordinates or at frames.
     #[must_use]
     pub fn coordinate(self) -> Option<usize> {
         match self {
@@ -282,14 +284,14 @@ pub struct Frame {
     pub pose: Pose,
 }
 
-/// Options of the generator in the description.
+/// Options of the generator that the description sets.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Options {
     /// Names of the functions to generate; empty for all functions.
     pub functions: Vec<String>,
     /// Names of the functions that are also generated for eight states at once.
     pub lanes: Vec<String>,
-    /// Slope s of `tanh(s v)`, which replaces `sign(v)` in generated code; `None` keeps `sign`.
+    /// Slope s of `tanh(s v)`, which replaces `sign(v)` in generated code; `None` keeps the exact `sign`.
     pub smooth_sign: Option<f64>,
     /// Number of Runge–Kutta steps in one period of the generated `step`. `None` means 1.
     pub substeps: Option<usize>,

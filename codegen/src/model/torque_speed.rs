@@ -1,8 +1,8 @@
-//! Torque–speed lines of motors as limits on an input together with the velocities.
+//! Torque–speed lines of motors as limits on inputs and velocities.
 
 use super::{Drive, Input, Model};
 
-/// Limit `|u + C ẏ| ≤ limit` of an input and the velocities, in the unit of the input.
+/// A limit `|u + C ẏ| ≤ limit` on an input u and the velocities ẏ. All terms have the unit of the input.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LimitedInput {
     /// Index of the input.
@@ -15,9 +15,16 @@ pub struct LimitedInput {
 
 impl Model {
     /// Limits of the inputs whose motors have a torque–speed line: `|K u + c i wᵀ ẏ| ≤ τ₀` with c = τ₀/ω₀,
-    /// divided by K. K is the torque per unit of the input, i the gear ratio, w the ratios of the
-    /// coordinates, τ₀ the stall torque and ω₀ the no-load speed. Lines whose ratio depends on parameters
-    /// without a given value are left out; valid descriptions have no line of this kind.
+    /// divided by K.
+    ///
+    /// - K: torque per unit of the input
+    /// - i: gear ratio
+    /// - w: ratios of the coordinates
+    /// - τ₀: stall torque
+    /// - ω₀: no-load speed
+    ///
+    /// If a ratio depends on parameters without a given value, the line is left out. Valid descriptions contain
+    /// no such line.
     ///
     /// - `parameters`: values of the free parameters
     #[must_use]
@@ -35,7 +42,7 @@ impl Model {
         let slope = line.stall_torque / line.no_load_speed * drive.gear_ratio.value(parameters)? / torque;
         let mut slopes = vec![0.0; self.coordinates.len()];
         for moved in &drive.acts_on {
-            // A motor that turns with a driven joint has no line.
+            // The motor of a driven joint has no torque–speed line.
             *slopes.get_mut(moved.coordinate)? += slope * moved.ratio.value(parameters)?;
         }
         Some(LimitedInput { input, slopes, limit: line.stall_torque / torque.abs() })

@@ -138,7 +138,7 @@ fn names(model: &Model, joints: &[&Joint], inputs: &[Actuator<'_>]) -> Vec<Const
     let of_forces = [
         constant(
             "EFFORT_UNITS",
-            "Units of the forces at the joints, as those of `inverse_dynamics`: `N m` or `N`.",
+            "Units of the forces at the joints, for example of the results of `inverse_dynamics`: `N m` or `N`.",
             strings(Coordinates, joints.iter().map(|joint| joint.kind.effort_unit())),
         ),
         constant(
@@ -170,8 +170,8 @@ fn names(model: &Model, joints: &[&Joint], inputs: &[Actuator<'_>]) -> Vec<Const
     constants.chain(wrenches.into_iter().flatten()).chain(driven.into_iter().flatten()).collect()
 }
 
-/// Constants of the joints that follow coordinates and of the motors that move several coordinates, if their
-/// ratios are numbers.
+/// Constants of the dependent joints: joints that follow coordinates, and motors that move several coordinates.
+/// They exist if the ratios are numbers.
 fn dependent(model: &Model) -> Vec<Constant> {
     let all = model.dependent(&[]);
     let free = free_followers(model, &all);
@@ -188,25 +188,25 @@ fn dependent(model: &Model) -> Vec<Constant> {
     };
     let summary = match model.limited_shafts().next() {
         Some(_) => {
-            "Names of the joints that follow others, then of the motors that move several joints and have a highest speed."
+            "Names of the joints that follow other joints, then of the motors that move several joints and have a speed limit."
         }
-        None => "Names of the joints that follow others.",
+        None => "Names of the joints that follow other joints.",
     };
     let names = strings(Dimension::Fixed, dependent.iter().map(|one| one.name));
     let limits = [
         numbers(
             "DEPENDENT_JOINT_OFFSETS",
-            "g₀: position of each joint that follows where all coordinates are 0 (rad or m).",
+            "g₀: position of each dependent joint if all coordinates are 0 (rad or m).",
             |one| one.offset,
         ),
         constant(
             "DEPENDENT_POSITION_LIMITS",
-            "Lowest and highest position of each joint that follows (rad or m); infinite where not described.",
+            "Lowest and highest position of each dependent joint (rad or m); infinite if not described.",
             ConstantValue::Ranges(Dimension::Fixed, dependent.iter().map(|one| one.position).collect()),
         ),
         numbers(
             "DEPENDENT_VELOCITY_LIMITS",
-            "Highest speed of each joint that follows (rad/s or m/s); infinite where not described.",
+            "Highest speed of each dependent joint (rad/s or m/s); infinite if not described.",
             |one| one.velocity,
         ),
     ];
@@ -219,7 +219,7 @@ fn dependent(model: &Model) -> Vec<Constant> {
 fn free_followers(model: &Model, dependent: &[Dependent<'_>]) -> Option<Constant> {
     let followers = &dependent[..model.followers.len()];
     followers.iter().any(|one| one.ratios.is_none()).then(|| {
-        let summary = "Names of all joints that follow others, in their order. Those whose ratios depend on free parameters have no row in \
+        let summary = "Names of all joints that follow other joints. A joint whose ratios depend on free parameters has no row in \
              the constants of dependent joints.";
         let names = followers.iter().map(|one| one.name);
         constant("FOLLOWER_NAMES", summary, strings(Dimension::Fixed, names))
@@ -233,11 +233,11 @@ fn ratios<'a>(coordinates: usize, rows: impl Iterator<Item = &'a Vec<f64>>) -> V
         .map(|row| row.split_at(coordinates))
         .map(|(own, driven)| (own.to_vec(), driven.to_vec()))
         .unzip();
-    let summary = "G in `G y + g₀`, the positions of the joints that follow: a row for each of them.";
+    let summary = "G in `G y + g₀`, the positions of the dependent joints: one row per dependent joint.";
     let value = ConstantValue::Rows(Dimension::Coordinates, of_coordinates);
     let mut constants = vec![constant("DEPENDENT_JOINT_RATIOS", summary, value)];
     if of_driven.iter().flatten().any(|ratio| *ratio != 0.0) {
-        let summary = "G_d in `G y + G_d d + g₀`: the same for the positions d of the driven joints.";
+        let summary = "G_d in `G y + G_d d + g₀`, with the positions d of the driven joints: one row per dependent joint.";
         let value = ConstantValue::Rows(Dimension::Fixed, of_driven);
         constants.push(constant("DEPENDENT_DRIVEN_RATIOS", summary, value));
     }
@@ -257,12 +257,12 @@ fn joint_limits(joints: &[&Joint]) -> Vec<Constant> {
     let further = [
         of_joints(
             "ACCELERATION_LIMITS",
-            "Highest acceleration of each joint (rad/s² or m/s²); infinite where not described.",
+            "Highest acceleration of each joint (rad/s² or m/s²); infinite if not described.",
             |joint| joint.limits.acceleration,
         ),
         of_joints(
             "JERK_LIMITS",
-            "Highest jerk of each joint (rad/s³ or m/s³); infinite where not described.",
+            "Highest jerk of each joint (rad/s³ or m/s³); infinite if not described.",
             |joint| joint.limits.jerk,
         ),
     ];
@@ -272,22 +272,22 @@ fn joint_limits(joints: &[&Joint]) -> Vec<Constant> {
     let limits = [
         constant(
             "POSITION_LIMITS",
-            "Lowest and highest position of each joint (rad or m); infinite where not described.",
+            "Lowest and highest position of each joint (rad or m); infinite if not described.",
             ConstantValue::Ranges(Dimension::Coordinates, positions),
         ),
         of_joints(
             "VELOCITY_LIMITS",
-            "Highest speed of each joint (rad/s or m/s); infinite where not described.",
+            "Highest speed of each joint (rad/s or m/s); infinite if not described.",
             |joint| joint.limits.velocity,
         ),
         of_joints(
             "EFFORT_LIMITS",
-            "Nominal force at each joint (N m or N); infinite where not described.",
+            "Nominal force at each joint (N m or N); infinite if not described.",
             |joint| joint.limits.effort,
         ),
         of_joints(
             "PEAK_EFFORT_LIMITS",
-            "Peak force at each joint (N m or N); the nominal one where no peak is described.",
+            "Peak force at each joint (N m or N); the nominal force if no peak is described.",
             |joint| joint.limits.peak_effort.or(joint.limits.effort),
         ),
     ];
@@ -314,7 +314,7 @@ fn input_limits(model: &Model, inputs: &[Actuator<'_>]) -> Vec<Constant> {
         numbers(
             "INPUT_LIMITS",
             "Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite \
-             where not described. `EFFORT_LIMITS` at the joint also applies.",
+             if not described. `EFFORT_LIMITS` at the joint also applies.",
             values,
         )
     });
@@ -323,7 +323,7 @@ fn input_limits(model: &Model, inputs: &[Actuator<'_>]) -> Vec<Constant> {
         numbers(
             "PEAK_INPUT_LIMITS",
             "Largest magnitude of each input that its motor bears for a short time, in the unit of the input; the \
-             nominal one where no peak is described.",
+             nominal magnitude if no peak is described.",
             values,
         )
     });
@@ -340,7 +340,7 @@ fn ranges(model: &Model, inputs: &[Actuator<'_>], peak: &[f64]) -> Option<Consta
         Actuator::Drive(_) => [-peak, peak],
     };
     let ranges = inputs.iter().zip(peak).map(range).collect();
-    let summary = "Lowest and highest value of each input, in its unit; infinite where not described.";
+    let summary = "Lowest and highest value of each input, in its unit; infinite if not described.";
     Some(constant("INPUT_RANGES", summary, ConstantValue::Ranges(Dimension::Inputs, ranges)))
 }
 
@@ -360,13 +360,13 @@ fn torque_speed_lines(model: &Model) -> Option<[Constant; 2]> {
     Some([
         constant(
             "TORQUE_SPEED_SLOPES",
-            "C in `|u + C ẏ| ≤ limit`, the torque–speed lines of the motors: a row for each input, in its unit; 0 where \
+            "C in `|u + C ẏ| ≤ limit`, the torque–speed lines of the motors: one row per input, in its unit; 0 if \
              not described.",
             ConstantValue::Rows(Dimension::Coordinates, slopes),
         ),
         constant(
             "TORQUE_SPEED_LIMITS",
-            "Limits of these lines, by input: the force of its motor at rest, in the unit of the input; infinite where not \
+            "Limits of the torque–speed lines: the force of each input's motor at rest, in the unit of the input; infinite if not \
              described.",
             ConstantValue::Numbers(Dimension::Inputs, limits),
         ),
@@ -377,10 +377,10 @@ fn torque_speed_lines(model: &Model) -> Option<[Constant; 2]> {
 fn drives(model: &Model) -> Vec<Constant> {
     let count = model.input_drives().count();
     let are_all = model.force_inputs.is_empty();
-    // Where all inputs are drives, there is a value for each input.
+    // If all inputs are drives, the number of values is the number of inputs.
     let dimension = if are_all { Dimension::Inputs } else { Dimension::Fixed };
     let number = (!are_all).then(|| {
-        let summary = "Number of inputs that are drives; these are first. The others act at frames.";
+        let summary = "Number of drives among the inputs. Drives come first; the other inputs act at frames.";
         constant("DRIVES", summary, ConstantValue::Count(count))
     });
     let of_drives = |name, summary, value: fn(&Drive) -> &Formula| {
@@ -389,12 +389,12 @@ fn drives(model: &Model) -> Vec<Constant> {
         Some(constant(name, summary, ConstantValue::Numbers(dimension, values)))
     };
     let constants = [
-        of_drives("GEAR_RATIOS", "Gear ratio of each drive: motor angle over joint angle.", |drive| {
+        of_drives("GEAR_RATIOS", "Gear ratio of each drive: motor angle divided by joint angle.", |drive| {
             &drive.gear_ratio
         }),
         of_drives(
             "ROTOR_INERTIAS",
-            "Axial inertia of each rotor, on its own side of the gear [kg m²].",
+            "Axial inertia of each rotor, on the motor side of the gear [kg m²].",
             |drive| &drive.rotor_inertia,
         ),
     ];
@@ -404,7 +404,7 @@ fn drives(model: &Model) -> Vec<Constant> {
 /// Pairs of coordinates at which friction jumps. The constant exists even if it is empty, because simulations
 /// need it.
 fn friction_jumps(model: &Model) -> Constant {
-    let summary = "Pairs of coordinates i, j: friction at i may jump where velocity j changes its sign, because a law has an \
+    let summary = "Pairs of coordinates i, j: friction at i may jump if velocity j changes its sign, because a law has an \
          exact `sign`.";
     constant("FRICTION_JUMPS", summary, ConstantValue::Pairs(model.friction_jumps()))
 }

@@ -66,7 +66,7 @@ pub struct ComposedFunction {
 }
 
 impl Module {
-    /// Module of a model's functions: straight-line code without remarks, lanes and tests.
+    /// Creates the module of a model's functions: straight-line code without remarks, lanes and tests.
     #[must_use]
     pub fn new(model: &Model, functions: Vec<Function>, compositions: &[Composition]) -> Self {
         let has_substeps = compositions.iter().any(|each| each.has_substeps());
@@ -131,7 +131,7 @@ impl ComposedFunction {
                 let note = composition.cost_note(model, functions);
                 [Some(text), note].into_iter().flatten().collect::<Vec<_>>().join(" ")
             }
-            None => format!("Cost: {calls} of `{callee}`, and its own operations."),
+            None => format!("Cost: {calls} of `{callee}`, and operations that are not counted."),
         };
         Self {
             composition,

@@ -11,7 +11,8 @@ use crate::pipeline::{self, GenerateOptions, Generated};
 use gelenk_files::is_same_file;
 
 /// Generates `$OUT_DIR/<name>.rs` from a description, for `build.rs`. `<name>` is the name of the robot. In a
-/// TOML file it is the key `name`, or the file name without this key. In a URDF it is the name of `<robot>`.
+/// TOML file, the name is the key `name`, or the file name if this key is missing. In a URDF, it is the name of
+/// `<robot>`.
 ///
 /// If the description has errors, the build script prints all of them and ends with exit code 1. Cargo watches every
 /// file that was read. The path is relative to the package.
@@ -19,7 +20,7 @@ pub fn build(description: impl AsRef<Path>) {
     Builder::new().description(description).generate();
 }
 
-/// Generates modules as [`build`] does, with options.
+/// Options of a build script, which generates modules like [`build`].
 ///
 /// ```no_run
 /// gelenk_codegen::Builder::new()
@@ -38,7 +39,7 @@ pub struct Builder {
 }
 
 impl Builder {
-    /// A builder without descriptions.
+    /// Creates a builder without descriptions.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
@@ -58,22 +59,22 @@ impl Builder {
         self
     }
 
-    /// Language of the modules. C modules consist of `<name>.h` and `<name>.c`, which a build script can
-    /// compile with the crate `cc`. `include_model!` requires Rust.
+    /// Sets the language of the modules. C modules consist of `<name>.h` and `<name>.c`, which a build script
+    /// can compile with the crate `cc`. `include_model!` requires Rust.
     #[must_use]
     pub fn language(mut self, language: Language) -> Self {
         self.options.emit.language = language;
         self
     }
 
-    /// Number type of the modules.
+    /// Sets the number type of the modules.
     #[must_use]
     pub fn scalar(mut self, scalar: Scalar) -> Self {
         self.options.emit.scalar = scalar;
         self
     }
 
-    /// Rounds angles within this distance \[rad\] of a multiple of 90° to it.
+    /// Rounds an angle to a multiple of 90° if they differ by at most this value \[rad\].
     #[must_use]
     pub fn snap_angles(mut self, radians: f64) -> Self {
         self.options.reading.snap_angles = Some(radians);
@@ -87,21 +88,21 @@ impl Builder {
         self
     }
 
-    /// Accepts robots whose mass matrix is not positive definite.
+    /// Accepts robots whose mass matrix is not positive definite. A warning then replaces the error.
     #[must_use]
     pub fn accept_unphysical(mut self) -> Self {
         self.options.reading.accept_unphysical = true;
         self
     }
 
-    /// Makes mimic joints independent joints.
+    /// Ignores the mimic tags of a URDF: mimic joints become independent joints.
     #[must_use]
     pub fn ignore_mimic(mut self) -> Self {
         self.options.reading.ignore_mimic = true;
         self
     }
 
-    /// Makes the base floating: a floating joint connects it to the world.
+    /// Makes the base floating. A floating joint then connects the base to the world.
     #[must_use]
     pub fn floating_base(mut self) -> Self {
         self.options.reading.floating_base = true;
@@ -115,10 +116,13 @@ impl Builder {
         self
     }
 
-    /// Writes two modules per description: the exact `<name>` for plants, and `<name>_control` for
-    /// controllers, with `tanh(slope · v)` instead of `sign(v)` in friction and springs. Controllers
-    /// differentiate friction, and the derivative of an exact sign is zero. With the smooth law a plant would
-    /// creep at standstill.
+    /// Writes two modules per description:
+    ///
+    /// - `<name>` with the exact `sign(v)`, for plants
+    /// - `<name>_control` with `tanh(slope · v)` instead of `sign(v)` in friction and springs, for controllers
+    ///
+    /// Controllers need the derivatives of friction, and the derivative of an exact sign is zero. Plants need
+    /// the exact law, because they would creep at standstill with the smooth law.
     ///
     /// ```no_run
     /// gelenk_codegen::Builder::new().description("robot.toml").control_model(50.0).generate();
@@ -129,24 +133,24 @@ impl Builder {
         self
     }
 
-    /// Also writes these functions over eight states at once. Without this call, the description chooses the
-    /// functions. Names are checked as in [`functions`](Self::functions).
+    /// Also generates variants of these functions that evaluate eight states at once. Without this call, the
+    /// description selects the functions. Names are checked as in [`functions`](Self::functions).
     #[must_use]
     pub fn lanes<S: Into<String>>(mut self, names: impl IntoIterator<Item = S>) -> Self {
         self.options.lanes = names.into_iter().map(Into::into).collect();
         self
     }
 
-    /// Contracts products and sums to fused multiply-adds. The modules then compile only with std and for
-    /// processors with these instructions.
+    /// Contracts products and sums to fused multiply-adds. The modules then require std and a processor with
+    /// these instructions.
     #[must_use]
     pub fn fused_multiply_add(mut self) -> Self {
         self.options.fused_multiply_add = true;
         self
     }
 
-    /// Adds tests to each module: its functions at seeded states are compared with the generator's
-    /// interpreter. `cargo test` runs them on the target machine.
+    /// Adds tests to each module. They compare the module's functions at pseudo-random states with the
+    /// generator's interpreter. `cargo test` runs them on the target machine.
     #[must_use]
     pub fn self_test(mut self) -> Self {
         self.options.self_test = true;
@@ -161,8 +165,8 @@ impl Builder {
         self
     }
 
-    /// Hides the notes about the descriptions. By default each note becomes a Cargo warning in one build: the next
-    /// build runs the build script again without the warnings, which Cargo would otherwise repeat.
+    /// Hides the notes about the descriptions. Without this call, each note becomes a Cargo warning, which is
+    /// shown in one build only.
     #[must_use]
     pub fn hide_notes(mut self) -> Self {
         self.hides_notes = true;
@@ -184,11 +188,11 @@ impl Builder {
         }
     }
 
-    /// Generates all descriptions and returns the written files. If a description has errors, nothing is
-    /// written.
+    /// Generates all descriptions and returns the paths of the written files. If a description has errors, no
+    /// file is written.
     ///
-    /// Generated modules in `$OUT_DIR` that this build script no longer writes are removed, for example after
-    /// renaming a robot. In other folders these modules are kept.
+    /// Modules that this build script generated earlier and no longer writes, for example because a robot was
+    /// renamed, are removed from `$OUT_DIR`. Other folders keep such modules.
     ///
     /// # Errors
     /// [`BuildError`] with the problems of all descriptions.

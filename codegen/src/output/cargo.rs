@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::diagnostic::Diagnostic;
 
-/// Command in the header of generated files. It names the package of the build script.
+/// Command in the header of generated files: it builds the package of the build script.
 pub(super) fn command() -> String {
     match std::env::var("CARGO_PKG_NAME") {
         Ok(package) => format!("cargo build -p {package}"),
@@ -16,7 +16,7 @@ pub(super) fn watch(file: &Path) {
     println!("cargo::rerun-if-changed={}", one_line(&file.display().to_string()));
 }
 
-/// Shows a note as a warning of Cargo. Cargo's protocol has one line per message.
+/// Prints a note as a Cargo warning. A warning is one line in Cargo's protocol.
 pub(super) fn warn(note: &Diagnostic) {
     let place =
         note.location().map(|at| format!("{}:{}:{}: ", at.file, at.line, at.column)).unwrap_or_default();

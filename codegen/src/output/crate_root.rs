@@ -19,7 +19,7 @@ pub fn is_root(path: &Path) -> bool {
 }
 
 pub(super) fn begins_with(path: &Path, expected: &str) -> bool {
-    // To open a pipe would wait for its other end.
+    // Opening a named pipe would block until another process opens its other end.
     if !path.is_file() {
         return false;
     }
@@ -29,7 +29,8 @@ pub(super) fn begins_with(path: &Path, expected: &str) -> bool {
     read.is_ok() && start == expected.as_bytes()
 }
 
-/// Beginning of the crate's root, by which [`is_root`] knows it: with another one, files of older versions would be refused.
+/// Beginning of the crate's root file, by which [`is_root`] recognizes the file. If this text changes, files of
+/// older versions are refused.
 const ROOT: &str = "//! The robots of `models/` as generated Rust: plain functions on fixed-size arrays.\n\
     //!\n\
     //! `gelenk generate` writes this crate";
@@ -82,7 +83,7 @@ pub fn root_text(modules: &[(String, String)]) -> String {
             text.push_str(format!("/// {line}").trim_end());
             text.push('\n');
         }
-        // Each file keeps the layout of the generator, which no rustfmt version changes.
+        // rustfmt does not change these files, because its versions differ in layout.
         text.push_str(&format!("#[rustfmt::skip]\npub mod {name};\n"));
     }
     text

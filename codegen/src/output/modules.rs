@@ -1,4 +1,4 @@
-//! Modules of a build script.
+//! Writes the modules of a build script.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -10,16 +10,16 @@ use crate::pipeline::Generated;
 /// Errors of a build script.
 #[derive(Debug)]
 pub enum BuildError {
-    /// No description is given.
+    /// The builder has no description.
     NothingToDo,
-    /// Neither `OUT_DIR` nor [`Builder::output_folder`](super::Builder::output_folder) gives the output
-    /// folder.
+    /// The output folder is unknown: neither `OUT_DIR` nor
+    /// [`Builder::output_folder`](super::Builder::output_folder) sets it.
     NoFolder,
-    /// Errors in descriptions.
+    /// One or more descriptions have errors.
     Descriptions(Vec<Diagnostics>),
-    /// A file that could not be written.
+    /// A file could not be written.
     Write(WriteError),
-    /// Two descriptions have this robot name.
+    /// Two descriptions have the same robot name, which the field contains.
     SameName(String),
 }
 

@@ -15,10 +15,11 @@ use crate::emit::{FIRST_LINE, documentation};
 /// File with the list of modules, for the macro.
 const LIST: &str = "gelenk.modules.rs";
 
-/// Names and descriptions of the modules that this process has written, which may be in several steps.
+/// Names of the modules that this process has written, with the paths of their descriptions. A build script may
+/// write modules in several calls.
 static WRITTEN: Mutex<Vec<(String, PathBuf)>> = Mutex::new(Vec::new());
 
-/// Output folder of a build script. Helper files of a module begin with `gelenk.`, which no robot's name can.
+/// Output folder of a build script. Names of helper files begin with `gelenk.`; no module name contains a dot.
 pub(super) struct OutDir {
     folder: PathBuf,
 }
@@ -74,18 +75,18 @@ impl OutDir {
         Ok(())
     }
 
-    /// Shows notes that were not shown before. Cargo repeats the output of a build script until the script
-    /// runs again. The shown notes are therefore written to a watched file, so that the script runs once more
-    /// and shows nothing.
+    /// Prints notes that have not been printed before. Cargo would repeat them until the build script runs
+    /// again. Therefore the printed notes are written to a file that Cargo watches: the script runs once more
+    /// and prints nothing.
     fn tell(&self, name: &str, notes: &Diagnostics) -> Result<(), BuildError> {
         let file = format!("gelenk.{name}.notes");
         let path = self.folder.join(&file);
         let (mere, grave): (Vec<_>, Vec<_>) =
             notes.entries().iter().partition(|note| note.severity == Severity::Note);
-        // What is more than a note is for Cargo to repeat.
+        // Warnings and errors are printed in every run, so Cargo may repeat them.
         grave.into_iter().for_each(cargo::warn);
         if mere.is_empty() {
-            // What cannot be removed is at worst taken for shown, later, if the same notes come back.
+            // An error is ignored: at worst, the same notes are not printed again if they return later.
             let _ = fs::remove_file(&path);
             return Ok(());
         }
@@ -109,7 +110,7 @@ fn list(modules: &[(String, PathBuf)]) -> String {
     let named = modules.iter();
     let named = named.map(|(name, from)| format!("`{name}` from {}", from.display()));
     let known = format!(
-        "`, but {}. A module is named after its robot: the key `name` of a TOML file, <robot name=\"...\"> of a URDF. Write \
+        "`, but {}. A module has its robot's name: the key `name` in a TOML file, or <robot name=\"...\"> in a URDF. Write \
          that name in `include_model!(mod ...)`, or rename the robot",
         named.collect::<Vec<_>>().join(", ")
     );
@@ -120,8 +121,8 @@ fn list(modules: &[(String, PathBuf)]) -> String {
     )
 }
 
-/// Head that marks a file of this build script. Files with other heads are kept, such as those of a build
-/// script that calls the program.
+/// Head that marks a file of this build script. Files with other heads are kept, for example files that a build
+/// script generates by calling `gelenk`.
 fn header() -> String {
     format!("{FIRST_LINE}\n//\n//     {}\n", cargo::command())
 }

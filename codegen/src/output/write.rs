@@ -1,4 +1,4 @@
-//! Writing of changed files, protection of other files, and the check for changes.
+//! Writes changed files, protects other files from being overwritten, and checks whether files are up to date.
 
 use std::fmt;
 use std::fs;
@@ -33,8 +33,8 @@ pub enum Replaces {
     Nothing,
 }
 
-/// A text and its target file. All targets are checked before the first is written, so a rejection leaves all
-/// files unchanged.
+/// A text and its target file. All targets are checked before the first file is written. If one target is
+/// rejected, no file changes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Planned<'t> {
     path: PathBuf,
@@ -45,7 +45,7 @@ pub struct Planned<'t> {
 /// Error of writing a file.
 #[derive(Debug)]
 pub enum WriteError {
-    /// The system reports an error, or the target cannot be replaced.
+    /// The system reported an error, or the target cannot be replaced.
     System {
         /// The file.
         path: PathBuf,
@@ -293,7 +293,7 @@ mod tests {
     fn what_was_read_is_kept_under_all_of_its_names() {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
-        // Even where it could pass for a module.
+        // The description is kept even if its text looks like a generated module.
         let text = module("[[joints]]");
         fs::write(at("robot.toml"), &text).unwrap();
         std::os::unix::fs::symlink("robot.toml", at("symbolic.rs")).unwrap();

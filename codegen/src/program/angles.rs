@@ -1,13 +1,15 @@
-//! Moves sines and cosines of known angles to the beginning, so that one call can compute several.
+//! Moves sines and cosines to the beginning if their angles are known there, so that one call can compute
+//! several of them.
 
 use super::flow::operands;
 use super::{Operand, Operation, Output, Program};
 
-/// Moves each `SinCos` whose angle depends on no other function to the front, together with the computation
-/// of the angle. Angles of one array keep their order. Operations do not change, so the bits are the same.
+/// Moves each `SinCos` to the front if its angle depends on no other function. The computation of the angle
+/// is moved, too. Angles of one input array keep their order. Operations do not change, so results keep all
+/// bits.
 ///
-/// Afterwards these instructions are adjacent. Each is followed by its cosine if the program needs the
-/// cosine.
+/// The moved `SinCos` instructions are adjacent. The cosine of an angle follows its `SinCos` if the program
+/// needs the cosine.
 pub(super) fn angles_first(program: Program) -> Program {
     let early = early_angles(&program);
     let mut is_moved = vec![false; program.instructions.len()];
@@ -29,7 +31,7 @@ pub(super) fn angles_first(program: Program) -> Program {
     reordered(program, &order)
 }
 
-/// Every `SinCos` whose angle depends on no other function. Angles that are input entries are first.
+/// Indices of all `SinCos` whose angle depends on no other function. Angles that are input entries are first.
 fn early_angles(program: &Program) -> Vec<usize> {
     let mut needs_function = Vec::with_capacity(program.instructions.len());
     let mut early = Vec::new();
@@ -52,7 +54,8 @@ fn early_angles(program: &Program) -> Vec<usize> {
     early
 }
 
-/// Appends the operands of an instruction, earliest first. The list is short because an angle is a sum of a few joints.
+/// Appends the operands of an instruction to the order, earliest first. There are few operands, because an
+/// angle is a sum of a few joint positions.
 fn move_operands(program: &Program, index: usize, is_moved: &mut [bool], order: &mut Vec<usize>) {
     let mut pending: Vec<(usize, bool)> = read_values(program, index);
     while let Some((value, is_ready)) = pending.pop() {

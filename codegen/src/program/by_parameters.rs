@@ -5,8 +5,8 @@ use crate::graph::{Graph, Scalar, differentiate};
 use crate::layout::{Dimension, Extent};
 use gelenk_formula::Function;
 
-/// Program that computes the derivatives of all results with respect to the parameters. Each result becomes a
-/// matrix with a row for each entry (row-major) and a column for each parameter.
+/// Returns a program that computes the derivatives of all results with respect to the parameters. Each result
+/// becomes a matrix with one row per entry (row-major) and one column per parameter.
 ///
 /// The derivative of `sign` is 0.
 #[must_use]
@@ -47,7 +47,7 @@ fn shape(output: &Output, parameters: usize) -> Shape {
     Shape::Matrix(rows, Extent::new(Dimension::Parameters, parameters))
 }
 
-/// All values of a program in a graph.
+/// Converts all values of a program to scalars of a graph.
 fn values<'g>(graph: &'g Graph, program: &Program) -> Vec<Scalar<'g>> {
     let mut values: Vec<Scalar<'g>> = Vec::with_capacity(program.instructions.len());
     for instruction in &program.instructions {
@@ -68,7 +68,7 @@ fn values<'g>(graph: &'g Graph, program: &Program) -> Vec<Scalar<'g>> {
     values
 }
 
-/// The angle whose sine and cosine are made by an instruction.
+/// The angle whose sine and cosine an instruction computes.
 fn angle<'g>(graph: &'g Graph, values: &[Scalar<'g>], program: &Program, pair: usize) -> Scalar<'g> {
     match program.instructions[pair].operation {
         Operation::SinCos(a) => of(graph, values, a),

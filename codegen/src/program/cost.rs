@@ -1,4 +1,4 @@
-//! Cost of a program: its operations, counted as in the robotics literature.
+//! Cost of a program: its number of operations, counted as in the robotics literature.
 
 use core::fmt;
 
@@ -9,7 +9,7 @@ use gelenk_formula::Function;
 ///
 /// A subtraction counts as an addition. `x * x` and `2 * x` count as one multiplication. A fused multiply-add
 /// counts as one multiplication and one addition. A negation does not count. Absolute value and sign are
-/// counted separately, because they are a bit mask and a comparison instead of calls.
+/// counted as selections and not as function calls, because they are a bit mask and a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Cost {
     /// Multiplications.
@@ -18,7 +18,7 @@ pub struct Cost {
     pub additions: usize,
     /// Divisions.
     pub divisions: usize,
-    /// Calls that compute sine and cosine of one angle.
+    /// Calls that compute the sine and cosine of one angle.
     pub sin_cos: usize,
     /// Calls of other functions: single sine or cosine, tanh, exp, square root.
     pub other_calls: usize,

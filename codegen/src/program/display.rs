@@ -1,21 +1,21 @@
-//! Programs with intermediate values for people, as text and as LaTeX.
+//! Prints programs with intermediate values as text and as LaTeX, for readers.
 //!
-//! Each value is an equation on its own line. Names of Greek letters become letters, digits at the end of a
-//! name become subscripts, and the inputs `y`, `v`, `a` are written y, ẏ, ÿ with indices from 1.
+//! Each value is an equation on its own line. Names of Greek letters become Greek letters, digits at the end
+//! of a name become subscripts, and the inputs `y`, `v`, `a` are written y, ẏ, ÿ with indices from 1.
 
 use super::flow::Flow;
 use super::letters::greek_letter;
 use super::{Operand, Operation, Output, Program, Shape};
 use gelenk_formula::Function;
 
-/// Names of the parts to which a program refers by index.
+/// Names of the program's parts that only have an index.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Notation {
     /// Names of all free parameters of the program.
     pub parameters: Vec<String>,
 }
 
-/// The program as aligned lines of text.
+/// Prints the program as aligned lines of text.
 #[must_use]
 pub fn text(program: &Program, notation: &Notation) -> String {
     let printer = Printer { program, notation, style: Style::Text };
@@ -26,7 +26,7 @@ pub fn text(program: &Program, notation: &Notation) -> String {
     lines.chain(results).collect()
 }
 
-/// The program as an `align*` environment of LaTeX (amsmath).
+/// Prints the program as an `align*` environment of LaTeX (amsmath).
 #[must_use]
 pub fn latex(program: &Program, notation: &Notation) -> String {
     let LatexEquations { abbreviations, results } = latex_equations(program, notation);
@@ -39,10 +39,10 @@ pub fn latex(program: &Program, notation: &Notation) -> String {
     format!("\\begin{{align*}}\n{}\n\\end{{align*}}\n", lines.join(" \\\\\n"))
 }
 
-/// A program as LaTeX equations, each with left-hand and right-hand side.
+/// A program as LaTeX equations, each with its left-hand side and right-hand side.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LatexEquations {
-    /// Equations of the intermediate values, as left-hand and right-hand side.
+    /// Equations of the intermediate values, each with its left-hand side and right-hand side.
     pub abbreviations: Vec<(String, String)>,
     /// Results in terms of intermediate values.
     pub results: Vec<LatexResult>,
@@ -59,7 +59,7 @@ pub struct LatexResult {
 }
 
 impl LatexResult {
-    /// The entry of a scalar. For other results, the vector or matrix.
+    /// The entry of a scalar. For vectors and matrices, all entries as one LaTeX vector or matrix.
     #[must_use]
     pub fn value(&self) -> String {
         if self.is_scalar {
@@ -70,7 +70,7 @@ impl LatexResult {
     }
 }
 
-/// The program as separate LaTeX equations, for pages.
+/// Prints the program as separate LaTeX equations, for HTML pages.
 #[must_use]
 pub fn latex_equations(program: &Program, notation: &Notation) -> LatexEquations {
     let printer = Printer { program, notation, style: Style::Latex };
@@ -94,7 +94,7 @@ struct Printer<'a> {
 }
 
 impl Printer<'_> {
-    /// Name and expression of each value. A sine that is computed only together with its cosine is left out.
+    /// Name and expression of each value. A sine is left out if it is computed only together with its cosine.
     fn equations(&self) -> Vec<(String, String)> {
         let is_read = Flow::new(self.program).is_read;
         let read = self.program.instructions.iter().zip(is_read).filter(|(_, is_read)| *is_read);
@@ -108,7 +108,7 @@ impl Printer<'_> {
             Operation::Add(a, b) => format!("{} + {}", first(a), other(b)),
             Operation::Subtract(a, b) => format!("{} {} {}", first(a), self.minus(), other(b)),
             Operation::Multiply(a, b) if a == b && latex => format!("{}^{{2}}", first(a)),
-            // A number stands in front, where people look for it; the product is the same.
+            // A constant factor is printed first, as readers expect. The product is the same.
             Operation::Multiply(a, b @ Operand::Constant(_)) if !is_constant(a) => {
                 self.product(first(b), &other(a))
             }
@@ -167,7 +167,7 @@ impl Printer<'_> {
         }
     }
 
-    /// An operand; `guarded` puts a negative number in parentheses.
+    /// Text of an operand. If `guarded` is true, a negative number is put in parentheses.
     fn operand(&self, operand: Operand, guarded: bool) -> String {
         match operand {
             Operand::Value(index) => self.letters(&self.program.instructions[index].name),
@@ -200,7 +200,7 @@ impl Printer<'_> {
         }
     }
 
-    /// A name as letters: `beta_2` is β₂, `s12` is s₁₂.
+    /// Converts a name to letters: `beta_2` becomes β₂, `s12` becomes s₁₂.
     fn letters(&self, name: &str) -> String {
         match self.style {
             Style::Text => text_letters(name),
@@ -273,7 +273,7 @@ fn text_number(number: f64) -> String {
     }
 }
 
-/// A number in LaTeX with 12 digits: 0.214 for 0.21400000000000002.
+/// Prints a number in LaTeX with 12 digits, for example 0.214 for 0.21400000000000002.
 pub(crate) fn latex_number(number: f64) -> String {
     match digits_and_exponent(format!("{number:.11e}").parse().unwrap_or(number)) {
         (digits, None) => digits,
@@ -281,7 +281,7 @@ pub(crate) fn latex_number(number: f64) -> String {
     }
 }
 
-/// The shortest digits that tell the number from its neighbours.
+/// The shortest digits that distinguish the number from neighbouring numbers, and its exponent.
 fn digits_and_exponent(number: f64) -> (String, Option<String>) {
     let shortest = format!("{number:?}");
     let shortest = shortest.strip_suffix(".0").unwrap_or(&shortest);
@@ -299,14 +299,14 @@ fn space(width: usize, text: &str) -> String {
     " ".repeat(width.saturating_sub(text.chars().count()))
 }
 
-/// The letter of a Greek name; other words stay.
+/// The Greek letter with this name. Other words are returned unchanged.
 fn greek(stem: &str) -> String {
     greek_letter(stem).map_or_else(|| stem.to_owned(), String::from)
 }
 
 fn latex_letter(stem: &str) -> String {
     match greek_letter(stem) {
-        // LaTeX has no command for the letter that looks like an o.
+        // LaTeX has no command for omicron, which looks like an o.
         Some('ο') => "o".to_owned(),
         Some(_) => format!("\\{stem}"),
         None if stem.chars().count() == 1 => stem.to_owned(),
@@ -322,7 +322,7 @@ fn latex_subscript(stem: &str, index: &str) -> String {
     format!("{stem}_{{{}}}", parts.join(","))
 }
 
-/// The part of an index in LaTeX: words are upright, and letters and numbers remain as they are.
+/// A part of an index in LaTeX: words are upright, and letters and numbers are unchanged.
 fn latex_index(part: &str) -> String {
     match greek_letter(part) {
         Some(_) => latex_letter(part),
@@ -333,7 +333,7 @@ fn latex_index(part: &str) -> String {
     }
 }
 
-/// Digits as subscripts, `_` as a comma; `None` if a letter has no subscript.
+/// Converts digits to subscripts and `_` to a comma; `None` if a letter has no subscript.
 fn subscript(index: &str) -> Option<String> {
     let letter = |c: char| match c {
         '0'..='9' => char::from_u32(u32::from('₀') + (u32::from(c) - u32::from('0'))),

@@ -3,14 +3,14 @@
 use super::cost::count;
 use super::{Operand, Operation, Program};
 
-/// Replaces doublings by additions while the program has over a quarter more multiplications than additions.
-/// The bits are the same. An addition costs no more than a multiplication, and a processor with separate
-/// units waits less for its multiplier.
+/// Replaces doublings by additions as long as the program has over a quarter more multiplications than
+/// additions. Results keep all bits. An addition costs at most as much as a multiplication, and processors
+/// with separate units are better balanced.
 ///
 /// A doubling that is a term of a sum is kept, because it may be fused with the sum.
 pub(super) fn add_instead_of_doubling(program: &mut Program) {
     let cost = count(program);
-    // Each change takes 9 from 4·multiplications − 5·additions.
+    // Each replacement reduces 4·multiplications − 5·additions by 9.
     let surplus = (4 * cost.multiplications).saturating_sub(5 * cost.additions) / 9;
     let in_sum = read_by_sums(program);
     let doublings = program.instructions.iter_mut().zip(in_sum).filter(|(_, in_sum)| !in_sum);
@@ -24,7 +24,7 @@ pub(super) fn add_instead_of_doubling(program: &mut Program) {
     }
 }
 
-/// The x of `2 · x`.
+/// The operand x of `2 · x`; `None` for other operations.
 fn doubled(operation: Operation) -> Option<Operand> {
     match operation {
         Operation::Multiply(Operand::Constant(2.0), x) | Operation::Multiply(x, Operand::Constant(2.0)) => {
@@ -34,7 +34,7 @@ fn doubled(operation: Operation) -> Option<Operand> {
     }
 }
 
-/// Whether a sum reads the value of each instruction.
+/// For each instruction, whether a sum or difference reads its value.
 fn read_by_sums(program: &Program) -> Vec<bool> {
     let mut read = vec![false; program.instructions.len()];
     for instruction in &program.instructions {

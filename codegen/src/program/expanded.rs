@@ -1,12 +1,13 @@
-//! Programs without intermediate values: each entry of a result as one sum, for people.
+//! Programs without intermediate values: each entry of a result is printed as one sum, for readers.
 //!
 //! A value is a sum of terms `c · a₁^p₁ a₂^p₂ … · cos(n·y)` or `… · sin(n·y)` with integer multiples n of the
 //! positions y. Products of sines and cosines are converted to sums, so equal terms combine and `sin² + cos²`
 //! becomes 1. The factors a are positions outside of angles, velocities, parameters, and function calls such
 //! as `tanh(20 ẏ₁)`.
 //!
-//! Each coefficient has the sum of the magnitudes that were added to it, which bounds its rounding error. It
-//! is printed with the digits that are certain, and left out if no digit is certain.
+//! For each coefficient, the sum of the magnitudes of its contributions is stored. This sum is a bound for
+//! the rounding error. A coefficient is printed with its reliable digits, and is left out if no digit is
+//! reliable.
 
 use std::collections::BTreeMap;
 
@@ -14,10 +15,10 @@ use super::display::{Notation, latex_letters, latex_number};
 use super::{Operand, Operation, Output, Program, Shape};
 use gelenk_formula::Function;
 
-/// Largest number of terms of a value. Products of values multiply the numbers of their terms, and nobody
-/// reads pages of one sum.
+/// Largest number of terms of a value. A product of two values multiplies their numbers of terms, and longer
+/// sums are not readable.
 pub(crate) const MOST_TERMS: usize = 1000;
-/// Rounding of a coefficient, relative to the magnitudes that it was added from.
+/// Rounding error of a coefficient, relative to the sum of the magnitudes of its contributions.
 const ROUNDING: f64 = 1e-12;
 /// Largest number of digits of a printed coefficient.
 const DIGITS: i32 = 12;
@@ -25,14 +26,14 @@ const DIGITS: i32 = 12;
 /// An entry of a result in LaTeX.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ExpandedEntry {
-    /// Symbol with its indices from 1: `M_{1,2}`.
+    /// Symbol with indices from 1, for example `M_{1,2}`.
     pub name: String,
     /// Sum of the entry in LaTeX.
     pub value: String,
 }
 
-/// Entries of all results, row-major. A symmetric matrix has only its upper half. `None` if a value has more
-/// than 1000 terms.
+/// Returns the entries of all results, row-major. For a symmetric matrix, only the upper triangle is
+/// returned. `None` if a value has more than 1000 terms.
 #[must_use]
 pub fn expanded(program: &Program, notation: &Notation, is_symmetric: bool) -> Option<Vec<ExpandedEntry>> {
     let mut expansion = Expansion { program, notation, factors: Vec::new(), values: Vec::new() };
@@ -71,18 +72,19 @@ fn name(output: &Output, entry: usize) -> String {
 /// The variable part of a term.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Default)]
 struct Term {
-    /// Factors by their number, with exponents, in ascending order.
+    /// Indices of the factors with their exponents, in ascending order.
     powers: Vec<(usize, u32)>,
-    /// Multiples of positions in the angle: the first one that is not 0 is positive. Empty if there is no angle.
+    /// Integer multiples of positions in the angle. The first non-zero multiple is positive. Empty if the
+    /// term has no angle.
     multiples: BTreeMap<usize, i32>,
-    /// The sine of the angle instead of its cosine.
+    /// Whether the term has the sine of the angle instead of its cosine.
     is_sine: bool,
 }
 
 #[derive(Debug, Clone, Copy, Default)]
 struct Coefficient {
     value: f64,
-    /// Sum of the magnitudes that were added.
+    /// Sum of the magnitudes of all contributions.
     size: f64,
 }
 
@@ -94,7 +96,7 @@ enum Factor {
     /// An entry of an input array.
     Input(usize, usize),
     Parameter(usize),
-    /// A function of a sum, with its LaTeX.
+    /// A function of a sum, as LaTeX.
     Call(String),
 }
 
@@ -149,7 +151,7 @@ impl Expansion<'_> {
         })
     }
 
-    /// The sum that an operand is.
+    /// The value of an operand as a sum.
     fn known(&mut self, operand: Operand) -> Sum {
         match operand {
             Operand::Value(index) => self.values[index].clone(),
@@ -159,7 +161,7 @@ impl Expansion<'_> {
         }
     }
 
-    /// The sum of one term, a factor.
+    /// A sum with one term, which is a factor.
     fn letter(&mut self, factor: Factor) -> Sum {
         let powers = vec![(self.number(factor), 1)];
         Sum::from([(Term { powers, ..Term::default() }, Coefficient { value: 1.0, size: 1.0 })])
@@ -182,7 +184,8 @@ impl Expansion<'_> {
         }))
     }
 
-    /// Sine or cosine of a sum. An angle `n·y + φ` gives waves; other angles are arguments of a call.
+    /// Sine or cosine of a sum. If the angle has the form `n·y + φ`, the result has sines and cosines of
+    /// `n·y`; otherwise the result is a function call.
     fn wave(&mut self, angle: &Sum, function: Function) -> Sum {
         let Some((multiples, phase)) = self.multiples(angle) else {
             return self.function(function, angle);
@@ -196,7 +199,7 @@ impl Expansion<'_> {
         sum
     }
 
-    /// Integer multiples of positions, and a constant.
+    /// Integer multiples n of positions and constant φ of an angle `n·y + φ`; `None` for other angles.
     fn multiples(&self, angle: &Sum) -> Option<(BTreeMap<usize, i32>, f64)> {
         let (mut multiples, mut phase) = (BTreeMap::new(), 0.0);
         for (term, coefficient) in angle {
@@ -282,13 +285,13 @@ fn number_sum(number: f64) -> Sum {
     if number == 0.0 { Sum::new() } else { Sum::from([(Term::default(), coefficient)]) }
 }
 
-/// The number that a sum is.
+/// The value of a sum that is a constant; otherwise `None`.
 fn constant(sum: &Sum) -> Option<f64> {
     let (term, coefficient) = sum.first_key_value()?;
     (sum.len() == 1 && *term == Term::default()).then_some(coefficient.value)
 }
 
-/// `a + sign b`
+/// The sum `a + sign · b`.
 fn added(mut a: Sum, b: &Sum, sign: f64) -> Option<Sum> {
     for (term, coefficient) in b {
         let entry = a.entry(term.clone()).or_default();
@@ -311,7 +314,8 @@ fn product(a: &Sum, b: &Sum) -> Option<Sum> {
                 continue;
             }
             let (plus, minus) = (angle(one, other, 1), angle(one, other, -1));
-            // cos a cos b and sin a sin b are made of cosines, sin a cos b and cos a sin b of sines of a ± b.
+            // cos a cos b and sin a sin b become cosines of a ± b. sin a cos b and cos a sin b become sines
+            // of a ± b.
             let is_sine = one.is_sine != other.is_sine;
             let sign_of_plus = if one.is_sine && other.is_sine { -1.0 } else { 1.0 };
             let sign_of_minus = if !one.is_sine && other.is_sine { -1.0 } else { 1.0 };
@@ -326,7 +330,7 @@ fn product(a: &Sum, b: &Sum) -> Option<Sum> {
     within_limit(sum)
 }
 
-/// Without terms that cancelled.
+/// Removes terms that cancelled. `None` if too many terms remain.
 fn within_limit(mut sum: Sum) -> Option<Sum> {
     sum.retain(|_, coefficient| coefficient.value.abs() > ROUNDING * coefficient.size);
     (sum.len() <= MOST_TERMS).then_some(sum)
@@ -348,7 +352,7 @@ fn angle(a: &Term, b: &Term, sign: i32) -> BTreeMap<usize, i32> {
     multiples
 }
 
-/// Adds a term, with its angle in the form of [`Term`].
+/// Adds a term. Its angle is converted to the form of [`Term`], in which the first multiple is positive.
 fn insert(
     sum: &mut Sum,
     powers: Vec<(usize, u32)>,
@@ -372,7 +376,7 @@ fn insert(
     entry.size += coefficient.size;
 }
 
-/// A coefficient with the digits that rounding left; `None` if none is left.
+/// Rounds a coefficient to its reliable digits; `None` if no digit is reliable.
 fn rounded(coefficient: Coefficient) -> Option<f64> {
     let Coefficient { value, size } = coefficient;
     if value.abs() <= ROUNDING * size {

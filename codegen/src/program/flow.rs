@@ -1,15 +1,16 @@
-//! Data flow of a program: values that are used, and instructions that compute them.
+//! Data flow of a program: which values are used, and which instructions compute them.
 
 use super::{Operand, Operation, Program};
 
 /// Data flow of a program's values.
 #[derive(Debug, Clone)]
 pub(crate) struct Flow {
-    /// Whether each value is used by name and a result depends on it.
+    /// For each value, whether the text uses it by name and a result depends on it.
     pub(crate) is_read: Vec<bool>,
     /// For a `SinCos`, the value of its cosine; `None` if the cosine is not used.
     pub(crate) cosine: Vec<Option<usize>>,
-    /// Index of the instruction that computes the value. For a cosine it is the index of the `SinCos`.
+    /// For each value, the index of the instruction that computes it. For a cosine it is the index of the
+    /// `SinCos`.
     pub(crate) made_at: Vec<usize>,
 }
 
@@ -32,7 +33,8 @@ impl Flow {
 
     fn visit(&mut self, index: usize, operation: Operation) {
         if let Operation::CosineOf(pair) = operation {
-            // The first cosine of a pair names it; the pass runs backwards, so the first one comes last.
+            // The first cosine of a `SinCos` names the value. The loop runs backwards, so the first cosine is
+            // visited last.
             if self.is_read[index] && pair < self.cosine.len() {
                 self.cosine[pair] = Some(index);
             }
@@ -49,19 +51,19 @@ impl Flow {
         }
     }
 
-    /// Whether the statement of this instruction is needed.
+    /// Whether the program needs the statement of this instruction.
     pub(crate) fn is_made(&self, index: usize) -> bool {
         self.is_read[index] || self.cosine[index].is_some()
     }
 
-    /// First value equal to `index`: repeated cosines of a pair are the same value.
+    /// Index of the first value that is equal to value `index`. Repeated cosines of one `SinCos` are equal.
     pub(crate) fn canonical(&self, index: usize) -> usize {
         let pair = self.made_at[index];
         if pair == index { index } else { self.cosine.get(pair).copied().flatten().unwrap_or(index) }
     }
 }
 
-/// Operands of an operation, without the pair of a `CosineOf`.
+/// Operands of an operation. The `SinCos` of a `CosineOf` is not included.
 pub(crate) fn operands(operation: Operation) -> impl Iterator<Item = Operand> {
     let operands = match operation {
         Operation::Add(a, b)

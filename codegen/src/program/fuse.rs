@@ -1,8 +1,9 @@
-//! Optional contraction of products and sums to fused multiply-adds: fewer instructions, different bits.
+//! Optional contraction of products and sums to fused multiply-adds. It needs fewer instructions, but changes
+//! the last bits of results.
 //!
-//! The contraction is done here and not by a compiler, so interpreter and compiled function agree bit for
-//! bit. Each fused operation saves one rounding. Results therefore differ from results without fusing only by
-//! the roundings of the replaced products.
+//! The generator contracts, and not the compiler, so the interpreter and the compiled function agree bit for
+//! bit. Each fused operation avoids one rounding. Results therefore differ from results without contraction
+//! only by the roundings of the fused products.
 
 use std::collections::BTreeSet;
 
@@ -10,11 +11,11 @@ use super::flow::operands;
 use super::{Instruction, Operand, Operation, Output, Program};
 use crate::distinct::Distinct;
 
-/// Replaces products that are used only by sums and differences. Each of these sums and differences becomes
+/// Fuses products that are used only by sums and differences. Each of these sums and differences becomes
 /// `a · b + c` with one rounding.
 ///
-/// If a sum has two products, the later product is fused, because this shortens the longest chain. A product
-/// with other users is kept, because fusing would not save its multiplication.
+/// If a sum has two products, the product that is available later is fused, because this shortens the longest
+/// chain. A product with other users is not fused, because its multiplication would still be needed.
 #[must_use]
 pub fn fuse_multiply_adds(program: &Program) -> Program {
     let fused = choose(program);
@@ -48,7 +49,7 @@ pub fn fuse_multiply_adds(program: &Program) -> Program {
     }
 }
 
-/// For each sum, the product that becomes part of it; `None` without a product.
+/// For each sum, the product that is fused with it; `None` if there is no such product.
 fn choose(program: &Program) -> Vec<Option<usize>> {
     let count = program.instructions.len();
     let mut readers: Vec<Vec<usize>> = vec![Vec::new(); count];
@@ -77,7 +78,7 @@ fn choose(program: &Program) -> Vec<Option<usize>> {
     for product in products {
         let is_fusible = |&reader: &usize| {
             let sum = program.instructions[reader].operation;
-            // `x · y + x · y` has no place for both.
+            // In `x · y + x · y`, the product cannot be fused with both operands.
             let is_sum = matches!(sum, Operation::Add(a, b) | Operation::Subtract(a, b) if a != b);
             is_sum && fused[reader].is_none()
         };
@@ -90,7 +91,7 @@ fn choose(program: &Program) -> Vec<Option<usize>> {
     fused
 }
 
-/// Longest chain of operations below each value.
+/// Length of the longest chain of operations that leads to each value.
 fn depths(program: &Program) -> Vec<usize> {
     let mut depths: Vec<usize> = Vec::with_capacity(program.instructions.len());
     for instruction in &program.instructions {
@@ -116,10 +117,10 @@ fn products_of(fused: &[Option<usize>], count: usize) -> Vec<bool> {
 }
 
 struct Rewriting {
-    /// The operand that each old value became.
+    /// The new operand for each old value.
     places: Vec<Operand>,
     instructions: Vec<Instruction>,
-    /// Negative of each new value, where one was needed.
+    /// Negative of each new value, if it was needed.
     negatives: Vec<Option<Operand>>,
     /// Negatives of inputs and parameters.
     negative_inputs: Vec<(Operand, Operand)>,
@@ -165,7 +166,7 @@ impl Rewriting {
         self.places[index] = self.push(instruction.name.clone(), operation);
     }
 
-    /// A negation is free in a fused operation: processors have all four signs.
+    /// A negation inside a fused operation is free, because processors support all combinations of signs.
     fn negative(&mut self, operand: Operand) -> Operand {
         let stem = match operand {
             Operand::Constant(number) => return Operand::Constant(-number),

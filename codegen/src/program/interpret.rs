@@ -1,8 +1,8 @@
 //! Interpreter of programs. Its results are the reference for generated code, bit for bit.
 //!
-//! Interpreter and compiled function do the same operations in the same order with the same elementary
-//! functions, and each operation is rounded once, so all bits agree. Only sign and payload of a NaN are not specified by
-//! IEEE 754.
+//! Interpreter and compiled function perform the same operations in the same order with the same elementary
+//! functions, and each operation is rounded once. Therefore all bits agree. Only the sign and payload of a
+//! NaN may differ, because IEEE 754 does not specify them.
 
 use core::fmt;
 
@@ -13,12 +13,12 @@ use gelenk_kernels::math;
 /// Errors of running a program.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum InterpretError {
-    /// Wrong number of input arrays: expected number, given number.
+    /// The number of input arrays is wrong: expected number, given number.
     InputCount(usize, usize),
-    /// Wrong length of an input array: name, expected length, given length.
+    /// The length of an input array is wrong: name, expected length, given length.
     InputLength(String, usize, usize),
-    /// The operation at this instruction has an invalid operand: a later value, or an entry or parameter out
-    /// of range.
+    /// The instruction with this index has an invalid operand: a later value, or an index of an entry or
+    /// parameter that is out of range.
     Operand(usize),
 }
 
@@ -43,7 +43,7 @@ impl core::error::Error for InterpretError {}
 /// Evaluates `program`. Each result is flat and row-major.
 ///
 /// # Errors
-/// [`InterpretError`] if inputs do not fit the program or an operand does not exist.
+/// [`InterpretError`] if the inputs do not match the program or an operand does not exist.
 pub fn interpret(
     program: &Program,
     inputs: &[&[f64]],
@@ -78,7 +78,7 @@ struct State<'a> {
     inputs: &'a [&'a [f64]],
     parameters: &'a [f64],
     values: Vec<f64>,
-    /// Cosines computed with a sine: index of its `SinCos`, value; in ascending order.
+    /// Cosines that were computed with a sine, each with the index of its `SinCos`, in ascending order.
     cosines: Vec<(usize, f64)>,
 }
 
@@ -126,7 +126,7 @@ fn call(function: Function, x: f64) -> f64 {
     }
 }
 
-/// −1, 0 or 1; 0 for both zeros, NaN for NaN. Emitted code holds the same lines.
+/// −1, 0 or 1. The sign is 0 for both zeros, and NaN for NaN. Emitted code contains the same lines.
 fn sign(x: f64) -> f64 {
     if x == 0.0 { 0.0 } else { x.signum() }
 }

@@ -1,5 +1,5 @@
-//! Division of a function over lanes (several states at once): first its angles, then parts without sines and
-//! cosines.
+//! Divides a function over lanes (several states at once): its angles are computed first, then parts without
+//! sines and cosines follow.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -10,20 +10,19 @@ use super::{Operand, Operation, Program};
 
 /// Division of a function over lanes (several states at once) into parts.
 pub(crate) struct Plan {
-    /// Instructions that compute the angles, and each `SinCos`.
+    /// Indices of the instructions that compute the angles, and of each `SinCos`.
     pub(crate) angles: Vec<usize>,
-    /// Each `SinCos`.
+    /// Indices of each `SinCos`.
     pub(crate) pairs: Vec<usize>,
-    /// Whether each instruction is in a part. Sines and cosines, and values that only they use, are in no
-    /// part.
+    /// For each instruction, whether it is in a part. Sines and cosines, and values that only they use, are
+    /// not in a part.
     pub(crate) is_in_part: Vec<bool>,
     /// Parts with all other instructions, in order.
     pub(crate) parts: Vec<Part>,
 }
 
 impl Plan {
-    /// Divides a program; `None` if it contains the sine of a value that depends on a sine or another
-    /// function.
+    /// Divides a program. `None` if an angle of the program depends on a sine or another function.
     ///
     /// - `longest`: largest number of statements of a part
     pub(crate) fn new(program: &Program, flow: &Flow, longest: usize) -> Option<Self> {
@@ -59,7 +58,7 @@ pub(crate) fn obstacle(program: &Program) -> Option<&'static str> {
     }
     match Plan::new(program, &Flow::new(program), usize::MAX) {
         Some(_) => None,
-        None => Some("it contains the sine of an expression of another sine"),
+        None => Some("it contains a sine whose angle depends on another sine"),
     }
 }
 
@@ -67,7 +66,7 @@ fn parts(program: &Program, flow: &Flow, longest: usize, is_in_part: &[bool]) ->
     let mut ranges: Vec<Range<usize>> = Vec::new();
     let is_empty = |range: &Range<usize>| !is_in_part[range.clone()].contains(&true);
     for part in split::parts(program, flow, longest) {
-        // Where nothing but angles stands, there is nothing to loop over.
+        // A range without other instructions than angles needs no loop.
         match ranges.last_mut() {
             Some(before) if is_empty(before) => before.end = part.range.end,
             _ => ranges.push(part.range),
@@ -83,8 +82,8 @@ fn parts(program: &Program, flow: &Flow, longest: usize, is_in_part: &[bool]) ->
     parts
 }
 
-/// A part. Entries of large results are written where they are computed. All other entries are written at the
-/// end.
+/// Makes a part. Entries of large results are written in the part that computes them. All other entries are
+/// written at the end.
 fn part(program: &Program, flow: &Flow, is_in_part: &[bool], range: Range<usize>, is_last: bool) -> Part {
     let is_own = |value: usize| is_in_part[value] && range.contains(&value);
     let in_place = program.has_large_results();
@@ -118,7 +117,7 @@ fn is_arithmetic(program: &Program, index: usize) -> bool {
     !is_trigonometric(program, index) && !matches!(program.instructions[index].operation, Operation::Call(..))
 }
 
-/// Instructions that `roots` depend on, through instructions that `passes` admits.
+/// Instructions on which `roots` depend, through instructions for which `passes` returns true.
 fn needed(
     program: &Program,
     roots: impl Iterator<Item = Operand>,

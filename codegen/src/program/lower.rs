@@ -1,8 +1,8 @@
-//! Conversion of graph results to a straight-line program: order, signs and names.
+//! Converts results of a graph to a straight-line program: determines order, signs and names.
 //!
-//! Afterwards every value is defined once, before its first use and with a unique name. Unused values are not
-//! computed. Negations remain only if no subtraction or sign of a product can replace them. Sine and cosine
-//! of an angle are computed together.
+//! In the program, every value is defined once, before its first use and with a unique name. Unused values
+//! are not computed. A negation remains only if neither a subtraction nor the sign of a product can replace
+//! it. Sine and cosine of an angle are computed together.
 
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
@@ -26,19 +26,20 @@ pub struct GraphOutput {
     pub entries: Vec<Edge>,
 }
 
-/// The program that computes the outputs.
+/// Converts the outputs to the program that computes them.
 pub fn lower(graph: &Graph, inputs: Vec<InputArray>, outputs: &[GraphOutput]) -> Program {
     lowered(graph, inputs, outputs, |results| results.to_vec())
 }
 
-/// Converts results as [`lower`] does, for a tree with several branches.
+/// Converts results like [`lower`], but for a tree with several branches.
 ///
 /// If there are many values, results are computed from the last velocity to the first. A leaf of the tree
-/// depends only on its own branch, so values of a branch are computed together and used while they are in
-/// registers. In this order, Jacobians of a quadruped's inverse dynamics take 0.8 of the time. M and the
-/// inverse dynamics of a humanoid take 0.7 to 0.8 of the time. Functions with divisions, such as the forward
-/// dynamics, keep the other order: there each value waits for the previous one, and branches in parallel fill
-/// the time.
+/// depends only on its own branch. In this order, the values of a branch are computed together and used while
+/// they are in registers. The Jacobians of a quadruped's inverse dynamics then take 0.8 of the time. M and
+/// the inverse dynamics of a humanoid take 0.7 to 0.8 of the time.
+///
+/// Functions with divisions, for example the forward dynamics, keep the usual order. In these functions each
+/// value waits for the previous one, so computing branches in parallel is faster.
 pub fn lower_branches(graph: &Graph, inputs: Vec<InputArray>, outputs: &[GraphOutput]) -> Program {
     lowered(graph, inputs, outputs, |results| {
         let reachable = graph.reachable(results);
@@ -50,12 +51,12 @@ pub fn lower_branches(graph: &Graph, inputs: Vec<InputArray>, outputs: &[GraphOu
     })
 }
 
-/// Converts results as [`lower`] does, but computes them from the last velocity to the first.
+/// Converts results like [`lower`], but computes them from the last velocity to the first.
 pub fn lower_from_leaves(graph: &Graph, inputs: Vec<InputArray>, outputs: &[GraphOutput]) -> Program {
     lowered(graph, inputs, outputs, |results| from_leaves(outputs, results))
 }
 
-/// Programs with fewer values than this number are fast in any order.
+/// Least number of values for which the order matters. Shorter programs are fast in any order.
 const MANY_VALUES: usize = 300;
 
 fn lowered(
@@ -83,7 +84,7 @@ fn lowered(
     program
 }
 
-/// From the last velocity to the first.
+/// Orders the results from the last velocity to the first.
 fn from_leaves(outputs: &[GraphOutput], results: &[Edge]) -> Vec<Edge> {
     let entries = outputs.iter().flat_map(|output| (0..output.entries.len()).map(|k| (output.shape, k)));
     let mut ordered: Vec<_> =
@@ -92,8 +93,8 @@ fn from_leaves(outputs: &[GraphOutput], results: &[Edge]) -> Vec<Edge> {
     ordered.into_iter().map(|(_, &edge)| edge).collect()
 }
 
-/// The last velocity that an entry of a result belongs to, by its row or its column; 0 if the result is not
-/// by velocities.
+/// The last velocity that belongs to an entry of a result, by the entry's row or column; 0 if neither
+/// dimension is by velocities.
 fn last_velocity(shape: Shape, entry: usize) -> usize {
     let of = |extent: Extent, index| if extent.dimension == Dimension::Velocities { index } else { 0 };
     match shape {
@@ -121,13 +122,13 @@ pub(super) fn give_names(program: &mut Program) {
 struct Lowering<'g> {
     graph: &'g Graph,
     instructions: Vec<Instruction>,
-    /// Value of each node, once computed.
+    /// Value of each node after its computation.
     values: Vec<Option<Operand>>,
-    /// Negated value of each node, where one was needed.
+    /// Negated value of each node, if it was needed.
     negatives: Vec<Option<Operand>>,
-    /// The needed sine and cosine of each angle.
+    /// For each angle, its sine and cosine if they are needed.
     angles: BTreeMap<Edge, [Option<Edge>; 2]>,
-    /// Longest chain of operations below each node.
+    /// Length of the longest chain of operations that leads to each node.
     height: Vec<u32>,
 }
 
@@ -156,7 +157,8 @@ impl<'g> Lowering<'g> {
         }
     }
 
-    /// Computes a node and what it needs, deepest operand first so that values stay short-lived.
+    /// Computes a node and its operands. The operand with the longest chain is first, so that values are used
+    /// soon.
     fn visit(&mut self, root: Edge) {
         let mut pending = vec![(root.abs(), false)];
         while let Some((edge, ready)) = pending.pop() {
@@ -223,7 +225,7 @@ impl<'g> Lowering<'g> {
         }
     }
 
-    /// The operand for a signed reference; a negation is inserted if the sign has no other place.
+    /// The operand for a signed reference. A negation is inserted if no operation can include the sign.
     fn signed(&mut self, edge: Edge) -> Operand {
         #[expect(clippy::expect_used, reason = "operands are visited before their users")]
         let value = self.values[edge.index()].expect("operands stand before their users");
@@ -246,7 +248,7 @@ impl<'g> Lowering<'g> {
         self.push(self.graph.label_of(edge), operation)
     }
 
-    /// Appends an instruction; its name is the label so far.
+    /// Appends an instruction. Its label is used as its name until names are made unique.
     fn push(&mut self, label: Option<String>, operation: Operation) -> Operand {
         let index = self.instructions.len();
         self.instructions.push(Instruction { name: label.unwrap_or_default(), operation });

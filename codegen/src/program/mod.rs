@@ -1,7 +1,7 @@
-//! Straight-line programs: the last form of functions before text.
+//! Straight-line programs: the last form of a function before it is printed.
 //!
 //! Each instruction defines one value from earlier values, inputs, parameters or constants. Names, order,
-//! signs and fused operations are final, because the emitter only prints.
+//! signs and fused operations are final, so the printer makes no further choices.
 
 mod angles;
 pub mod arrays;

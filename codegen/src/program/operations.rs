@@ -1,4 +1,4 @@
-//! Programs: instructions over inputs, parameters and earlier results.
+//! Programs: instructions with inputs, parameters and earlier values as operands.
 
 use crate::layout::{Dimension, Extent};
 use gelenk_formula::Function;
@@ -14,11 +14,12 @@ pub struct Program {
     pub outputs: Vec<Output>,
 }
 
-/// Results with more entries than this number are written to memory of the caller.
+/// Largest number of entries of a result that is returned by value. Larger results are written to memory of
+/// the caller.
 ///
-/// A matrix that is returned passes through memory once or twice more: its entries are stored one by one and
-/// copied as vectors at once, which a processor cannot forward from its store buffer. M and bias forces of a
-/// UR5 took 119 ns that way and 60 ns written in place.
+/// A matrix that is returned by value is stored entry by entry and then copied as vectors, and a processor
+/// cannot forward such data from its store buffer. M and the bias forces of a UR5 took 119 ns if returned,
+/// and 60 ns if written to memory of the caller.
 const LARGEST_RETURNED: usize = 16;
 
 impl Program {
@@ -28,7 +29,7 @@ impl Program {
         outputs.flat_map(|output| output.entries.iter().copied())
     }
 
-    /// A program with the same inputs and result shapes, but without instructions and with zeros as results.
+    /// A program with the same inputs and shapes of results, but without instructions. All results are zero.
     pub(crate) fn face(&self) -> Self {
         let outputs = self.outputs.iter().map(|output| Output {
             entries: vec![Operand::Constant(0.0); output.entries.len()],
@@ -74,7 +75,7 @@ pub enum Operand {
     Constant(f64),
 }
 
-/// An operation in f64 or f32 arithmetic with one rounding.
+/// An operation in f64 or f32 arithmetic. Its result is rounded once.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Operation {
     /// `a + b`
@@ -87,7 +88,8 @@ pub enum Operation {
     Divide(Operand, Operand),
     /// `-a`
     Negate(Operand),
-    /// `a * b + c` with one rounding. Programs have it only on request.
+    /// `a * b + c` with one rounding. A program only contains this operation if fused multiply-adds are
+    /// requested.
     MultiplyAdd(Operand, Operand, Operand),
     /// `sin a`. The same call computes the cosine, which is [`Operation::CosineOf`] with the index of this
     /// instruction.
@@ -99,7 +101,7 @@ pub enum Operation {
 }
 
 impl Operation {
-    /// The same operation with other operands. The pair of a `CosineOf` is kept.
+    /// The same operation with other operands. The index of a `CosineOf` is kept.
     pub(crate) fn map(self, mut change: impl FnMut(Operand) -> Operand) -> Self {
         match self {
             Self::Add(a, b) => Self::Add(change(a), change(b)),
@@ -122,7 +124,7 @@ pub struct Output {
     pub name: String,
     /// Shape of the result.
     pub shape: Shape,
-    /// Entries, rows first.
+    /// Entries, row-major.
     pub entries: Vec<Operand>,
 }
 
@@ -141,7 +143,7 @@ impl Shape {
     /// The shape with these dimensions and lengths, rows first.
     ///
     /// # Panics
-    /// If the number of lengths differs from the number of dimensions or exceeds two, which is an error in a
+    /// If the number of lengths differs from the number of dimensions or exceeds two. Both are defects of a
     /// row of the catalogue.
     #[must_use]
     pub fn new(dimensions: &[Dimension], lengths: &[usize]) -> Self {
@@ -151,7 +153,7 @@ impl Shape {
             (&[row, column], &[rows, columns]) => {
                 Self::Matrix(Extent::new(row, rows), Extent::new(column, columns))
             }
-            _ => unreachable!("{lengths:?} are no lengths of {dimensions:?}"),
+            _ => unreachable!("{lengths:?} are not lengths of {dimensions:?}"),
         }
     }
 

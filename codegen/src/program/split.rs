@@ -1,8 +1,8 @@
 //! Division of long programs into parts, because compile time grows faster than the length of a function.
 //!
-//! Parts follow one another in the order of the program. No operation moves, so all bits of the results are
-//! kept. Each part can become a function. Its arguments are the values that the part uses, and its results
-//! are the values that later parts use.
+//! Parts follow each other in the order of the program. No operation moves, so results keep all bits. Each
+//! part can become a function. Its arguments are the earlier values that the part uses, and its results are
+//! the values that later parts use.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -10,14 +10,14 @@ use std::ops::Range;
 use super::flow::{Flow, operands};
 use super::{Operand, Program};
 
-/// A run of instructions, and the values that it exchanges with other parts.
+/// A sequence of instructions, and the values that it exchanges with other parts.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Part {
     /// Range of the part in the program.
     pub(crate) range: Range<usize>,
     /// Earlier values that the part uses.
     pub(crate) takes: Vec<usize>,
-    /// Values that later parts use, and results, unless the part writes the results.
+    /// Values that later parts use, and results of the program if the part does not write them.
     pub(crate) returns: Vec<usize>,
     /// Input arrays that the part uses.
     pub(crate) inputs: Vec<usize>,
@@ -29,9 +29,9 @@ pub(crate) struct Part {
 }
 
 impl Part {
-    /// A run with these operands, without results.
+    /// Makes a part with these operands, without results.
     ///
-    /// - `is_own`: whether the part computes a value
+    /// - `is_own`: returns whether the part computes a value
     pub(super) fn new(
         range: Range<usize>,
         read: impl IntoIterator<Item = Operand>,
@@ -88,7 +88,7 @@ fn values(operands: impl Iterator<Item = Operand>, flow: &Flow) -> BTreeSet<usiz
     operands.filter_map(value).collect()
 }
 
-/// Values used by a run of instructions.
+/// Values that a sequence of instructions uses.
 pub(crate) struct Reads {
     values: BTreeSet<usize>,
     /// Input arrays.
@@ -114,8 +114,9 @@ impl Reads {
     }
 }
 
-/// Boundaries of the parts. The first is 0, and the last is the number of instructions. Each part has at most
-/// `longest` statements. It ends in its second half, at the place with the fewest values that are used later.
+/// Boundaries of the parts. The first boundary is 0, and the last is the number of instructions. Each part
+/// has at most `longest` statements. A part ends in the second half of this range, at the place with the
+/// fewest values that are used later.
 fn cuts(program: &Program, flow: &Flow, longest: usize) -> Vec<usize> {
     let len = program.instructions.len();
     let alive = alive_before(program, flow);
@@ -132,8 +133,8 @@ fn cuts(program: &Program, flow: &Flow, longest: usize) -> Vec<usize> {
     cuts
 }
 
-/// For each instruction and for the end, the number of values that are computed before it and used by it or
-/// later.
+/// For each instruction and for the end of the program: the number of values that are computed earlier and
+/// used there or later.
 fn alive_before(program: &Program, flow: &Flow) -> Vec<usize> {
     let len = program.instructions.len();
     let mut last_read: Vec<Option<usize>> = vec![None; len];

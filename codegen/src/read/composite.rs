@@ -90,7 +90,7 @@ impl Composite {
         }
     }
 
-    /// Parts from the base outwards.
+    /// Parts in their order from the base outwards.
     pub fn parts(self) -> &'static [Part] {
         match self {
             Self::Cylindrical => CYLINDRICAL,
@@ -133,7 +133,7 @@ pub(crate) fn expand(
     let parts = composite.parts();
     let mut joints = Vec::with_capacity(parts.len());
     for (index, part) in parts.iter().enumerate() {
-        // A velocity of a joint with a quaternion has a drive only where one is described.
+        // A velocity of a joint with a quaternion has a drive only if the description has one.
         let passive = || composite.quaternion().map(|_| At::new(DriveChoice::Passive, name.span));
         let own = At::new(format!("{}_{}", name.value, part.name), name.span);
         let link = if index + 1 == parts.len() { last.clone() } else { own.clone() };

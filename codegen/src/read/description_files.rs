@@ -8,11 +8,11 @@ use super::options::ReadOptions;
 use super::{Loaded, file_kind, from_xml, is_xml, toml_with};
 use crate::diagnostic::{Diagnostic, Diagnostics, Report, Span};
 
-/// Larger files are refused \[bytes\].
+/// Largest accepted size of a file, in bytes.
 const LARGEST: u64 = 256 << 20;
 
-/// A description and the files that it extends, with their contents at the first reading. Every later
-/// interpretation, also with other options, uses the same contents.
+/// A description and the files that it extends, with their contents at the first reading. Later calls of
+/// [`load`](Self::load), also with other options, use the same contents.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DescriptionFiles {
     /// Path and content of each file. The description is the first.
@@ -21,22 +21,21 @@ pub struct DescriptionFiles {
 }
 
 impl DescriptionFiles {
-    /// Files of the description at `path`. Nothing is read yet.
+    /// Creates the files of the description at `path`. Nothing is read yet.
     pub fn of(path: &Path) -> Self {
         Self { files: Vec::new(), description: path.to_owned() }
     }
 
-    /// Path and content of the files that were read: the description, and the files that it extends or
-    /// includes.
+    /// Path and content of each file that was read: the description, and the files that it extends or includes.
     pub fn contents(&self) -> impl Iterator<Item = (&Path, &[u8])> {
         self.files.iter().map(|(path, content)| (path.as_path(), content.as_slice()))
     }
 
-    /// Whether the description is XML. The extension of the file name decides, or without a known extension
-    /// the content.
+    /// Whether the description is XML. The extension of the file name decides. If the extension is unknown, the
+    /// content decides.
     ///
     /// # Errors
-    /// An error if the file cannot be read or is not a description.
+    /// Returns an error if the file cannot be read or is not a description.
     pub fn is_xml(&mut self) -> Result<bool, Diagnostics> {
         let path = self.description.clone();
         let (name, text) = self.text(&path)?;
@@ -46,18 +45,18 @@ impl DescriptionFiles {
     /// Whether the description is an MJCF.
     ///
     /// # Errors
-    /// An error if the file cannot be read or is not a description.
+    /// Returns an error if the file cannot be read or is not a description.
     pub fn is_mjcf(&mut self) -> Result<bool, Diagnostics> {
         let path = self.description.clone();
         let (name, text) = self.text(&path)?;
         Ok(is_xml(&name, &text) && file_kind::is_mjcf(&text))
     }
 
-    /// Interprets a TOML, URDF or MJCF description. The extension of the file name determines the format, or
-    /// without a known extension the content.
+    /// Interprets a TOML, URDF or MJCF description. The extension of the file name determines the format. If the
+    /// extension is unknown, the content determines the format.
     ///
     /// # Errors
-    /// All problems of the description, or an error if a file cannot be read.
+    /// Returns all problems of the description, or an error if a file cannot be read.
     pub fn load(&mut self, options: &ReadOptions) -> Result<Loaded, Diagnostics> {
         let path = self.description.clone();
         let (name, text) = self.text(&path)?;
@@ -111,11 +110,11 @@ impl Fetch for FromFolder<'_> {
     }
 }
 
-/// Reads a TOML, URDF or MJCF description. The extension of the file name determines the format, or without a
-/// known extension the content.
+/// Reads a TOML, URDF or MJCF description. The extension of the file name determines the format. If the
+/// extension is unknown, the content determines the format.
 ///
 /// # Errors
-/// All problems of the description, or an error if a file cannot be read.
+/// Returns all problems of the description, or an error if a file cannot be read.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, Diagnostics> {
     DescriptionFiles::of(path).load(options)
 }
@@ -140,8 +139,8 @@ fn read_file(path: &Path) -> Result<Vec<u8>, Diagnostics> {
     Ok(bytes)
 }
 
-/// Text of an XML file with another encoding, as CAD programs write it. Latin-1 has a character for each
-/// byte, so names stay distinct.
+/// Text of an XML file in Latin-1, which some CAD programs write. Latin-1 has a character for each byte, so
+/// different names stay different.
 fn decoded(name: &str, why: std::string::FromUtf8Error) -> Result<String, Diagnostics> {
     let start: Vec<u8> = why.as_bytes().iter().take(200).copied().collect();
     let start = String::from_utf8_lossy(&start).to_lowercase();
@@ -158,7 +157,9 @@ fn not_utf8(name: &str, why: &std::string::FromUtf8Error) -> Diagnostics {
     let mut report = Report::default();
     let source = report.add_source(name, &String::from_utf8_lossy(why.as_bytes()));
     let message = format!("byte {at} of the file is not UTF-8");
-    report.error(Span::new(source, at..at + 1), "not-utf-8", message).help("descriptions are UTF-8 text");
+    report
+        .error(Span::new(source, at..at + 1), "not-utf-8", message)
+        .help("descriptions are UTF-8 text: save the file as UTF-8");
     report.finish()
 }
 
@@ -191,7 +192,7 @@ mod tests {
         assert!(loaded.files.iter().all(|file| file.is_file()));
     }
 
-    /// A file that changes on the disk between two interpretations does not make them two robots.
+    /// A file that changes on the disk between two interpretations does not give two different robots.
     #[test]
     fn each_file_is_read_once() {
         let folder = tempfile::tempdir().unwrap();

@@ -66,7 +66,7 @@ pub(super) fn foreign(name: &str, bytes: &[u8]) -> Option<Foreign> {
             found("XML, although its name ends with `.toml`", "rename the file to end with `.urdf`")
         }
         (Some("urdf" | "xml"), false) => found(
-            "not XML, although its name ends like that of a URDF",
+            "not XML, although its name ends with `.urdf` or `.xml`",
             "if the file is TOML, rename it to end with `.toml`",
         ),
         (Some("yaml" | "yml"), _) => found("YAML", "describe the robot in TOML, or give a URDF"),

@@ -7,8 +7,8 @@ use crate::diagnostic::{At, Report, Span};
 use crate::model::QuaternionKind;
 use std::collections::BTreeSet;
 
-/// Names of the floating joint. Names of its velocities begin with it. The second name is used if the first
-/// is taken.
+/// Names of the floating joint. Names of its velocities begin with the joint's name. The second name is used if
+/// the first name is in use.
 const JOINT: [&str; 2] = ["base", "floating_base"];
 
 /// Names of the link before the floating joint.
@@ -41,7 +41,7 @@ pub(super) fn free(robot: &mut RobotDescription, report: &mut Report) {
 
 /// Puts a floating joint under the base.
 ///
-/// - `told`: keys of the joint's velocities, which are removed
+/// - `told`: described velocities; the velocities of the joint are removed from this list
 fn put_joint(robot: &mut RobotDescription, root: &str, span: Span, told: &mut Vec<JointDescription>) {
     let world = unused(WORLD, |name| links(robot).any(|link| link == name));
     let place = Place {
@@ -72,7 +72,7 @@ fn base_joint(robot: &RobotDescription) -> String {
     unused(JOINT, |name| robot.joints.iter().any(|joint| joint.name.value == name))
 }
 
-/// Names to which an extending description can refer.
+/// Names to which an extending description can refer, for the reader of the extension.
 ///
 /// - `asked`: whether an option makes the base floating
 pub(super) fn extended(robot: &RobotDescription, asked: bool) -> Extended {
@@ -129,8 +129,8 @@ fn is_part_of(part: &JointDescription, joint: &str) -> bool {
     part.part_of.as_ref().is_some_and(|part| part.joint.value == joint)
 }
 
-/// The first name that is not taken. If both names are taken, the second is returned and reported as a
-/// duplicate.
+/// Returns the first name if it is not in use, otherwise the second name. If both are in use, the second name is
+/// reported as a duplicate later.
 fn unused([first, second]: [&str; 2], is_taken: impl Fn(&str) -> bool) -> String {
     if is_taken(first) { second } else { first }.to_owned()
 }

@@ -44,7 +44,7 @@ pub struct Loaded {
     pub files: Vec<PathBuf>,
 }
 
-/// Whether a file is XML. The extension of its name decides, or without a known extension its content.
+/// Whether a file is XML. The extension of its name decides, or its content if the extension is unknown.
 fn is_xml(name: &str, text: &str) -> bool {
     match Path::new(name).extension().and_then(|end| end.to_str()) {
         Some("toml") => false,
@@ -65,7 +65,7 @@ fn without_mark(text: &str) -> &str {
 /// - `load`: loads the TOML, URDF or MJCF that the description extends
 ///
 /// # Errors
-/// All problems of the description.
+/// Returns all problems of the description.
 pub fn from_toml(
     text: &str,
     name: &str,
@@ -93,7 +93,7 @@ fn toml_with(
 /// Reads a URDF.
 ///
 /// # Errors
-/// All problems of the description.
+/// Returns all problems of the description.
 pub fn from_urdf(text: &str, name: &str, options: &ReadOptions) -> Result<(Model, Diagnostics), Diagnostics> {
     let mut reader = Reader::new(options);
     let robot = read_urdf(&mut reader, text, name, options);
@@ -106,7 +106,7 @@ pub fn from_urdf(text: &str, name: &str, options: &ReadOptions) -> Result<(Model
 /// - `load`: loads included files, but no meshes, so geoms with meshes have no mass
 ///
 /// # Errors
-/// All problems of the description.
+/// Returns all problems of the description.
 pub fn from_mjcf(
     text: &str,
     name: &str,
@@ -234,7 +234,7 @@ fn note_followers(robot: &RobotDescription, report: &mut Report) {
     let found: Vec<_> = follows.collect();
     let Some((_, first)) = found.first() else { return };
     let names = listed(found.iter().map(|(joint, _)| joint.name.quoted()));
-    let message = format!("these joints still follow others, because `follows` is given: {names}");
+    let message = format!("these joints still follow other joints, because `follows` is given: {names}");
     report.note(Some(first.span), "mimic-not-ignored", message);
     report.help(
         "`--ignore-mimic` frees joints with <mimic> in a URDF and joints of equalities in an MJCF; \
@@ -262,7 +262,9 @@ fn read_urdf(reader: &mut Reader, text: &str, name: &str, options: &ReadOptions)
     urdf::description(report, angles, text, source, name, options)
 }
 
-/// - `path`: path of the file, in whose folder paths of included files begin
+/// Reads an MJCF.
+///
+/// - `path`: path of the file; paths of included files are relative to its folder
 fn read_mjcf(
     reader: &mut Reader,
     text: &str,
@@ -280,7 +282,7 @@ fn read_mjcf(
 /// Largest number of descriptions that extend each other.
 const DEEPEST: usize = 8;
 
-/// Descriptions that extend each other, and the loader of the next.
+/// Descriptions that extend each other, and the loader of the next description.
 struct Chain<'l> {
     load: &'l mut dyn Fetch,
     /// Paths of the descriptions, relative to the folder of the first description.
@@ -338,7 +340,7 @@ fn read_toml(
     let Some(file) = preamble.extends else {
         if let Some(body) = &preamble.body {
             reader.report.error(body.span, "body-without-scene", BODY_OF_MJCF);
-            reader.report.help("`extends` names the MJCF");
+            reader.report.help("name the MJCF with `extends`, or remove `body`");
         }
         let robot = toml::description(reader, &top, stem(name), None);
         return Some(held(robot, &preamble.held, &mut reader.report));
@@ -404,7 +406,7 @@ fn read_base(
     }
 }
 
-/// The base description, changed by the extension.
+/// Returns the base description with the changes of the extension.
 fn extend(mut base: RobotDescription, extension: RobotDescription, report: &mut Report) -> RobotDescription {
     let joints = index(base.joints.iter().map(|joint| &joint.name));
     for joint in extension.joints {
@@ -467,7 +469,7 @@ fn index<'n>(names: impl Iterator<Item = &'n Name>) -> BTreeMap<String, usize> {
     names.enumerate().map(|(at, name)| (name.value.clone(), at)).collect()
 }
 
-/// Mass, centre and inertia are replaced separately. A new centre or inertia is in the frame of the link,
+/// Replaces mass, centre and inertia of a body separately. A new centre or inertia is in the frame of the link,
 /// unless the extension has a new origin.
 fn extend_body(known: &mut BodyDescription, body: BodyDescription) {
     let moved = body.center_of_mass.is_some() || body.inertia.is_some();
@@ -476,7 +478,7 @@ fn extend_body(known: &mut BodyDescription, body: BodyDescription) {
     let origin = body.origin.map(|origin| body.unsaid.filled(origin, below.as_ref()));
     let kept = below.filter(|_| !moved);
     if moved && origin.is_none() {
-        // Both were described in the old frame: what is not replaced has to follow into the link's frame.
+        // Centre and inertia were in the old frame. The value that is kept is converted to the frame of the link.
         let unmoved = BodyDescription { origin: kept.clone(), ..known.clone() };
         known.center_of_mass = Some(unmoved.center_in_link());
         if let Some(inertia) = &mut known.inertia {
@@ -488,7 +490,7 @@ fn extend_body(known: &mut BodyDescription, body: BodyDescription) {
     known.center_of_mass = body.center_of_mass.or(known.center_of_mass.take());
     known.inertia = body.inertia.or(known.inertia.take());
     known.accept_unphysical |= body.accept_unphysical;
-    // Who replaces numbers answers for the body.
+    // A body with replaced numbers is checked like a body of the TOML file.
     known.is_published &= !replaced;
 }
 
@@ -508,7 +510,7 @@ fn extend_joint(
     known.parent = joint.parent.or(known.parent.take());
     known.child = joint.child.or(known.child.take());
     if let Some(origin) = joint.origin {
-        // Behind a row of Denavit and Hartenberg, and off the frame of an MJCF's body, a part would not be what was described.
+        // After a Denavit–Hartenberg row, or away from the body frame of an MJCF, a part of a pose would have another meaning.
         let is_plain = known.link_frame.as_ref().is_none_or(Pose::is_identity);
         let below = known.origin.as_ref().filter(|_| is_plain);
         known.origin = Some(joint.unsaid.filled(origin, below));

@@ -2,12 +2,12 @@
 
 use gelenk_formula::Hold;
 
-/// Options for reading a description, in addition to the keys of the description with the same names.
+/// Options for reading a description. They act in addition to the keys of the description with the same names.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ReadOptions {
     /// Makes mimic joints of a URDF or MJCF independent joints.
     pub ignore_mimic: bool,
-    /// Angles within this distance (rad) of a multiple of 90° are rounded to it.
+    /// Tolerance in rad. Angles within this distance of a multiple of 90° are rounded to this multiple.
     pub snap_angles: Option<f64>,
     /// Leaves out all friction.
     pub no_friction: bool,
@@ -23,8 +23,9 @@ pub struct ReadOptions {
     /// Makes driven joints independent joints without a drive, for logs that contain the motion of all
     /// joints.
     pub free_driven: bool,
-    /// Joints that are held. Later entries replace earlier entries.
+    /// Joints that are held at a position. Later entries replace earlier entries.
     pub hold: Vec<Hold>,
-    /// Name of the body of an MJCF whose tree is the robot. The rest of the scene is removed.
+    /// Name of a body in the scene of an MJCF. The robot is the kinematic tree that contains this body; the rest
+    /// of the scene is removed.
     pub body: Option<String>,
 }

@@ -28,7 +28,7 @@ impl Remark {
 pub(super) struct Notes {
     /// Skipped elements and attributes, each with its first place and the number of its occurrences.
     skipped: BTreeMap<String, (Span, usize)>,
-    /// First place and owners.
+    /// For each remark its first place and the names of all elements that it concerns.
     remarks: BTreeMap<Remark, (Span, Vec<String>)>,
 }
 
@@ -64,7 +64,7 @@ fn note_skipped(harmless: Vec<(String, (Span, usize))>, report: &mut Report) {
     let counts = harmless.iter();
     let counts = counts.map(|(what, (_, count))| format!("{count} {what}"));
     let counts = counts.collect::<Vec<_>>().join(", ");
-    let message = format!("skipped: {counts}; none of their known parts enters the dynamics");
+    let message = format!("elements without a known effect on the dynamics were skipped: {counts}");
     report.note(Some(first), "skipped", message);
 }
 

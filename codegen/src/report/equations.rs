@@ -30,14 +30,13 @@ pub struct Symbol {
     pub meaning: String,
 }
 
-/// Largest number of abbreviations (intermediate values) that are shown at first. More abbreviations are
-/// folded away.
+/// Largest number of abbreviations (intermediate values) in an open list. Longer lists are folded at first.
 const MOST_OPEN: usize = 60;
 /// Largest number of typeset abbreviations. A browser needs seconds for tens of thousands.
 const MOST: usize = 1_500;
-/// Letters on one line of a printed page.
+/// Number of letters on one line of a printed page.
 const LETTERS: usize = 85;
-/// Letters of the space between two columns of a matrix.
+/// Width of the space between two columns of a matrix, in letters.
 const COLUMN_GAP: usize = 3;
 
 /// The equations of motion, and the meaning of their symbols.
@@ -47,9 +46,9 @@ pub(super) fn legend(robot: &Robot<'_>) -> Result<Vec<Block>, ReportError> {
         Block::Equations(vec![equation]),
         text("with coordinates $y_i$ and inputs $u_j$ in the order of the tables above, in SI units."),
         text(
-            "Each function computes intermediate values from earlier ones (as in Neweul-M²), and its result \
-             from them; nothing is computed twice. The generated code has the same lines in the same order. \
-             Numbers are rounded to 12 digits here.",
+            "Each function computes intermediate values from earlier intermediate values (as in Neweul-M²), and \
+             its results from these values. No value is computed twice. The generated code has the same lines in the same order. \
+             Numbers on this page are rounded to 12 digits.",
         ),
     ])
 }
@@ -70,10 +69,10 @@ pub(crate) const EQUATIONS: [&str; 4] = ["mass_matrix", "coriolis_forces", "appl
 const MOST_COORDINATES: usize = 3;
 
 /// Entries of M, k, q and B as sums without intermediate values, in LaTeX and with the numbers of the
-/// description. M is symmetric, so only its upper half is given.
+/// description. M is symmetric, so only its upper triangle is given.
 ///
 /// # Errors
-/// A text, if the robot has more than three coordinates or an entry has more than 1000 terms.
+/// Returns a message if the robot has more than three coordinates, or if an entry has more than 1000 terms.
 pub fn sums(model: &Model, functions: &[Function]) -> Result<Vec<String>, String> {
     let coordinates = model.coordinates.len();
     if coordinates > MOST_COORDINATES {
@@ -96,7 +95,7 @@ pub fn sums(model: &Model, functions: &[Function]) -> Result<Vec<String>, String
 /// The sums of [`sums`] as a LaTeX document (amsmath).
 ///
 /// # Errors
-/// Errors of [`sums`], and [`ReportError`] as text if a sum cannot be typeset.
+/// Returns the errors of [`sums`], or the text of a [`ReportError`] if a sum cannot be typeset.
 pub fn sums_document(model: &Model, functions: &[Function]) -> Result<String, String> {
     let mut lines = Vec::new();
     for sum in sums(model, functions)? {
@@ -136,7 +135,7 @@ pub(super) fn program(robot: &Robot<'_>, function: &Function) -> Vec<Block> {
     let joined = |(name, value): (String, String)| format!("{name} = {value}");
     let abbreviations: Vec<String> = equations.abbreviations.into_iter().map(joined).collect();
     let results: Vec<String> = equations.results.iter().flat_map(result_lines).collect();
-    // A name that no LaTeX can hold is rare, and the program as text is as good.
+    // A few names cannot be typeset in LaTeX. The program is then shown as text.
     let (Ok(abbreviations), Ok(results)) = (all(&abbreviations), all(&results)) else {
         let text = display::text(&function.program, &notation);
         return vec![heading, Block::Code(text)];
@@ -154,8 +153,7 @@ pub(super) fn program(robot: &Robot<'_>, function: &Function) -> Vec<Block> {
     blocks
 }
 
-/// A result as one equation. If a matrix is too wide for paper, the equations are those of its entries that
-/// are not 0.
+/// A result as one equation. If a matrix is too wide for paper, it has one equation per non-zero entry.
 fn result_lines(result: &LatexResult) -> Vec<String> {
     let width = |entry: &String| Equation::new(entry.as_str()).map_or(0, |equation| equation.width());
     let columns = result.rows.first().map_or(0, Vec::len);

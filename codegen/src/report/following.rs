@@ -7,8 +7,8 @@ use super::robot::Robot;
 use crate::model::{FollowedCoordinate, FrictionTerm};
 use gelenk_formula::Formula;
 
-/// A joint that follows coordinates, or the shaft of a motor that moves several coordinates. Its position has
-/// the symbol z.
+/// A joint that follows coordinates, or the shaft of a motor that moves several coordinates. The symbol of its
+/// position is z.
 pub(super) struct Following<'a> {
     name: &'a str,
     what: &'static str,
@@ -66,7 +66,7 @@ impl Following<'_> {
 
 /// Table of names and positions of joints and shafts that follow coordinates.
 ///
-/// - `what`: friction or springs, which these joints and shafts have
+/// - `what`: `friction` or `springs`
 pub(super) fn table(robot: &Robot<'_>, following: &[Following<'_>], what: &str) -> Table {
     let rows = following.iter().map(|one| {
         let motion = robot.followed(&one.follows, one.offset);

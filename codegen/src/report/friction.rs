@@ -21,7 +21,7 @@ pub(super) fn section(robot: &Robot<'_>) -> Result<Option<Section>, ReportError>
         return Ok(None);
     }
     let mut section = Section::new("friction", "Friction").block(text(
-        "Friction torque (or force) at the joint, positive for positive velocity; subtracted from the applied forces.",
+        "The friction torque (or force) at a joint is positive for positive velocity. It is subtracted from the applied forces.",
     ));
     if !laws.is_empty() {
         section = section.block(equations::set(&laws));
@@ -52,7 +52,7 @@ fn following_blocks(robot: &Robot<'_>, following: &[Following<'_>]) -> Vec<Block
     vec![
         Block::Table(following::table(robot, following, "friction")),
         text(
-            "Its friction $\\tau_{z,k}$ is a function of its own position $z_k$ and velocity. It adds \
+            "The friction $\\tau_{z,k}$ of a joint or shaft $k$ is a function of its position $z_k$ and velocity. It adds \
              $\\sum_k \\tau_{z,k} \\, \\partial z_k / \\partial y_i$ to the friction of coordinate $i$.",
         ),
         equations::set(&laws),
@@ -93,9 +93,9 @@ fn law(robot: &Robot<'_>, name: &str, motion: Motion, terms: &[FrictionTerm]) ->
     format!("{name} = {}", terms.join(" + "))
 }
 
-const CAPTION: &str = "Friction over velocity up to the velocity limit (1 if there is none), with the other \
-                       joints at rest. Friction that depends on the position is drawn at both limits and \
-                       midway.";
+const CAPTION: &str = "Friction over velocity up to the velocity limit (1 rad/s or m/s without a limit), with the other \
+                       joints at rest. Friction that depends on the position is drawn at both position \
+                       limits and at their mean.";
 
 /// Plots of friction over velocity, computed by the generated function.
 pub(super) fn friction_figure(robot: &Robot<'_>, following: &[Following<'_>]) -> Option<Figure> {

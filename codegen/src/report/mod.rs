@@ -1,7 +1,7 @@
 //! Page of a robot: its parts, equations, operation counts, and self-check.
 //!
-//! [`gelenk_report`] writes the page, as it does for the runtime's examples. This module has the contents of
-//! the page.
+//! The crate [`gelenk_report`] writes the page and also the pages of the runtime's examples. This module makes the
+//! contents of the page.
 
 mod equations;
 mod following;
@@ -37,16 +37,16 @@ pub struct Contents<'a> {
     pub functions: &'a [Function],
     /// Notes on the description.
     pub notes: &'a Diagnostics,
-    /// Closed forms. If there are no closed forms, the reason as text with markup.
+    /// Closed forms; if they are missing, the reason as text with markup.
     pub closed_form: Result<&'a ClosedForm, &'a str>,
     /// Command line that makes the page.
     pub command: &'a str,
 }
 
-/// The page of a robot.
+/// Returns the page of a robot.
 ///
 /// # Errors
-/// [`ReportError`] if a part cannot be typeset or drawn.
+/// Returns a [`ReportError`] if a part cannot be typeset or drawn.
 pub fn report(contents: &Contents<'_>) -> Result<Report, ReportError> {
     let robot = Robot::new(contents.model, contents.functions);
     let mut report = head(&robot);
@@ -96,8 +96,8 @@ fn robot_section(robot: &Robot<'_>) -> Section {
         .blocks(driven(robot).map(|sentence| text(&sentence)))
         .blocks(quaternions(robot).iter().map(|sentence| text(sentence)))
         .block(text(
-            "Kinematic tree. Circles are revolute joints, squares prismatic ones, a circle in a \
-                     square is a joint that does both, bars are fixed or held joints. Joints with a drive \
+            "The kinematic tree. Circles are revolute joints, squares are prismatic joints, a circle in a \
+                     square is a joint that rotates and translates, and bars are fixed or held joints. Joints with a drive \
                      are filled.",
         ))
         .block(Block::Tree(scene))
@@ -174,7 +174,7 @@ fn structure_section(robot: &Robot<'_>) -> Section {
         false => "$f = M \\ddot y + k - q$ are the forces of the inverse dynamics.",
         true => "$f$ are the forces of the inverse dynamics.",
     };
-    let words = format!("Filled entries are computed; the others are 0 for every state. {forces}");
+    let words = format!("Filled entries are computed; all other entries are 0 for every state. {forces}");
     Section::new("structure", "Sparsity and cost")
         .block(text(&words))
         .block(Block::Patterns(sparsity::patterns(robot)))
@@ -186,8 +186,8 @@ fn self_check_section(robot: &Robot<'_>) -> Section {
         .block(text(&format!(
             "The generated functions are interpreted at seeded states within the limits and compared with \
              independently derived Newton–Euler equations of the described bodies; derivatives are compared \
-             with dual numbers. The bound for rounding is 1e-9 of the largest entry, or 1e-12 of the terms \
-             of a sum that cancel; functions that divide by M multiply it by the condition of M. The mass \
+             with dual numbers. The bound for rounding errors is 1e-9 of the largest entry, or 1e-12 of the terms \
+             of a sum that cancel; for functions that divide by M, the bound is multiplied by the condition number of M. The mass \
              matrix is examined at {} states.",
             self_check::STATES
         )))
@@ -202,8 +202,8 @@ fn quaternions(robot: &Robot<'_>) -> Vec<String> {
         let origin = if joint.kind.quaternion() > 0 { "the position of its body, then " } else { "" };
         format!(
             "Joint {} is {}: its positions $y_{{{first}}}$ to $y_{{{}}}$ are {origin}a quaternion x, y, z, \
-             w, and its velocities $\\dot{{y}}_{{{}}}$ to $\\dot{{y}}_{{{}}}$ are those of its body in the \
-             body's own axes. The sliders here move and rotate the body along x, y and z, in this order.",
+             w, and its velocities $\\dot{{y}}_{{{}}}$ to $\\dot{{y}}_{{{}}}$ are those of its body, in the \
+             axes of the body. The sliders here move and rotate the body along x, y and z, in this order.",
             joint.name,
             joint.kind.name(),
             first + joint.kind.positions() - 1,

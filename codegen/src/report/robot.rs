@@ -34,8 +34,8 @@ impl<'a> Robot<'a> {
         }
     }
 
-    /// Symbol of a coordinate: the position of its joint, or the velocity for a joint with a quaternion.
-    /// Indices of driven joints follow the indices of the coordinates.
+    /// Symbol of a coordinate: the position of its joint, or the velocity for a joint with a quaternion. Driven
+    /// coordinates have indices after the indices of the coordinates.
     pub(super) fn named(&self, coordinate: usize) -> SceneSymbol {
         match coordinate.checked_sub(self.n()) {
             Some(driven) => SceneSymbol::Driven(driven),
@@ -46,7 +46,7 @@ impl<'a> Robot<'a> {
         }
     }
 
-    /// This symbol in LaTeX and as text.
+    /// Symbol of a coordinate in LaTeX and as text.
     pub(super) fn symbol(&self, coordinate: usize) -> [String; 2] {
         let (latex, letter, index) = match self.named(coordinate) {
             SceneSymbol::Position(index) => ("y", "y", index),

@@ -22,7 +22,7 @@ pub(super) fn claims(robot: &Robot<'_>) -> Vec<Claim> {
         let name = "largest difference divided by the bound for rounding";
         Claim::new(format!("check-{id}"), format!("{what} independent evaluation of the described bodies."))
             .criterion(Criterion::at_most(name, worst(excesses), 1.0, ""))
-            .flipped_by("a term, a sign or a frame differs between the two")
+            .flipped_by("a term, a sign or a frame differs between the two evaluations")
     };
     let (of_frames, others): (Vec<_>, Vec<_>) =
         robot.functions.iter().partition(|function| function.frame.is_some());
@@ -58,11 +58,11 @@ fn definiteness(robot: &Robot<'_>) -> Option<Claim> {
     Some(
         Claim::new("check-definite", statement)
             .criterion(Criterion::at_least(name, least, bound, ""))
-            .flipped_by("a mass is negative, or a joint moves nothing"),
+            .flipped_by("a mass is negative, or a joint moves no mass"),
     )
 }
 
-/// Eigenvalues of a scaled mass matrix below this value are rounding.
+/// Magnitude below which eigenvalues of the scaled mass matrix count as rounding errors.
 const ROUNDING: f64 = 1e-12;
 
 /// The smallest eigenvalue of `M_ij / √(M_ii M_jj)` at a seeded state. The scaling removes the units, because

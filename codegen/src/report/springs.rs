@@ -49,7 +49,7 @@ fn following_blocks(robot: &Robot<'_>, following: &[Following<'_>]) -> Vec<Block
     vec![
         Block::Table(following::table(robot, following, "springs")),
         text(
-            "Its force $s_{z,k}$ is a function of its own position $z_k$ and velocity. It adds $\\sum_k \
+            "The force $s_{z,k}$ of a joint or shaft $k$ is a function of its position $z_k$ and velocity. It adds $\\sum_k \
              s_{z,k} \\, \\partial z_k / \\partial y_i$ to the applied force of coordinate $i$.",
         ),
         equations::set(&laws),

@@ -16,7 +16,7 @@ use gelenk_formula::Formula;
 pub(super) fn coordinates(robot: &Robot<'_>) -> Table {
     let mut table = Table::new(
         "coordinates",
-        "Coordinates and limits at the joint, in rad, rad/s and N m for revolute joints, in m, m/s and N for prismatic ones.",
+        "Coordinates and limits at the joint, in rad, rad/s and N m for revolute joints, in m, m/s and N for prismatic joints.",
     )
     .column("", "index", "");
     let has_quaternions = !robot.model.quaternion_joints.is_empty();
@@ -306,8 +306,8 @@ pub(super) fn geometry(robot: &Robot<'_>) -> Option<Table> {
     }
     let table = Table::new(
         "geometry",
-        "Joints: origin of the joint frame in the parent link's frame, its roll, pitch and yaw there (R = R_z R_y R_x), and the axis in the \
-         joint frame.",
+        "Joints: origin, roll, pitch and yaw of the joint frame in the parent link's frame (R = R_z R_y R_x), and the axis in the joint \
+         frame.",
     )
     .column("joint", "joint", "")
     .column("parent", "parent", "")
@@ -409,7 +409,8 @@ pub(super) fn gravity(robot: &Robot<'_>) -> String {
     format!("({}) m/s²", numbers.join(", ").replace('-', "−"))
 }
 
-/// Operation counts of functions, with the bytes of machine code if given; `None` for inlined functions.
+/// Table of the operation counts of functions, with the bytes of machine code if given. The number of bytes is
+/// `None` for inlined functions.
 pub(crate) fn counts(functions: &[(String, Cost)], bytes: &[Option<u64>]) -> Table {
     let mut table = Table::new(
         "operations",

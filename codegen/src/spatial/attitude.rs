@@ -58,7 +58,7 @@ impl<'g> Attitude<Scalar<'g>> {
     pub fn symmetric_to_parent(&self, s: Symmetric3<Scalar<'g>>) -> Symmetric3<Scalar<'g>> {
         let columns = s.columns().map(|column| self.to_parent(column));
         let row = |i: usize| Vector3([columns[0][i], columns[1][i], columns[2][i]]);
-        // Row i of R Σ, times column j of Rᵀ.
+        // Product of row i of R Σ and column j of Rᵀ.
         let axis = |j: usize| Vector3([self.0[0][j], self.0[1][j], self.0[2][j]]);
         let entry = |i: usize, j: usize| row(i).dot(axis(j));
         Symmetric3::new([entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)])

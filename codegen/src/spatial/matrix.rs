@@ -74,9 +74,9 @@ impl<'g> Matrix3<'g> {
         ])
     }
 
-    /// `R_z(φ) A R_z(φ)ᵀ` from the sine and the cosine of φ. It needs only 12 multiplications and 11
-    /// additions, because the rotation changes neither the trace nor the antisymmetric part of the block of x
-    /// and y.
+    /// Rotation about z, `R_z(φ) A R_z(φ)ᵀ`. The argument is the sine and cosine of φ. The product needs only
+    /// 12 multiplications and 11 additions, because the rotation changes neither the trace nor the
+    /// antisymmetric part of the block of x and y.
     pub fn turned(&self, (s, c): (Scalar<'g>, Scalar<'g>)) -> Self {
         let a = self;
         let across = s * (a[0][0] - a[1][1]) + c * (a[0][1] + a[1][0]);
@@ -90,7 +90,7 @@ impl<'g> Matrix3<'g> {
         ])
     }
 
-    /// `R A Rᵀ` with the constant rotation R to the parent's axes.
+    /// Transforms a matrix to the parent's axes, `R A Rᵀ` with the constant rotation R.
     pub fn twisted(&self, twist: &Twist) -> Self {
         let columns = [0, 1, 2].map(|k| twist.to_parent(self.column(k)));
         let row = |i: usize| Vector3([columns[0][i], columns[1][i], columns[2][i]]);

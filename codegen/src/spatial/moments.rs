@@ -10,8 +10,9 @@ use crate::graph::{Graph, Scalar};
 
 /// Moments of the mass distribution of a body about the origin of its frame: m, ∫ r dm, ∫ r rᵀ dm.
 ///
-/// The second moment Σ is used instead of the inertia tensor I = tr(Σ) 1 − Σ. A displacement by p changes it
-/// to `Σ + h pᵀ + p hᵀ + m p pᵀ`. The three moments of masses on a joint's axis are simply m, h_z and Σ_zz.
+/// The second moment Σ replaces the inertia tensor I = tr(Σ) 1 − Σ. A displacement by p changes Σ to
+/// `Σ + h pᵀ + p hᵀ + m p pᵀ`. If all mass is on a joint's axis, only the moments m, h_z and Σ_zz are
+/// non-zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MassMoments<S> {
     /// Mass m (kg).
@@ -28,7 +29,7 @@ impl<S> MassMoments<S> {
         MassMoments { mass: f(self.mass), first: self.first.map(&mut f), second: self.second.map(&mut f) }
     }
 
-    /// The ten moments.
+    /// The ten entries: mass, first moment, second moment.
     pub fn entries(self) -> impl Iterator<Item = S> {
         std::iter::once(self.mass).chain(self.first.0).chain(self.second.entries())
     }
@@ -41,8 +42,8 @@ impl<'g> MassMoments<Scalar<'g>> {
         Self { mass: zero, first: Vector3::zero(zero), second: Symmetric3::zero(zero) }
     }
 
-    /// Moments of a body with this centre of mass, and the inertia xx, xy, xz, yy, yz, zz about the centre of
-    /// mass.
+    /// Moments of a body with this centre of mass, and with the entries xx, xy, xz, yy, yz, zz of the inertia
+    /// about the centre of mass.
     pub fn of_inertia(mass: Scalar<'g>, center: Vector3<Scalar<'g>>, inertia: [Scalar<'g>; 6]) -> Self {
         let central =
             Self { mass, first: Vector3::zero(mass), second: second_moments(Symmetric3::new(inertia)) };
@@ -66,7 +67,7 @@ impl<'g> MassMoments<Scalar<'g>> {
         }
     }
 
-    /// Moments in another frame. `pose` is the pose of the present frame in the other frame.
+    /// Moments in another frame. `pose` is the pose of the current frame in the other frame.
     pub fn moved(self, pose: &Pose<Scalar<'g>>) -> Self {
         let rotated = Self {
             mass: self.mass,
@@ -81,7 +82,7 @@ impl<'g> MassMoments<Scalar<'g>> {
         Self { mass: self.mass, first: self.first.turned(turn), second: self.second.turned(turn) }
     }
 
-    /// Moments in the parent's frame. The present frame is the joint's frame before its motion.
+    /// Moments in the parent's frame. The current frame is the joint's frame before its motion.
     pub fn to_parent(self, twist: &Twist, translation: Vector3<Scalar<'g>>) -> Self {
         let rotation = twist.matrix();
         self.moved(&Pose { rotation, translation })
@@ -93,7 +94,7 @@ impl<'g> MassMoments<Scalar<'g>> {
         self.shifted(Vector3([zero, zero, length]))
     }
 
-    /// `I s`: spatial force that gives the masses the acceleration `s`, about the point of reference.
+    /// Force and moment `I s` that give the masses the acceleration `s`, about the point of reference.
     pub fn times(&self, Motion { angular, linear }: Motion<'g>) -> Force<'g> {
         let s = self.second;
         let tensor = Vector3([
@@ -130,7 +131,7 @@ impl std::ops::Sub for MassMoments<Scalar<'_>> {
     }
 }
 
-/// `Σ = ½ tr(I) 1 − I`
+/// Second moments `Σ = ½ tr(I) 1 − I` of an inertia tensor I.
 fn second_moments(inertia: Symmetric3<Scalar<'_>>) -> Symmetric3<Scalar<'_>> {
     let Symmetric3 { xx, xy, xz, yy, yz, zz } = inertia;
     Symmetric3 {

@@ -36,7 +36,7 @@ impl<'g> Motion<'g> {
         Self { angular, linear }
     }
 
-    /// Power of a force at this velocity.
+    /// Power of a force at this velocity: the sum of angular times moment and linear times force.
     pub fn dot(self, f: Force<'g>) -> Scalar<'g> {
         self.angular.dot(f.moment) + self.linear.dot(f.force)
     }
@@ -78,7 +78,7 @@ impl<'g> Force<'g> {
 
     /// Applies `f` to each entry.
     pub fn map(self, f: impl Fn(Scalar<'g>) -> Scalar<'g>) -> Self {
-        // The force first, as elsewhere: an order of the graph's nodes that decides the order of operands.
+        // The force is mapped first, because the order of the graph's nodes determines the order of operands.
         let force = self.force.map(&f);
         Self { moment: self.moment.map(&f), force }
     }

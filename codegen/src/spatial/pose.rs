@@ -6,7 +6,8 @@ use super::vector::Vector3;
 use crate::graph::{Graph, Scalar};
 use crate::numeric;
 
-/// Entries of a rotation matrix closer than this to 0 or ±1 are meant to be exactly that.
+/// Entries of a rotation matrix are set to 0 or ±1 if they differ from this value by less than this
+/// tolerance.
 const ROTATION_ROUNDING: f64 = 1e-14;
 
 /// A pose: a constant rotation, and a translation over scalars.

@@ -1,4 +1,4 @@
-//! Constant rotations between the axes of joints, and constant angles about them.
+//! Constant rotations between joint axes, and constant angles about joint axes.
 
 use nalgebra::Matrix3;
 
@@ -6,7 +6,7 @@ use super::vector::Vector3;
 use crate::graph::{Graph, Scalar};
 use crate::numeric;
 
-/// An angle as quarter turns plus a remainder. Multiples of 90° need no operations.
+/// An angle in quarter turns plus a remainder. The sine and cosine of multiples of 90° need no operations.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Angle {
     /// Number of quarter turns, 0 to 3.
@@ -55,7 +55,7 @@ impl Twist {
 }
 
 impl Angle {
-    /// Angle from radians. A remainder below 1e-13 is rounding and becomes 0.
+    /// Angle from radians. Remainders below 1e-13 are treated as rounding errors and become 0.
     pub fn new(radians: f64) -> Self {
         let quarters = (radians / std::f64::consts::FRAC_PI_2).round();
         let remainder = radians - quarters * std::f64::consts::FRAC_PI_2;
@@ -70,8 +70,8 @@ impl Angle {
         f64::from(self.quarters) * std::f64::consts::FRAC_PI_2 + self.remainder
     }
 
-    /// Sine and cosine of the angle, by which the frame of a prismatic joint is rotated; `None` for the angle
-    /// 0.
+    /// Sine and cosine of the angle as constants of the graph, for the frame of a prismatic joint; `None` for
+    /// the angle 0.
     pub fn constant_turn(self, graph: &Graph) -> Option<(Scalar<'_>, Scalar<'_>)> {
         if self == Self::default() {
             return None;
@@ -80,8 +80,8 @@ impl Angle {
         Some(self.advance((graph.constant(sine), graph.constant(cosine))))
     }
 
-    /// Sine and cosine of a variable angle plus the quarter turns. The arguments are sine and cosine of the
-    /// variable angle.
+    /// Sine and cosine of the sum of a variable angle and the quarter turns. The argument is the sine and
+    /// cosine of the variable angle.
     pub fn advance<'g>(self, (s, c): (Scalar<'g>, Scalar<'g>)) -> (Scalar<'g>, Scalar<'g>) {
         match self.quarters {
             0 => (s, c),

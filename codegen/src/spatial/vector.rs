@@ -1,4 +1,4 @@
-//! Vectors and symmetric matrices of three dimensions.
+//! Vectors and symmetric matrices in three dimensions.
 
 use std::fmt;
 use std::ops::{Add, Index, Neg, Sub};

@@ -11,21 +11,30 @@ use crate::model::{
 /// are last.
 #[derive(Clone)]
 pub struct Case<'m, T> {
+    /// The robot.
     pub robot: Robot<'m, T>,
+    /// Positions.
     pub at: Positions<T>,
+    /// Velocities ẏ.
     pub v: Vec<T>,
+    /// Accelerations ÿ.
     pub a: Vec<T>,
+    /// Inputs u.
     pub u: Vec<T>,
+    /// Wrenches, each a force and a moment.
     pub w: Vec<T>,
+    /// Multipliers λ of the Hessian of the inverse dynamics.
     pub lambda: Vec<T>,
 }
 
 /// Variable of differentiation.
 #[derive(Clone, Copy)]
 pub enum By {
-    /// Small motions along ⊕.
+    /// Positions, differentiated along small motions δ in y ⊕ δ.
     Positions,
+    /// Velocities.
     Velocities,
+    /// Accelerations.
     Accelerations,
 }
 

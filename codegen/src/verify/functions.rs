@@ -14,8 +14,8 @@ use crate::model::Attachment;
 /// Expected results of a function, flat and row-major.
 pub struct Expected<T> {
     pub results: Vec<Vec<T>>,
-    /// Factor by which divisions amplify errors: the growth from `inverse` for the mass matrix, infinity for
-    /// zero mass, and 1 for all other functions.
+    /// Factor by which divisions amplify rounding errors: the growth that `inverse` returns for functions that divide
+    /// by M, infinity if the result is undefined because the mass is zero, and 1 for all other functions.
     pub condition: f64,
 }
 
@@ -149,7 +149,7 @@ fn acceleration_derivatives<T: Number>(case: &Case<'_, T>, inverse: &Rows<T>) ->
 }
 
 fn linearize<T: Number>(case: &Case<'_, T>, accelerations: &[T]) -> Vec<Vec<T>> {
-    // By the accelerations, friction under load has another derivative than M.
+    // With load-dependent friction, the derivative with respect to the accelerations differs from M.
     let (inverse, _) = inverse(&case.derivative(By::Accelerations, Case::inverse_dynamics));
     let [by_y, by_v] = acceleration_derivatives(case, &inverse);
     let by_u = matrix_product(&inverse, &case.input_matrix());

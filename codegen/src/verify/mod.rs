@@ -26,8 +26,8 @@ use robot::{Positions, Robot};
 /// Largest allowed difference, relative to the largest entry of both results.
 const RELATIVE: f64 = 1e-9;
 
-/// Largest allowed difference, relative to the running error in units of the rounding of 1. Sums that cancel
-/// agree only to rounding.
+/// Largest allowed difference, divided by the running error of [`Measured`]. Sums whose terms cancel agree only
+/// up to rounding errors.
 const OF_ERROR: f64 = 1e-12;
 
 /// Code of errors of gelenk itself.
@@ -49,7 +49,7 @@ pub struct Disagreement {
 /// Compares functions with the independent evaluation of the model.
 ///
 /// # Errors
-/// [`INTERNAL`] for each function that differs. This is an error of gelenk, not of the description.
+/// Returns [`INTERNAL`] for each function that differs. This is an error of gelenk, not of the description.
 pub fn verify(model: &Model, functions: &[Function]) -> Result<(), Diagnostics> {
     let worst = functions.iter().map(|function| worst(model, function));
     let problems: Vec<Diagnostic> =
@@ -136,7 +136,7 @@ pub(crate) fn input_columns(model: &Model, parameters: &[f64], [y, d]: [&[f64]; 
 /// Suffix of the name of a function's derivative with respect to the free parameters.
 const BY_PARAMETERS: &str = "_by_parameters";
 
-/// A function that has no independent evaluation, or whose program cannot run.
+/// Disagreement of a function that has no independent evaluation, or whose program cannot run.
 fn unknown(function: &Function) -> Disagreement {
     let entry = [f64::NAN; 2];
     Disagreement { function: function.name.clone(), result: 0, excess: f64::INFINITY, entry }

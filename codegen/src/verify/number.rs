@@ -29,7 +29,7 @@ pub trait Number:
 }
 
 /// A number with its running error (Higham 2002, section 3.3): a bound of its rounding error in units of the
-/// rounding of 1. Numbers of the description count as rounded. Sines and cosines count as numbers of
+/// unit roundoff. Numbers of the description count as rounded. Sines and cosines count as numbers of
 /// magnitude 1, so a result that is zero at a special angle has the error of nearby angles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measured {
@@ -143,7 +143,7 @@ impl<T: Number> Dual<T> {
         Self { re, eps: T::zero() }
     }
 
-    /// A function value f(x), and the derivative of x times f′(x).
+    /// Chain rule: a function value f(x), and the derivative of x times f′(x).
     fn chain(self, value: T, slope: T) -> Self {
         Self { re: value, eps: self.eps * slope }
     }

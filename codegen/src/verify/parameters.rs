@@ -20,7 +20,8 @@ fn rotors<T: Number>(case: &Case<'_, T>) -> Vec<Drive> {
     model.input_drives().chain(without).filter(|drive| !is_ideal(drive)).cloned().collect()
 }
 
-/// Inertial parameters π: first of each moving link with all bodies that are fixed to it, then of the rotors.
+/// Inertial parameters π: first those of each moving link with all bodies that are fixed to it, then the rotor
+/// inertias.
 pub fn inertial<T: Number>(case: &Case<'_, T>) -> Vec<T> {
     let zeros = case.robot.zeros();
     let links = case.links_in([&zeros, &zeros], constant([0.0; 3]));
@@ -110,7 +111,8 @@ pub fn regressor<T: Number>(case: &Case<'_, T>) -> Rows<T> {
     transposed(&columns, case.n())
 }
 
-/// Columns of W that lead a base parameter; `None` if the names of the base parameters are unknown.
+/// Columns of the inertial regressor W for the leaders of the base parameters; `None` if the names of the base
+/// parameters are unknown.
 pub fn base_regressor<T: Number>(case: &Case<'_, T>, constants: &[Constant]) -> Option<Rows<T>> {
     let leaders = constants.iter().find_map(|constant| match &constant.value {
         ConstantValue::Names(_, names) if constant.name == "BASE_PARAMETER_NAMES" => Some(names),

@@ -22,8 +22,8 @@ pub struct Robot<'m, T> {
     pub model: &'m Model,
     pub parameters: Vec<T>,
     pub moving: Rc<Vec<MovingJoint<'m>>>,
-    /// The largest coordinate of a joint or of a centre of mass in the description. The derivation moves
-    /// points to frames of its own, and each point gets a rounding error of this size.
+    /// Largest coordinate of a joint or of a centre of mass in the description. The derivation expresses points
+    /// in other frames, so each point gets a rounding error of this size.
     length: T,
 }
 
@@ -35,14 +35,20 @@ pub struct Positions<T> {
     pub poses: Vec<(Vector<T>, [T; 4])>,
 }
 
-/// Pose and motion of a link. `acceleration` is the acceleration of its origin minus gravity.
+/// Pose and motion of a link, in the axes of the base.
 #[derive(Clone, Copy)]
 pub struct LinkMotion<T> {
+    /// Origin.
     pub origin: Vector<T>,
+    /// Rotation from the axes of the link to the axes of the base.
     pub rotation: Matrix<T>,
+    /// Velocity of the origin.
     pub velocity: Vector<T>,
+    /// Angular velocity.
     pub spin: Vector<T>,
+    /// Acceleration of the origin minus the gravitational acceleration.
     pub acceleration: Vector<T>,
+    /// Angular acceleration.
     pub spin_rate: Vector<T>,
     /// Whether a coordinate moves the link.
     pub moves: bool,

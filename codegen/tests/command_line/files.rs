@@ -45,7 +45,7 @@ fn a_ball_in_a_urdf_is_refused_by_others() {
     let said = shown(&gelenk(folder.path(), &["export", "ball.toml", "--urdf", "--output", "ball.urdf"]));
     assert!(said.contains("urdfdom and Pinocchio reject the whole file because of: `top`"), "{said}");
     let said = shown(&gelenk(folder.path(), &["generate", "ball.toml", "--functions", "integrate"]));
-    assert!(said.contains("always written for robots with spherical or floating joints"), "{said}");
+    assert!(said.contains("always generated for robots with spherical or floating joints"), "{said}");
 }
 
 #[test]

@@ -95,10 +95,13 @@ fn a_new_crate_is_not_made_of_an_mjcf_that_it_cannot_move_or_hold() {
     fs::write(folder.path().join("motors.xml"), MOTORS).unwrap();
     fs::write(folder.path().join("robots/build.rs"), MOTORS).unwrap();
     for (text, message) in [
-        (still, "has no motor at `shoulder`, `el\"bow`; the program of a new crate moves at least one joint"),
+        (
+            still,
+            "has no motor at `shoulder`, `el\"bow`; the program of a new crate needs a motor for at least one joint",
+        ),
         (
             free,
-            "has no motor at `el\"bow`; the program of a new crate moves each joint of a robot with a floating base",
+            "has no motor at `el\"bow`; the program of a new crate needs a motor for each joint of a robot with a floating base",
         ),
         (outside, "which cannot have the same relative path in the new crate"),
         (taken, "the MJCF includes build.rs, but a file of the project has the same name"),
@@ -156,7 +159,7 @@ fn a_new_crate_has_a_robot_that_floats() {
     assert_eq!(made.status.code(), Some(0), "{}", shown(&made));
     let home = folder.path().join("alone");
     let text = fs::read_to_string(home.join("robot.toml")).unwrap();
-    assert!(!text.contains("nothing of drives"), "{text}");
+    assert!(!text.contains("describes no drives"), "{text}");
     let generated = gelenk(&home, &["generate", "robot.toml"]);
     assert_eq!(generated.status.code(), Some(0), "{}", shown(&generated));
     assert!(fs::read_to_string(home.join("robot.rs")).unwrap().contains("let _ = b_x;"));

@@ -43,7 +43,7 @@ fn lost_bits_of_an_effort_are_left_out_and_said() {
     });
     let done = arm.run(&["arm.toml", "spike.csv", "--effort", "joint", "--output", "found.toml"]);
     let text = String::from_utf8(done.stdout).unwrap();
-    let said = "row 702: column `effort_lift`: 1 effort is far beyond all others and left out, -999999";
+    let said = "row 702: column `effort_lift` has 1 effort far beyond all others, -999999; it is left out";
     assert!(done.status.success() && text.contains(said), "{text}");
 }
 
@@ -165,6 +165,6 @@ fn a_counter_of_samples_is_no_time() {
     let said = |done: std::process::Output| {
         format!("{}{}", String::from_utf8_lossy(&done.stdout), String::from_utf8_lossy(&done.stderr))
     };
-    assert!(said(arguments("s")).contains("its times step by exactly 1 s"));
-    assert!(!said(arguments("10 ms")).contains("its times step by exactly 1 s"));
+    assert!(said(arguments("s")).contains("all time steps are exactly 1 s"));
+    assert!(!said(arguments("10 ms")).contains("all time steps are exactly 1 s"));
 }

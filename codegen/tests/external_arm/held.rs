@@ -65,13 +65,19 @@ fn joints_that_cannot_be_held_are_refused() {
     let arm = arm(None);
     let said = arm.refuses(&["arm.toml", "less.csv", "--output", "refused.toml"]);
     assert!(
-        said.contains("no column is the position of `reach`") && said.contains("--hold reach=0"),
+        said.contains("the log has no column for the position of `reach`") && said.contains("--hold reach=0"),
         "{said}"
     );
     let said = arm.refuses(&["arm.toml", "less.csv", "--hold", "hand", "--output", "refused.toml"]);
-    assert!(said.contains("--hold `hand`: no joint has such a name. There are turn, lift, reach"), "{said}");
+    assert!(
+        said.contains("--hold `hand`: no joint has such a name. The joints are turn, lift, reach"),
+        "{said}"
+    );
     let said = arm.refuses(&["arm.toml", "full.csv", "--hold", "reach", "--output", "refused.toml"]);
-    assert!(said.contains("joint `reach` is held, but column `q_reach` is its own"), "{said}");
+    assert!(
+        said.contains("joint `reach` is held by an option, but the log has its column `q_reach`"),
+        "{said}"
+    );
 }
 
 /// The line that is printed can be given back.
@@ -92,5 +98,5 @@ fn columns_are_printed_as_a_line() {
     let (code, line, said) = asked(&[]);
     assert_eq!(code, Some(1), "{line}");
     assert!(line.starts_with("--columns 'time=t,position=?,torque=?'\n    1  t\n    2  q_turn\n"), "{line}");
-    assert!(said.contains("no column is the position of `reach`"), "{said}");
+    assert!(said.contains("the log has no column for the position of `reach`"), "{said}");
 }

@@ -337,7 +337,7 @@ fn terms_are_chosen_by_the_method_that_is_named() {
         "the command is in the file"
     );
     let refused = arm.refuses(&["arm.toml", "log.csv", "--method", "lasso", "--threshold", "0.5"]);
-    assert!(refused.contains("--threshold is that of --method stls"), "{refused}");
+    assert!(refused.contains("only --method stls has a threshold"), "{refused}");
     let refused = arm.refuses(&["arm.toml", "log.csv", "--friction", "stribeck", "--method", "lasso"]);
     assert!(refused.contains("no terms to choose from"), "{refused}");
 }

@@ -21,14 +21,15 @@ fn columns_come_first_and_numbers_are_as_people_write_them() {
     arm.record("arm.toml", "log.csv", None);
     let done = arm.run(&["arm.toml", "log.csv", "--output", "found.toml"]);
     let text = String::from_utf8(done.stdout).unwrap();
-    let head = "note[columns]: time: `t`\nnote[columns]: positions: `q_{name}`, in rad as its header names no unit\nnote[columns]: efforts, as \
-                forces at the joints: `effort_{name}`, in N*m as its header names no unit\n";
+    let head = "note[columns]: time: `t`\nnote[columns]: positions: `q_{name}`, in rad because the header has no \
+                unit\nnote[columns]: efforts, as forces at the joints: `effort_{name}`, in N*m because the header has no \
+                unit\n";
     assert!(text.starts_with(head), "{text}");
     assert!(text.contains("the description has the weight ") && !has_an_exponent(&text), "{text}");
     let written = fs::read_to_string(arm.at("found.toml")).unwrap();
     let comments: Vec<&str> = written.lines().filter(|line| line.starts_with('#')).collect();
     assert!(
-        comments.contains(&"# note[columns]: positions: `q_{name}`, in rad as its header names no unit"),
+        comments.contains(&"# note[columns]: positions: `q_{name}`, in rad because the header has no unit"),
         "{written}"
     );
     assert!(!has_an_exponent(&comments.join("\n")), "{written}");

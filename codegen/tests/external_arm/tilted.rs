@@ -23,7 +23,7 @@ fn a_base_at_an_angle_is_a_warning_with_the_gravity_that_a_description_needs() {
     let found = arm.identify(&["log.csv", "--output", "found.toml"]);
     let said = doubt(&found).unwrap_or_else(|| panic!("{}", found["warnings"]));
     println!("{said}");
-    assert!(said.contains("about [1, ") && said.contains("set gravity = ["), "{said}");
+    assert!(said.contains("axis [1, ") && said.contains("set `gravity = ["), "{said}");
     let angle = said.split("gravity ").nth(1).unwrap().split('°').next().unwrap().parse::<f64>().unwrap();
     // atan(1.36 / 9.715)
     assert!((angle - 7.97).abs() < 0.2, "{angle}");

@@ -27,14 +27,14 @@ const RPM: f64 = 30.0 / PI;
 fn values_far_beyond_the_limits_are_refused_with_their_unit() {
     let arm = with_limits();
     let cases = [
-        ([1.0, DEGREES, 1.0], "they look like deg: --columns 'position=q_{name}[deg]'"),
-        ([1.0, 1e3, 1.0], "they look like mrad: --columns 'position=q_{name}[mrad]'"),
+        ([1.0, DEGREES, 1.0], "the positions seem to be in deg: use --columns 'position=q_{name}[deg]'"),
+        ([1.0, 1e3, 1.0], "the positions seem to be in mrad: use --columns 'position=q_{name}[mrad]'"),
         ([1e-3, 1.0, 1.0], "times are in another unit (--columns 'time=t[UNIT]')"),
         ([1.0 / 60.0, 1.0, 1.0], "times are in min (--columns 'time=t[min]')"),
-        ([1.0, 1.0, 1e3], "they may be in mNm: --columns 'torque=effort_{name}[mNm]'"),
+        ([1.0, 1.0, 1e3], "the efforts may be in mNm: use --columns 'torque=effort_{name}[mNm]'"),
         (
             [1.0, 1.0, 20.0],
-            "counts and percents have a factor, as in --columns 'torque=effort_{name}[0.05 Nm]'",
+            "for counts and percents, give a factor: --columns 'torque=effort_{name}[0.05 Nm]'",
         ),
         ([1.0, RPM, 1.0], "positions are in deg (--columns 'position=q_{name}[deg]')"),
     ];
@@ -58,8 +58,8 @@ fn efforts_that_carry_another_robot_are_refused() {
     let arm = Arm::new();
     let refused = [
         ([1.0, 1.0, 1e3], "they may be in mNm (--columns 'torque=…[mNm]')"),
-        ([1.0, 1.0, DEGREES], "as in --columns 'torque=…[0.05 Nm]'"),
-        ([1.0, 1.0, 20.0], "as in --columns 'torque=…[0.05 Nm]'"),
+        ([1.0, 1.0, DEGREES], "for example --columns 'torque=…[0.05 Nm]'"),
+        ([1.0, 1.0, 20.0], "for example --columns 'torque=…[0.05 Nm]'"),
         ([1.0, 1.0, 0.05], "--effort input"),
         ([1.0, 1.0, 1e-3], "--effort input"),
         ([1.0, DEGREES, 1.0], "check the unit of the positions"),
@@ -106,7 +106,10 @@ fn loads_from_logs_in_other_units_are_refused() {
     };
     record([1.0; 3], "without.csv");
     record([1.0, DEGREES, 1.0], "with.csv");
-    assert!(load("limited.toml").contains("they look like deg: --columns 'position=q_{name}[deg]'"));
+    assert!(
+        load("limited.toml")
+            .contains("the positions seem to be in deg: use --columns 'position=q_{name}[deg]'")
+    );
     record([1.0, 1.0, 1e3], "with.csv");
     assert!(load("limited.toml").contains("they may be in mNm: --columns 'torque=effort_{name}[mNm]'"));
     // Without limits the weight of the robot shows it. No fit has tried a unit, so none is named.

@@ -138,41 +138,45 @@ fn broken() -> Vec<(String, &'static str, &'static [&'static str])> {
         (
             changed(100, "0,0,0,0"),
             "",
-            &["log.csv, row 101", "is zero, which is not an attitude", "leave out the rows"],
+            &["log.csv, row 101", "is zero, so that it is not an orientation", "remove the rows"],
         ),
-        (changed(7, "3,40,2,1"), "", &["row 8", "has the length 40.1", "Are these angles"]),
+        (changed(7, "3,40,2,1"), "", &["row 8", "has the length 40.1", "The columns may be angles"]),
         (
             renamed("q_base_qz", "other"),
             "",
-            &["of the quaternion of `base` only", "`q_base_qw`", "z is missing", "'xyzw=a|b|c|d'"],
+            &["the quaternion of `base` has only", "`q_base_qw`", "z is missing", "'xyzw=a|b|c|d'"],
         ),
         (
             renamed("q_base_z", "height"),
             "",
-            &["of the place of `base` only `q_base_x`, `q_base_y` are there, z is missing"],
+            &["the place of `base` has only the columns `q_base_x`, `q_base_y`, but z is missing"],
         ),
         (angles, "", &["`base`, but roll_deg, pitch_deg, yaw_deg look like angles", "as_quat()"]),
         (
             renamed("q_base_qx", "q_base_qx [deg]"),
             "",
-            &["`q_base_qx [deg]` would be an entry of a quaternion, which has no unit"],
+            &["`q_base_qx [deg]` has a unit, but it would be an entry of a quaternion, which has no unit"],
         ),
         (
             renamed("q_base_x", "q_base_x [rad]"),
             "",
             &["`q_base_x [rad]` is a place in rad, but m is expected"],
         ),
-        (good.clone(), "wxyz=5..7", &["it names 3 columns, 4 are needed"]),
-        (good.clone(), "wxyz=5..8,xyzw=5..8", &["names quaternions twice"]),
+        (good.clone(), "wxyz=5..7", &["the pattern names 3 columns, but 4 are needed"]),
+        (good.clone(), "wxyz=5..8,xyzw=5..8", &["the quaternions are named twice"]),
         (good.clone(), "desired=q_base_x", &["`desired`"]),
         (
             good.clone(),
             "torque=9..12",
             &["inputs of this robot act at frames (front_right, rear_left", "'input=…'"],
         ),
-        (good.clone(), "current=9..12", &["currents are not identified if joints have quaternions"]),
-        (renamed("u_front_left", "other"), "", &["no column is the", "front_left"]),
-        (log(HEADERS[1], &flight), "xyzw=pose.orientation.x|nothing", &["no columns have this name"]),
+        (
+            good.clone(),
+            "current=9..12",
+            &["the robot has joints with quaternions, for which currents are not supported"],
+        ),
+        (renamed("u_front_left", "other"), "", &["the log has no column for the", "front_left"]),
+        (log(HEADERS[1], &flight), "xyzw=pose.orientation.x|nothing", &["no column has this name"]),
     ]
 }
 
@@ -196,7 +200,7 @@ fn what_is_not_done_for_such_robots_is_refused_by_name() {
     let folder = tempfile::tempdir().unwrap();
     let text = log(HEADERS[0], &flight(3.0, 3));
     let cases: [(&[&str], &str); 2] = [
-        (&["--gravity-compensated"], "gravity is not compensated where a joint is floating"),
+        (&["--gravity-compensated"], "gravity is not compensated if a joint is floating"),
         (
             &["--plan"],
             "joint base: no motion is planned if a floating joint is moved by its inputs in 4 of its 6 directions",

@@ -1,11 +1,12 @@
-//! Kalman filters of the terms for several rates of drift, and their average.
+//! Kalman filters that estimate the terms for several rates of drift, and their weighted average.
 
 use super::correlation::Correlation;
 use super::law::{TERMS, dot, product, root};
 use gelenk_kernels::math::exp;
 use libm::log;
 
-/// Weight of the first noise, in samples: a guess that is a hundred times too large would otherwise outlast the memory.
+/// Weight of the initial noise variance, in samples. The weight is small, because a guess that is a hundred times too large would
+/// otherwise have an effect for longer than the memory.
 const FIRST_WEIGHT: f64 = 1.0;
 /// Number of rates of drift.
 pub(super) const RATES: usize = 3;
@@ -18,14 +19,14 @@ pub(super) struct Gaussian<const K: usize = TERMS> {
 }
 
 impl<const K: usize> Gaussian<K> {
-    /// N(0, diag(variances)).
+    /// The prior distribution N(0, diag(variances)).
     pub(super) fn prior(variances: &[f64; K]) -> Self {
         let row = |i: usize| core::array::from_fn(|j| if i == j { variances[i] } else { 0.0 });
         Self { mean: [0.0; K], covariance: core::array::from_fn(row) }
     }
 
-    /// `δ ← δ + N(0, share · V)`. No variance exceeds that of the prior V: rows and columns are scaled, so the covariance stays
-    /// positive semidefinite.
+    /// Adds drift: `δ ← δ + N(0, share · V)` with the variances V of the prior. A variance that would exceed that of the prior is
+    /// reduced by scaling its row and column, so the covariance remains positive semidefinite.
     pub(super) fn widen(&mut self, share: f64, prior: &[f64; K]) {
         for i in 0..K {
             let wider = self.covariance[i][i] + share * prior[i];
@@ -45,7 +46,7 @@ impl<const K: usize> Gaussian<K> {
         dot(&product(&self.covariance, phi), phi).max(0.0)
     }
 
-    /// Updates with a measurement of `φᵀ δ + N(0, noise)`; `error` is the prediction error.
+    /// Updates the estimate with a measurement of `φᵀ δ + N(0, noise)`. `error` is the prediction error.
     pub(super) fn update(&mut self, phi: &[f64; K], error: f64, noise: f64) {
         let direction = product(&self.covariance, phi);
         let total = dot(&direction, phi).max(0.0) + noise;
@@ -65,40 +66,44 @@ impl<const K: usize> Gaussian<K> {
 pub(super) struct Sample {
     pub phi: [f64; TERMS],
     pub torque: f64,
-    /// Position as a share of the cells' range.
+    /// Position relative to the range that is divided into cells.
     pub share: f64,
     pub forwards: bool,
 }
 
-/// Filter for one rate of drift.
+/// Kalman filter for one rate of drift.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Track {
     pub state: Gaussian,
-    /// Logarithm of the weight; the likeliest filter has 0.
+    /// Logarithm of the weight, relative to the filter with the largest weight.
     pub weight: f64,
     pub correlation: Correlation,
-    /// Number of correlated samples that count as one.
+    /// Number of correlated samples that have the information of one independent sample.
     pub correlated: f64,
 }
 
-/// One filter per rate of drift.
+/// Kalman filters for several rates of drift, with a common noise variance.
 ///
-/// The terms are a random walk, δ(t + dt) = δ(t) + N(0, V dt/T), with the prior's variances V. T is the time
-/// in which a change as large as the prior is expected; it is unknown. Each of several values of T has a
-/// filter, and its weight follows from its predictions (dynamic model averaging, Raftery, Kárný, Ettler,
-/// *Technometrics* 52, 2010):
+/// The terms are a random walk, δ(t + dt) = δ(t) + N(0, V dt/T), with the variances V of the prior. T is the time in which a
+/// change as large as the prior is expected. T is unknown. Therefore one filter runs for each of several values of T, and the
+/// weight w_l of filter l follows from its predictions (dynamic model averaging, Raftery, Kárný, Ettler, *Technometrics* 52,
+/// 2010):
 ///
 /// ```text
 ///     w_l ∝ w_l^α p_l(r)^(1/c)        p_l(r) = N(r; φᵀ δ_l, S_l)        S_l = φᵀ P_l φ + σ²
 /// ```
 ///
-/// where 1 − α is the interval between samples divided by the memory. All filters share the noise variance
-/// σ², which is estimated from the errors e: `σ² ← σ² (1 + (Σ w_l e²/S_l − 1)/n)` (West, Harrison, *Bayesian
-/// Forecasting and Dynamic Models*, 1997, section 10.8). With separate variances the fastest filter would
-/// interpret noise as drift. Each filter estimates from its residuals the number c_l of correlated samples
-/// that count as one, and uses c_l σ² as noise variance. A lagging filter has correlated residuals and must
-/// not slow down the others, so c is the smallest c_l. In directions that φ does not excite, the mean of a
-/// filter is constant and the covariance grows with the drift; nothing is forgotten without replacement.
+/// Here r is the torque of the sample, φ are the values of the terms, P_l is the covariance of filter l, and 1 − α is the interval
+/// between samples divided by the memory.
+///
+/// - All filters share the noise variance σ². It is estimated from the prediction errors e:
+///   `σ² ← σ² (1 + (Σ w_l e²/S_l − 1)/n)` (West, Harrison, *Bayesian Forecasting and Dynamic Models*, 1997, section 10.8). With
+///   separate variances, the fastest filter would interpret noise as drift.
+/// - Each filter estimates from its residuals the number c_l of correlated samples that have the information of one independent
+///   sample. It uses c_l σ² as noise variance. A filter that lags has correlated residuals, but must not slow down the other
+///   filters. Therefore c is the smallest c_l.
+/// - In directions that φ does not excite, the mean of a filter is constant, and the covariance grows with the drift. So learned
+///   terms are only forgotten if new information replaces them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Bank {
     pub tracks: [Track; RATES],
@@ -108,6 +113,8 @@ pub(super) struct Bank {
 }
 
 impl Bank {
+    /// Filters with the prior distribution.
+    ///
     /// - `noise`: initial noise variance
     pub(super) fn new(prior: &[f64; TERMS], noise: f64) -> Self {
         let (state, correlation) = (Gaussian::prior(prior), Correlation::NEW);
@@ -115,7 +122,7 @@ impl Bank {
         Self { tracks: [track; RATES], noise, taken: FIRST_WEIGHT }
     }
 
-    /// Advances by `dt` (s). Returns the share of the prior by which the average of the filters widens.
+    /// Advances all filters by `dt` (s). Returns the ratio of the added variance to the prior, averaged over the filters.
     ///
     /// - `times`: time T of each filter (s)
     pub(super) fn drift(&mut self, dt: f64, times: &[f64; RATES], prior: &[f64; TERMS]) -> f64 {
@@ -126,19 +133,19 @@ impl Bank {
         weights.iter().zip(times).map(|(weight, time)| weight * dt / time).sum()
     }
 
-    /// Widens all filters by a share of the prior.
+    /// Adds `share` times the variances of the prior to all filters.
     pub(super) fn widen(&mut self, share: f64, prior: &[f64; TERMS]) {
         self.tracks.iter_mut().for_each(|track| track.state.widen(share, prior));
     }
 
-    /// Separates the next sample from the previous one.
+    /// Marks a pause, so that the next sample does not count as consecutive to the previous sample.
     pub(super) fn pause(&mut self) {
         self.tracks.iter_mut().for_each(|track| track.correlation.last = 0.0);
     }
 
-    /// Updates with a sample.
+    /// Updates all filters with a sample.
     ///
-    /// - `forgetting`: α
+    /// - `forgetting`: the factor α
     /// - `least`: smallest noise variance
     pub(super) fn update(&mut self, sample: &Sample, forgetting: f64, least: f64) {
         self.taken = forgetting * self.taken + 1.0;
@@ -160,12 +167,12 @@ impl Bank {
         self.tracks.iter_mut().for_each(|track| track.weight -= largest);
     }
 
-    /// Smallest number of correlated samples that count as one.
+    /// Smallest number c_l of all filters.
     pub(super) fn correlated(&self) -> f64 {
         self.tracks.iter().fold(f64::INFINITY, |least, track| least.min(track.correlated))
     }
 
-    /// Mean and covariance over the filters.
+    /// Mean and covariance of the weighted average of the filters.
     pub(super) fn average(&self) -> Gaussian {
         average(&self.tracks.map(|track| track.state), &self.tracks.map(|track| track.weight))
     }
@@ -177,7 +184,7 @@ impl Bank {
     }
 }
 
-/// Mean and covariance of a mixture.
+/// Mean and covariance of a mixture of distributions.
 ///
 /// - `logarithms`: logarithms of the weights, which need not be normalized
 pub(super) fn average<const L: usize>(parts: &[Gaussian; L], logarithms: &[f64; L]) -> Gaussian {

@@ -1,30 +1,30 @@
 //! Effective number of correlated samples.
 
-/// Cells of the position.
+/// Number of cells for the position.
 const POSITIONS: usize = 16;
-/// Cells of position and direction.
+/// Number of cells for position and direction.
 pub(super) const CELLS: usize = 2 * POSITIONS;
 
-/// Correlation of the residuals: between consecutive samples, and among samples of the same position and
-/// direction.
+/// Estimator of the correlation of residuals between consecutive samples, and between samples at the same position and with the
+/// same direction.
 ///
-/// The torque of a gear ripples with its position, so a repeated motion repeats its residuals, and these
-/// samples add no information. Residuals are grouped in cells of position and direction. Cell c has the leaky
-/// count n_c and sum of residuals s_c. The variance between cells follows from one-way analysis of variance
-/// with random effects. A sample counts for 1/d samples, with the design effect of Kish (*Survey Sampling*,
-/// 1965, section 5.4):
+/// The torque of a gear has a ripple that depends on its position. A repeated motion therefore repeats its residuals, and these
+/// samples add no information. Residuals are grouped in C cells of position and direction. The leaky count of cell c is n_c, and
+/// the leaky sum of its residuals ε is s_c. The variance σ_b² between cells and the variance σ_w² within cells follow from one-way
+/// analysis of variance with random effects. The design effect d of Kish (*Survey Sampling*, 1965, section 5.4) is the number of
+/// samples that have the information of one independent sample:
 ///
 /// ```text
 ///     σ_b² = (Σ s_c²/n_c − C σ_w²)/n     σ_w² = (Σ ε² − Σ s_c²/n_c)/(n − C)     ρ = σ_b²/(σ_b² + σ_w²)     d = 1 + (n_c − 1) ρ
 /// ```
 ///
-/// Consecutive samples with correlation r count for (1 − r)/(1 + r) samples, as in a first-order
-/// autoregression. The larger reduction is used.
+/// If consecutive samples have the correlation r, (1 + r)/(1 − r) samples have the information of one independent sample
+/// (first-order autoregression). The larger of the two numbers is used.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Correlation {
     pub counts: [f64; CELLS],
     pub sums: [f64; CELLS],
-    /// Sums of squares, and of products of consecutive residuals.
+    /// Leaky sums of the squares of residuals, and of the products of consecutive residuals.
     pub squares: f64,
     pub products: f64,
     /// Previous residual; 0 after a pause.
@@ -35,9 +35,9 @@ impl Correlation {
     pub(super) const NEW: Self =
         Self { counts: [0.0; CELLS], sums: [0.0; CELLS], squares: 0.0, products: 0.0, last: 0.0 };
 
-    /// Adds a residual at a position (a share of the cells' range); returns the number of correlated samples
-    /// that count as one.
+    /// Adds a residual. Returns the number of correlated samples that have the information of one independent sample.
     ///
+    /// - `share`: position relative to the range that is divided into cells
     /// - `keep`: decay factor of the sums from one sample to the next
     pub(super) fn take(&mut self, residual: f64, share: f64, forwards: bool, keep: f64) -> f64 {
         let cell = cell(share, forwards);
@@ -77,10 +77,10 @@ impl Correlation {
     }
 }
 
-/// Cells repeat: a position beyond the range has that of its remainder.
+/// Index of the cell of a position and direction. Cells repeat with the range.
 fn cell(share: f64, forwards: bool) -> usize {
     let place = share * POSITIONS as f64;
-    // Positions are finite and velocities bounded: a cell number far beyond the integers does not occur, and would saturate.
+    // Positions are finite and velocities are bounded, so a cell number beyond the integers does not occur. It would saturate.
     let towards_zero = place as i64;
     let below = towards_zero - i64::from(place < towards_zero as f64);
     let index = below.rem_euclid(POSITIONS as i64) as usize;

@@ -2,73 +2,116 @@
 
 use super::filter::Window;
 use super::joint::{Derived, Instant, Joint, Prediction};
-use super::law::{JointScale, TERMS, dot, root, terms};
+use super::law::{JointScale, TERM_NAMES, TERMS, dot, root, terms};
 use super::settings::{AdaptationError, AdaptationSettings, MOST_DELAY};
 use super::trust::Trust;
-use gelenk_dynamics::dynamics::Dynamics;
+use gelenk_dynamics::dynamics::{Dynamics, load, under_load};
 use gelenk_kernels::hash::fnv1a;
 
-/// Measurements of a period.
+/// Measurements of one period, as input of [`Adaptation::step`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measured<const N: usize> {
-    /// Positions [rad or m]; `None` without a plausible measurement.
+    /// Measured positions [rad or m]; `None` without a plausible measurement.
     pub positions: Option<[f64; N]>,
     /// Torques of the drives at the joints during the previous period [N m or N].
     pub torques: [f64; N],
-    /// Whether the torque of each joint was at a limit; the drive's actual torque is then unknown.
+    /// Whether the torque of each joint was at a limit, so that the actual torque of the drive is unknown.
     pub saturated: [bool; N],
-    /// Periods since the last call.
+    /// Number of periods since the last call.
     pub periods: u32,
 }
 
-/// Torques of the described robot at a state.
+/// Torques of the described robot at positions, velocities and accelerations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DescribedForces<const N: usize> {
     /// Inverse dynamics including friction [N m or N].
     pub forces: [f64; N],
-    /// Friction [N m or N].
+    /// Friction without its load-dependent part [N m or N].
     pub friction: [f64; N],
+    /// Load-dependent friction |τ_l| s₁ [N m or N].
+    pub load_friction: [f64; N],
 }
 
 impl<const N: usize> DescribedForces<N> {
-    /// Forces of a robot at positions y, velocities v and accelerations a.
+    /// Torques of `robot` at positions y [rad or m], velocities v [rad/s or m/s] and accelerations a [rad/s² or m/s²].
     pub fn of<const M: usize>(robot: &impl Dynamics<N, M>, y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> Self {
-        Self { forces: robot.inverse_dynamics(y, v, a), friction: robot.friction_torques(y, v) }
+        let (forces, friction) = (robot.inverse_dynamics(y, v, a), robot.friction_torques(y, v));
+        Self::new(forces, friction, &robot.load_friction(y, v))
+    }
+
+    /// Torques from the functions of a robot.
+    ///
+    /// - `forces`: inverse dynamics including friction [N m or N]
+    /// - `friction`: friction without its load-dependent part [N m or N]
+    /// - `shares`: load-dependent friction per unit of load, s₁
+    #[must_use]
+    pub fn new(forces: [f64; N], friction: [f64; N], shares: &[f64; N]) -> Self {
+        let of_load = |i: usize| under_load(load(forces[i] - friction[i], shares[i]), shares[i]);
+        Self { forces, friction, load_friction: core::array::from_fn(of_load) }
     }
 }
 
 /// State of the learned law of a joint, for logs and figures.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointState {
-    /// δ of the learned law within its bounds, see [`terms`].
+    /// Terms δ of the learned law within their bounds, see [`terms`].
     pub learned: [f64; TERMS],
-    /// Half of the 90 % interval of each term.
+    /// Half of the 90 % confidence interval of each learned term.
     pub half_widths: [f64; TERMS],
-    /// Whether the variance of each term is below half of the prior's. The other terms are frozen.
+    /// Whether the motion excites each term. A term counts as excited if its variance is below half of the variance before the
+    /// first sample.
     pub is_excited: [bool; TERMS],
-    /// δ of the acting law.
+    /// Terms δ of the acting law.
     pub acting: [f64; TERMS],
-    /// Acting law and reason.
+    /// Whether the learned law acts, and the reason.
     pub trust: Trust,
     /// Time of the last change of `trust` (s).
     pub since: f64,
-    /// Root-mean-square one-step prediction errors, described and learned [N m or N]; NaN before the first
+    /// Root-mean-square one-step prediction errors of the described and of the learned law [N m or N]; NaN before the first
     /// sample.
     pub errors: [f64; 2],
     /// Standard deviation of the noise of a sample [N m or N].
     pub noise: f64,
-    /// Number of correlated samples that count as one.
+    /// Number of correlated samples that have the information of one independent sample.
     pub correlated: f64,
-    /// False at rest, after a reversal and in saturation, when nothing is learned.
+    /// Whether samples are used at present. False at rest, after a reversal and in saturation.
     pub is_learning: bool,
 }
 
-/// Number of periods whose torques are stored: those before and after an instant, at the largest delay.
+/// A term of the learned law, see [`terms`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TermState {
+    /// Name of the term.
+    pub name: &'static str,
+    /// δ of the learned law within its bounds.
+    pub learned: f64,
+    /// Half of the 90 % interval.
+    pub half_width: f64,
+    /// δ of the acting law.
+    pub acting: f64,
+    /// Whether the variance is below half of the prior's. The term is frozen otherwise.
+    pub is_excited: bool,
+}
+
+impl JointState {
+    /// Terms that the joint has.
+    pub fn terms(&self) -> impl Iterator<Item = TermState> + '_ {
+        let term = |k: usize| TermState {
+            name: TERM_NAMES[k],
+            learned: self.learned[k],
+            half_width: self.half_widths[k],
+            acting: self.acting[k],
+            is_excited: self.is_excited[k],
+        };
+        (0..TERMS).map(term).filter(|term| term.half_width > 0.0)
+    }
+}
+
+/// Number of periods for which torques are stored. For the largest delay, the periods before and after an instant are needed.
 const HISTORY: usize = MOST_DELAY + 2;
 
-/// Recursive estimator of the friction of a robot with N joints; see the [module](super).
-///
-/// Only joints with their own input are learned; others keep the described law.
+/// Recursive estimator of the friction of a robot with N joints, see the [module](super). Friction is learned for joints that a
+/// drive loads. Other joints keep the described law.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Adaptation<const N: usize> {
     pub(super) settings: AdaptationSettings,
@@ -76,20 +119,22 @@ pub struct Adaptation<const N: usize> {
     pub(super) derived: [Option<Derived>; N],
     pub(super) joints: [Option<Joint>; N],
     window: Window<N>,
-    /// Torques of the last periods, the newest first.
+    /// Torques of the last periods, newest first.
     torques: [[f64; N]; HISTORY],
     saturated: [[bool; N]; HISTORY],
-    /// Periods in a row whose torques are known.
+    /// Number of consecutive periods with known torques.
     known: usize,
     pub(super) periods: f64,
     pub(super) fingerprint: u64,
 }
 
 impl<const N: usize> Adaptation<N> {
-    /// Estimator for a robot with described limits.
+    /// Constructs an estimator for a robot with the limits of its description.
     ///
     /// # Errors
-    /// [`AdaptationError::Scale`] for a joint without described magnitudes, [`AdaptationError::Setting`].
+    /// - [`AdaptationError::Scale`] if the description of a joint has no finite speed limit, or neither friction nor a finite
+    ///   effort limit.
+    /// - [`AdaptationError::Setting`] for a setting out of range.
     pub fn for_robot<const M: usize>(
         robot: &impl Dynamics<N, M>,
         settings: AdaptationSettings,
@@ -99,7 +144,9 @@ impl<const N: usize> Adaptation<N> {
         let mut scales = [None; N];
         for i in 0..N {
             if inputs[i].iter().any(|b| *b != 0.0) {
-                let friction = |v: &[f64; N]| robot.friction_torques(&robot.neutral(), v)[i];
+                let y = robot.neutral();
+                let friction =
+                    |v: &[f64; N]| [robot.friction_torques(&y, v)[i], robot.load_friction(&y, v)[i]];
                 let magnitudes = Magnitudes {
                     speed: limits.velocity[i],
                     effort: limits.peak_effort[i],
@@ -112,12 +159,14 @@ impl<const N: usize> Adaptation<N> {
         Self::new(scales, settings, |y, v, a| DescribedForces::of(robot, y, v, a))
     }
 
-    /// Estimator for joints with these magnitudes; `None` for joints that are not learned.
+    /// Constructs an estimator for joints with these scales.
     ///
-    /// - `described`: forces of the described robot; the saved state has a fingerprint of them and of the magnitudes
+    /// - `scales`: scale of each joint; `None` for joints whose friction is not learned
+    /// - `described`: function that returns the torques of the described robot. The saved state contains a fingerprint of the
+    ///   robot, which is computed from these torques and the scales.
     ///
     /// # Errors
-    /// [`AdaptationError::Setting`].
+    /// [`AdaptationError::Setting`] for a setting out of range.
     pub fn new(
         scales: [Option<JointScale>; N],
         settings: AdaptationSettings,
@@ -142,19 +191,19 @@ impl<const N: usize> Adaptation<N> {
         })
     }
 
-    /// Settings.
+    /// Settings of the estimator.
     #[must_use]
     pub fn settings(&self) -> &AdaptationSettings {
         &self.settings
     }
 
-    /// Magnitudes of the joints.
+    /// Scales of the joints; `None` for joints whose friction is not learned.
     #[must_use]
     pub fn scales(&self) -> &[Option<JointScale>; N] {
         &self.scales
     }
 
-    /// Resets motion and torques of the last periods, but keeps the learned laws.
+    /// Restarts at time 0: forgets motion and torques of the last periods, but keeps the learned laws.
     pub fn restart(&mut self) {
         self.window.clear();
         self.known = 0;
@@ -167,11 +216,12 @@ impl<const N: usize> Adaptation<N> {
         }
     }
 
-    /// Advances by a period. Does not allocate.
+    /// Processes the measurements of one period. Does not allocate.
     ///
-    /// The sample is from one period ago, because central differences need positions on both sides.
+    /// The sample belongs to the time one period ago, because central differences need earlier and later positions.
     ///
-    /// - `described`: forces of the described robot; called at most once
+    /// - `described`: function that returns the torques of the described robot for positions, velocities and accelerations. It is
+    ///   called at most once.
     pub fn step(
         &mut self,
         measured: &Measured<N>,
@@ -203,7 +253,7 @@ impl<const N: usize> Adaptation<N> {
         }
     }
 
-    /// Motion and unexplained torque of all joints one period ago, if they are finite and possible.
+    /// Motion and unexplained torque of all joints one period ago; `None` if a number is not finite or a speed is impossible.
     fn instants(
         &self,
         described: impl FnOnce(&[f64; N], &[f64; N], &[f64; N]) -> DescribedForces<N>,
@@ -213,7 +263,7 @@ impl<const N: usize> Adaptation<N> {
         if !(0..N).all(possible) {
             return None;
         }
-        let DescribedForces { forces, friction } = described(&y, &v, &a);
+        let DescribedForces { forces, friction, load_friction } = described(&y, &v, &a);
         let ends = [self.settings.delay, self.settings.delay + 1];
         let instant = |i: usize| {
             let measured = ends.map(|ago| self.torques[ago][i]);
@@ -222,6 +272,7 @@ impl<const N: usize> Adaptation<N> {
                 position: y[i],
                 velocity: v[i],
                 friction: friction[i],
+                load_friction: load_friction[i],
                 measured,
                 applied,
                 torque: applied - forces[i],
@@ -229,11 +280,12 @@ impl<const N: usize> Adaptation<N> {
             }
         };
         let instants: [Instant; N] = core::array::from_fn(instant);
-        let finite = |instant: &Instant| instant.torque.is_finite() && instant.friction.is_finite();
+        let finite =
+            |now: &Instant| [now.torque, now.friction, now.load_friction].iter().all(|x| x.is_finite());
         instants.iter().all(finite).then_some(instants)
     }
 
-    /// State of each joint; `None` for joints that are not learned.
+    /// State of each joint; `None` for joints whose friction is not learned.
     #[must_use]
     pub fn states(&self) -> [Option<JointState>; N] {
         core::array::from_fn(|i| {
@@ -253,21 +305,20 @@ impl<const N: usize> Adaptation<N> {
         })
     }
 
-    /// Sample of each joint in the last period; `None` without one, because samples are several periods
-    /// apart.
+    /// Sample of each joint in the last period. Samples are several periods apart; `None` in the periods between them.
     #[must_use]
     pub fn predictions(&self) -> [Option<Prediction>; N] {
         core::array::from_fn(|i| self.joints[i].as_ref()?.prediction)
     }
 
-    /// δ of the acting law of each joint; zero for joints that are not learned.
+    /// Terms δ of the acting law of each joint; zero for joints whose friction is not learned.
     #[must_use]
     pub fn acting(&self) -> [[f64; TERMS]; N] {
         core::array::from_fn(|i| self.joints[i].as_ref().map_or([0.0; TERMS], |joint| joint.acting))
     }
 
-    /// Mean of the products of the errors of the acting law's δ of each joint: the learned law's covariance, and the products of the
-    /// difference of both laws. Zero for joints that are not learned.
+    /// Matrix of the mean squared errors of the acting terms δ, for each joint. It is the covariance of the learned law plus the
+    /// products of the differences between acting and learned terms. Zero for joints whose friction is not learned.
     #[must_use]
     pub fn acting_errors(&self) -> [[[f64; TERMS]; TERMS]; N] {
         let errors = |joint: &Joint| {
@@ -278,26 +329,59 @@ impl<const N: usize> Adaptation<N> {
         core::array::from_fn(|i| self.joints[i].as_ref().map_or([[0.0; TERMS]; TERMS], errors))
     }
 
-    /// Learned friction of a joint at velocity `v` including the offset, and half of its 90 % interval [N m
-    /// or N]; `None` for joints that are not learned.
+    /// Returns the friction of a joint [N m or N] by the learned law at the velocity `v` [rad/s or m/s], and half of the 90 %
+    /// confidence interval of this friction. The friction includes the offset, but not load-dependent friction. `None` for joints
+    /// whose friction is not learned.
     ///
-    /// - `described`: described friction at this velocity
+    /// - `described`: described friction at this velocity [N m or N]
     #[must_use]
     pub fn friction(&self, joint: usize, described: f64, v: f64) -> Option<[f64; 2]> {
-        let (state, scale) = (self.joints[joint].as_ref()?, self.scales[joint].as_ref()?);
-        let derived = self.derived[joint].as_ref()?;
-        let phi = terms(scale.shape(described, v, derived.rest), v);
+        let (state, phi) = (self.joints[joint].as_ref()?, self.terms(joint, described, v)?);
         Some([described + dot(&phi, &state.learned), state.half_width(&phi)])
     }
 
-    /// Speed [rad/s or m/s] below which a joint counts as at rest; 0 for joints that are not learned.
+    /// Friction by the acting law at velocity `v`, see [`Self::friction`].
+    #[must_use]
+    pub fn acting_friction(&self, joint: usize, described: f64, v: f64) -> Option<f64> {
+        let (state, phi) = (self.joints[joint].as_ref()?, self.terms(joint, described, v)?);
+        Some(described + dot(&phi, &state.acting))
+    }
+
+    /// Terms at velocity `v` without load.
+    fn terms(&self, joint: usize, described: f64, v: f64) -> Option<[f64; TERMS]> {
+        let scale = self.scales[joint].as_ref()?;
+        Some(terms(scale.shape(described, v, self.rest(joint)), v, 0.0))
+    }
+
+    /// Narrows the bounds of the terms of a joint, for example to half of the 95 % interval of an offline identification. The prior's
+    /// standard deviation is half of the bound. A term with the bound 0 is not learned. The learned law
+    /// of the joint is reset. A state that was saved with other bounds cannot be restored.
+    ///
+    /// - `most`: largest magnitude of each δ; the bounds by [`AdaptationSettings::largest_change`] also apply
+    ///
+    /// # Errors
+    /// [`AdaptationError::Bounds`] for a joint that is not learned, and for bounds that are negative or NaN.
+    pub fn set_bounds(&mut self, joint: usize, most: [f64; TERMS]) -> Result<(), AdaptationError> {
+        let scale =
+            self.scales.get(joint).copied().flatten().filter(|_| most.iter().all(|most| *most >= 0.0));
+        let scale = JointScale { most, ..scale.ok_or(AdaptationError::Bounds(joint))? };
+        let derived = Derived::new(&self.settings, &scale);
+        self.scales[joint] = Some(scale);
+        self.derived[joint] = Some(derived);
+        self.joints[joint] = Some(Joint::new(joint, &derived, &scale));
+        let bits = most.map(f64::to_bits).into_iter().chain([self.fingerprint, joint as u64]);
+        self.fingerprint = fnv1a(bits.flat_map(u64::to_le_bytes));
+        Ok(())
+    }
+
+    /// Speed [rad/s or m/s] below which a joint counts as at rest; 0 for joints whose friction is not learned.
     #[must_use]
     pub fn rest(&self, joint: usize) -> f64 {
         self.derived[joint].map_or(0.0, |derived| derived.rest)
     }
 }
 
-/// Magnitudes of a joint from limits or data.
+/// Largest speed, effort and range of a joint, from limits or data.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Magnitudes {
     /// Largest speed [rad/s or m/s].
@@ -308,31 +392,34 @@ pub struct Magnitudes {
     pub range: f64,
 }
 
-/// Friction at the largest speed, as a share of the effort, of joints without described friction.
+/// Assumed friction at the largest speed for joints without described friction, relative to the largest effort.
 const USUAL: f64 = 0.1;
 
 impl Magnitudes {
-    /// Scale of a joint; `None` if speed or torque is unknown.
+    /// Scale of the friction of a joint; `None` if the speed is unknown, or if both friction and effort are unknown.
     ///
-    /// A drive cannot reach a speed at which friction exceeds its effort; the largest speed is then the one
-    /// below it.
+    /// If friction would exceed the effort at the largest speed, the drive cannot reach this speed. The scale then contains a
+    /// smaller largest speed.
     ///
-    /// - `friction`: described friction of the joint at velocities of all joints
+    /// - `joint`: index of the joint
+    /// - `friction`: function that returns the described friction of this joint for the velocities of all joints, and its
+    ///   load-dependent friction per unit of load
     #[must_use]
     pub fn scale<const N: usize>(
         &self,
         joint: usize,
-        friction: impl Fn(&[f64; N]) -> f64,
+        friction: impl Fn(&[f64; N]) -> [f64; 2],
     ) -> Option<JointScale> {
         const STEPS: i32 = 64;
-        let at = |v: f64| {
+        let law = |v: f64| {
             let mut velocities = [0.0; N];
             velocities[joint] = v;
-            friction(&velocities).abs()
+            friction(&velocities).map(f64::abs)
         };
+        let at = |v: f64| law(v)[0];
         let is_reached = |v: &f64| at(*v).max(at(-v)) <= self.effort;
-        let mut speeds = (1..=STEPS).rev().map(|k| self.speed * f64::from(k) / f64::from(STEPS));
-        let speed = speeds.find(is_reached).unwrap_or(self.speed);
+        let speeds = || (1..=STEPS).rev().map(|k| self.speed * f64::from(k) / f64::from(STEPS));
+        let speed = speeds().find(is_reached).unwrap_or(self.speed);
         let described = at(speed).max(at(-speed));
         let torque = if described > 0.0 { described } else { USUAL * self.effort };
         let possible = [speed, torque].iter().all(|x| x.is_finite() && *x > 0.0);
@@ -351,11 +438,13 @@ impl Magnitudes {
                 core::f64::consts::TAU
             },
             is_described: described > 0.0,
+            most: [f64::INFINITY; TERMS],
+            is_loaded: speeds().any(|v| law(v)[1].max(law(-v)[1]) > 0.0),
         })
     }
 }
 
-/// Hash of the bits of forces and magnitudes.
+/// Hash of the bits of torques and scales.
 fn fingerprint<const N: usize>(forces: &DescribedForces<N>, scales: &[Option<JointScale>; N]) -> u64 {
     let magnitudes = scales.iter().flatten().flat_map(|s| [s.torque, s.speed, s.least_slope, s.range]);
     let numbers = forces.forces.iter().chain(&forces.friction).copied().chain(magnitudes);

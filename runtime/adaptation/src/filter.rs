@@ -1,11 +1,12 @@
-//! Causal filter of torques and regressors, and the motion at one instant.
+//! Causal filter for torques and regressors, and computation of the motion at one instant.
 
 use super::law::TERMS;
 
-/// Number of filtered signals: the terms, the torque that the described law does not explain, and the applied torque.
+/// Number of filtered signals: the terms, the torque that the described robot does not explain, and the applied
+/// torque.
 pub(super) const SIGNALS: usize = TERMS + 2;
 
-/// Two equal poles, 1/(τ s + 1)², in discrete time.
+/// Low-pass filter with two equal poles, 1/(τ s + 1)², in discrete time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LowPass<const S: usize = SIGNALS> {
     pub states: [[f64; S]; 2],
@@ -29,20 +30,21 @@ impl<const S: usize> LowPass<S> {
 
 /// The last three measurements of all joints.
 ///
-/// At the middle measurement the velocity is the central difference of the positions, the acceleration their
-/// second difference. The filtered torque of the inertia, `L[M (v⁺ − v⁻)/T]` with the mean velocities v⁻ and
-/// v⁺ of two periods, is the momentum form of Slotine and Li (*Int. J. Robotics Research* 6, 1987) in
-/// discrete time. By the product rule of differences,
+/// At the middle measurement, the velocity is the central difference of the positions, and the acceleration is their second
+/// difference. The low-pass filter L is applied to the torque of the inertia, `L[M (v⁺ − v⁻)/T]`, with the mass matrix M, the
+/// period T and the mean velocities v⁻ and v⁺ of two periods. This is the momentum form of Slotine and Li (*Int. J. Robotics
+/// Research* 6, 1987) in discrete time. By the product rule of differences,
 ///
 /// ```text
 ///     M_k (v⁺ − v⁻) = (M⁺ v⁺ − M⁻ v⁻) − (M⁺ − M⁻) v        M⁺, M⁻ half a period later and earlier, up to O(T³)
 /// ```
 ///
-/// so L filters differences of the momentum, which pass only within the bandwidth of L, and Ṁ is not needed.
+/// Therefore L filters differences of the momentum, and noise only passes within the bandwidth of L. The derivative of M is not
+/// needed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Window<const N: usize> {
     positions: [[f64; N]; 3],
-    /// Consecutive measurements.
+    /// Number of consecutive measurements.
     length: usize,
 }
 
@@ -59,7 +61,7 @@ impl<const N: usize> Window<N> {
         self.length = (self.length + 1).min(3);
     }
 
-    /// Positions, velocities and accelerations one period ago; `None` for fewer than three measurements.
+    /// Positions, velocities and accelerations one period ago; `None` for fewer than three consecutive measurements.
     pub(super) fn middle(&self, period: f64) -> Option<[[f64; N]; 3]> {
         let [before, middle, after] = &self.positions;
         (self.length == 3).then(|| {

@@ -1,13 +1,13 @@
-//! Robots whose inputs load joints separately.
+//! Check that the inputs of a robot can load joints separately.
 
 use super::settings::AdaptationError;
 use gelenk_dynamics::pseudo_inverse::pseudo_inverse;
 
-/// Pseudo-inverse `B⁺` of an input matrix B whose inputs load each learned joint separately: `B B⁺ e_k = e_k`
-/// for each such joint k.
+/// Returns the pseudo-inverse `B⁺` of an input matrix B. The inputs must be able to load each learned joint k without loading
+/// other joints, `B B⁺ e_k = e_k` with the unit vector e_k.
 ///
 /// # Errors
-/// [`AdaptationError::Inputs`] for other matrices, and for empty, zero or non-finite ones.
+/// [`AdaptationError::Inputs`] if the inputs cannot load a learned joint separately, and for an empty, zero or non-finite matrix.
 pub fn input_inverse<const N: usize, const M: usize>(
     matrix: &[[f64; M]; N],
     is_learned: impl Fn(usize) -> bool,

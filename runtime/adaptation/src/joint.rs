@@ -1,4 +1,4 @@
-//! Recursive estimation of one joint.
+//! Recursive estimation of the friction of one joint.
 
 use super::bank::{Bank, Gaussian, Sample};
 use super::filter::LowPass;
@@ -7,17 +7,18 @@ use super::nested::{averaged, constrained};
 use super::settings::AdaptationSettings;
 use super::trust::{Comparison, Trust};
 
-/// Standard deviations beyond which a residual is not explained by the law and its noise.
+/// Largest residual that the law and its noise explain, in standard deviations.
 pub(super) const GATE: f64 = 4.0;
-/// Standard deviation of the noise before the first sample, as a share of the friction at the largest speed.
+/// Standard deviation of the noise before the first sample, relative to the friction at the largest speed.
 const FIRST_NOISE: f64 = 0.1;
-/// Least variance of the noise, as a share of the square of the same friction: that of numbers with seven digits.
+/// Smallest variance of the noise, relative to the square of the friction at the largest speed. Numbers with seven digits have
+/// this variance.
 const LEAST_NOISE: f64 = 1e-14;
-/// Time constants of the filter after which it has forgotten: 1 − (1 + x) e⁻ˣ = 0.96 of a step has arrived.
+/// Settling time of the filter, in time constants. After x time constants, the share 1 − (1 + x) e⁻ˣ of a step has passed (0.96).
 const SETTLED: f64 = 5.0;
-/// Equal torques in a row, bit for bit, from which on a sensor is stuck or at the end of its range.
+/// Number of consecutive equal torques (bit for bit) after which a sensor counts as stuck or at the end of its range.
 const REPEATED: u32 = 5;
-/// Time constants of the filter between samples.
+/// Time between samples, in time constants of the filter.
 const STRIDE: f64 = 3.0;
 /// Two-sided 90 % quantile of the normal distribution.
 pub(super) const QUANTILE: f64 = 1.645;
@@ -31,16 +32,16 @@ pub(super) struct Derived {
     pub unknown: [f64; TERMS],
     /// Weight of a new sample in the filter.
     pub weight: f64,
-    /// Weight of the learned law in the acting law, per period.
+    /// Fraction of the difference to the learned law by which the acting law changes in a period.
     pub blend: f64,
-    /// Periods between samples, and periods until the filter has settled.
+    /// Number of periods between samples, and number of periods until the filter has settled.
     pub stride: u32,
     pub settle: u32,
     /// Time between samples (s).
     pub interval: f64,
-    /// Share of a sum that remains from one sample to the next.
+    /// Decay factor of leaky sums from one sample to the next.
     pub keep: f64,
-    /// Speed of rest [rad/s or m/s].
+    /// Speed below which the joint counts as at rest [rad/s or m/s].
     pub rest: f64,
 }
 
@@ -73,29 +74,29 @@ impl Derived {
 pub(super) struct Instant {
     pub position: f64,
     pub velocity: f64,
-    /// Described friction [N m or N].
+    /// Described friction, and its load-dependent part [N m or N].
     pub friction: f64,
-    /// Drive torques of the periods before and after the instant [N m or N], the later one first.
+    pub load_friction: f64,
+    /// Drive torques of the periods after and before the instant [N m or N], in this order.
     pub measured: [f64; 2],
-    /// Their mean [N m or N].
+    /// Mean of `measured` [N m or N].
     pub applied: f64,
-    /// Part of `applied` that the described robot without friction does not explain [N m or N].
+    /// Part of `applied` that the described robot does not explain [N m or N].
     pub torque: f64,
-    /// False in saturation.
+    /// Whether the torque is known. False in saturation.
     pub is_exact: bool,
 }
 
-/// A sample of the filtered torque, and its prediction by the previously learned law.
+/// A sample of the filtered torque with its prediction by the law that was learned before the sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Prediction {
-    /// Filtered [`terms`].
+    /// Filtered values of the [`terms`].
     pub terms: [f64; TERMS],
-    /// Filtered torque that the described robot does not explain, which is the error of the described law [N
-    /// m or N].
+    /// Filtered torque that the described robot does not explain [N m or N]. It is the prediction error of the described law.
     pub torque: f64,
-    /// Error of the learned law [N m or N].
+    /// Prediction error of the learned law [N m or N].
     pub error: f64,
-    /// False if the sample is outside the prediction interval; nothing was learned from it.
+    /// Whether the sample is within the prediction interval. Samples outside this interval are not used.
     pub is_explained: bool,
 }
 
@@ -107,29 +108,32 @@ pub(super) struct Joint {
     pub comparison: Comparison,
     /// Average of the nested laws.
     pub law: Gaussian,
-    /// δ of the learned law: the mean of the average within its bounds.
+    /// Terms δ of the learned law: mean of `law` within its bounds.
     pub learned: [f64; TERMS],
-    /// δ of the acting law.
+    /// Terms δ of the acting law.
     pub acting: [f64; TERMS],
     pub trust: Trust,
     /// Time of the last change of trust (s).
     pub since: f64,
     /// Sign of the last velocity that was not at rest.
     pub direction: f64,
-    /// Last torque, and the number of its repetitions.
+    /// Last torque, and the number of repetitions of this torque.
     pub torque: f64,
     pub repeated: u32,
-    /// Magnitude of the torque of the stuck sensor, or at the end of its range.
+    /// Magnitude of the torque at which the sensor is stuck or at the end of its range; `None` if this has not been observed.
     pub stuck: Option<f64>,
-    /// Periods until the filter has settled, and periods until the next sample.
+    /// Number of periods until the filter has settled, and number of periods until the next sample.
     pub settling: u32,
     pub waiting: u32,
-    /// Sample of the last period, if any.
+    /// Sample of the last period; `None` in periods without a sample.
     pub prediction: Option<Prediction>,
 }
 
 impl Joint {
-    /// - `index`: of the joint; joints take their samples in different periods, so that these cost the same
+    /// Initial state of a joint.
+    ///
+    /// - `index`: index of the joint. Joints take their samples in different periods, so that the computing time of all periods is
+    ///   similar.
     pub(super) fn new(index: usize, derived: &Derived, scale: &JointScale) -> Self {
         let noise = FIRST_NOISE * scale.torque;
         let bank = Bank::new(&derived.prior, noise * noise);
@@ -152,14 +156,15 @@ impl Joint {
         }
     }
 
-    /// Handles a missing measurement: the filter restarts.
+    /// Handles a missing measurement. Samples are not used until the filter has settled again.
     pub(super) fn pause(&mut self, derived: &Derived) {
         self.settling = derived.settle;
         self.bank.pause();
     }
 
-    /// Advances by a period.
+    /// Advances the estimation by a period.
     ///
+    /// - `now`: motion and torques; `None` if they are missing
     /// - `time`: time of the period (s)
     pub(super) fn step(
         &mut self,
@@ -196,15 +201,16 @@ impl Joint {
         } else {
             0.0
         };
-        let [scale_term, viscous, offset, asymmetry] = terms(scale.shape(now.friction, v, derived.rest), v);
-        let signals = [scale_term, viscous, offset, asymmetry, now.torque, now.applied];
+        let terms = terms(scale.shape(now.friction, v, derived.rest), v, now.load_friction);
+        let others = [now.torque, now.applied];
+        let signals = core::array::from_fn(|k| if k < TERMS { terms[k] } else { others[k - TERMS] });
         let filtered = self.filter.take(&signals, derived.weight);
         self.repeated = if now.measured[0] == self.torque { self.repeated.saturating_add(1) } else { 0 };
         self.torque = now.measured[0];
         if self.repeated >= REPEATED {
             self.stuck = Some(self.torque.abs());
         }
-        // With noise, a torque near the end of the range is clipped in single periods.
+        // With noise, a torque near the end of the sensor's range can be clipped in single periods.
         let is_exact = now.is_exact && now.measured.iter().all(|torque| Some(torque.abs()) != self.stuck);
         if direction == 0.0 || direction != self.direction || !is_exact {
             self.pause(derived);
@@ -219,7 +225,8 @@ impl Joint {
         self.waiting = derived.stride;
         let drift = self.bank.drift(derived.interval, &settings.drift_times, &derived.prior);
         if !is_settled {
-            // Without a sample the weights of the nested laws stay. Computed from the wider covariance they would change.
+            // Without a sample the weights of the nested laws must not change. A new average of the wider covariance would change
+            // them, so only the covariance of the average is widened.
             self.law.widen(drift, &derived.prior);
             return;
         }
@@ -233,28 +240,29 @@ impl Joint {
         self.average(derived, scale);
     }
 
-    /// Averages rates of drift and laws anew.
+    /// Computes the average over rates of drift and nested laws.
     fn average(&mut self, derived: &Derived, scale: &JointScale) {
         self.law = averaged(&self.bank.average(), &derived.prior);
         self.bound(derived, scale);
     }
 
-    /// Sets the learned law to the average within its bounds.
+    /// Sets the learned law to the average, constrained to its bounds.
     pub(super) fn bound(&mut self, derived: &Derived, scale: &JointScale) {
         self.learned = constrained(&self.law, scale, &derived.bounds, &derived.prior);
     }
 
-    /// Whether the friction of the average, without bounds and without its offset, dissipates at the largest speed in both directions.
-    /// It does not if a sign is swapped.
+    /// Whether the friction of the average law dissipates energy at the largest speed in both directions. Bounds and offset are
+    /// ignored. The result is false if the sign of the torque or of the position is wrong.
     fn dissipates(&self, scale: &JointScale) -> bool {
         let described = if scale.is_described { scale.torque } else { 0.0 };
-        let [along, viscous, _, asymmetry] = terms(scale.torque, scale.speed);
+        let [along, viscous, _, asymmetry, _] = terms(scale.torque, scale.speed, 0.0);
         [1.0, -1.0]
             .iter()
-            .all(|side| described + dot(&[along, viscous, 0.0, side * asymmetry], &self.law.mean) > 0.0)
+            .all(|side| described + dot(&[along, viscous, 0.0, side * asymmetry, 0.0], &self.law.mean) > 0.0)
     }
 
-    /// Takes a sample, with the error of the learned law; false if it is beyond the interval.
+    /// Learns from a sample. `error` is the prediction error of the learned law. Returns false without learning if the sample is
+    /// outside the prediction interval.
     fn learn(
         &mut self,
         settings: &AdaptationSettings,
@@ -277,14 +285,14 @@ impl Joint {
         true
     }
 
-    /// Half of the 90 % interval of the law's friction at a velocity [N m or N].
+    /// Half of the 90 % confidence interval of the learned friction at a velocity [N m or N].
     ///
     /// - `phi`: [`terms`] at this velocity
     pub(super) fn half_width(&self, phi: &[f64; TERMS]) -> f64 {
         QUANTILE * root(self.law.variance(phi))
     }
 
-    /// Half of the 90 % interval of each term.
+    /// Half of the 90 % confidence interval of each term.
     pub(super) fn term_half_widths(&self) -> [f64; TERMS] {
         core::array::from_fn(|i| QUANTILE * root(self.law.covariance[i][i].max(0.0)))
     }

@@ -1,67 +1,81 @@
-//! Learned law of a joint: its difference from the described law.
+//! Learned friction law of a joint, as a difference from the described law.
 
 pub(super) use gelenk_kernels::math::sqrt as root;
 
-/// Number of terms.
-pub const TERMS: usize = 4;
+/// Number of terms of the learned law, see [`terms`].
+pub const TERMS: usize = 5;
 
-/// Names of the terms in the order of the nested laws.
-pub const TERM_NAMES: [&str; TERMS] = ["shape", "viscous", "offset", "asymmetry"];
+/// Names of the terms, in the order of [`terms`]. The nested laws have the first 0, 1, … of them.
+pub const TERM_NAMES: [&str; TERMS] = ["shape", "viscous", "offset", "asymmetry", "load"];
 
-/// Values of the four terms at velocity `v`; `shape` is s at this velocity.
+/// Returns the values s(v), v, 1, |s(v)| and |τ_l| s₁ of the five terms of the learned law τ at velocity `v` [rad/s or m/s]:
 ///
 /// ```text
-///     τ(v) = τ_d(v) + δ₁ s(v) + δ₂ v + δ₃ + δ₄ |s(v)|
+///     τ(v) = τ_d(v) + |τ_l| s₁(v) + δ₁ s(v) + δ₂ v + δ₃ + δ₄ |s(v)| + δ₅ |τ_l| s₁(v)
 /// ```
 ///
-/// The first term scales the shape s, the last makes it depend on the direction. s is the described friction τ_d, or smooth Coulomb
-/// friction if τ_d is zero ([`JointScale::shape`]).
+/// Here τ_d is the described friction, |τ_l| s₁ the described load-dependent friction, and δ₁ … δ₅ are the learned coefficients. The
+/// first term scales the shape s, and the fourth makes friction depend on the direction. The shape is the described friction, or
+/// smooth Coulomb friction if τ_d is zero. The fifth term scales the load-dependent friction.
+///
+/// - `shape`: value s(v) of [`JointScale::shape`] [N m or N]
+/// - `load`: described load-dependent friction |τ_l| s₁ [N m or N]
 #[inline]
 #[must_use]
-pub fn terms(shape: f64, v: f64) -> [f64; TERMS] {
-    [shape, v, 1.0, shape.abs()]
+pub fn terms(shape: f64, v: f64, load: f64) -> [f64; TERMS] {
+    [shape, v, 1.0, shape.abs(), load]
 }
 
-/// Magnitudes of a joint from the description.
+/// Scale of the friction of a joint, usually from its description ([`Magnitudes::scale`](super::Magnitudes::scale)).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointScale {
-    /// Friction at the largest speed [N m or N].
+    /// Described friction at the largest speed [N m or N]; a tenth of the largest effort for a joint without described friction.
     pub torque: f64,
     /// Largest speed [rad/s or m/s].
     pub speed: f64,
-    /// Smallest ratio `|s(v)|/|v|` up to twice the largest speed [N m s/rad or N s/m].
+    /// Smallest ratio `|s(v)|/|v|` up to twice the largest speed [N m s/rad or N s/m], with the shape s of [`terms`].
     pub least_slope: f64,
-    /// Width of the range of positions that is divided into cells [rad or m].
+    /// Width of the range of positions [rad or m]. It is divided into cells to detect torque ripple.
     pub range: f64,
-    /// Whether the shape s is the described friction τ_d. It is not if τ_d is zero.
+    /// Whether the shape s is the described friction τ_d. False if τ_d is zero.
     pub is_described: bool,
+    /// Whether the joint has described load-dependent friction. Without it, δ₅ is zero.
+    pub is_loaded: bool,
+    /// Further bounds of the magnitudes of δ, see [`Adaptation::set_bounds`](super::Adaptation::set_bounds).
+    pub most: [f64; TERMS],
 }
 
 impl JointScale {
-    /// s(v) of [`terms`]: the described friction, or Coulomb friction `torque · x/√(1 + x²)` with `x = v/rest`.
+    /// The shape s(v) of [`terms`] [N m or N]. It is the described friction, or smooth Coulomb friction `torque · x/√(1 + x²)` with
+    /// `x = v/rest` if friction is not described.
+    ///
+    /// - `described`: described friction at velocity `v` [N m or N]
+    /// - `rest`: speed below which the joint counts as at rest [rad/s or m/s]
     #[inline]
     #[must_use]
     pub fn shape(&self, described: f64, v: f64, rest: f64) -> f64 {
         if self.is_described { described } else { self.torque * smooth_sign(v / rest) }
     }
 
-    /// Largest magnitude of each δ if friction may change by the share `change` of the described friction.
+    /// Largest magnitude of each coefficient δ if friction can change by `change` times the friction at the largest speed.
     #[must_use]
     pub fn bounds(&self, change: f64) -> [f64; TERMS] {
-        [change, change * self.torque / self.speed, change * self.torque, 0.5 * change]
+        let of_load = if self.is_loaded { change } else { 0.0 };
+        let usual = [change, change * self.torque / self.speed, change * self.torque, 0.5 * change, of_load];
+        core::array::from_fn(|k| usual[k].min(self.most[k]))
     }
 
-    /// The nearest δ, term by term, that is within ±`bounds` and whose friction dissipates at every velocity.
+    /// Clamps the coefficients δ so that they are within ±`bounds`, and the friction dissipates energy at every velocity.
     ///
-    /// With β = 1 if friction is described and 0 otherwise, friction without the offset has the power
+    /// The power of friction without offset and load is (β = 1 if friction is described, otherwise β = 0)
     ///
     /// ```text
     ///     v τ(v) = |v| (|s| (β + δ₁ ± δ₄) + δ₂ |v|) ≥ v² (b (β + δ₁ − |δ₄|) + δ₂)       b = min |s|/|v|
     /// ```
     ///
-    /// since v s ≥ 0. Therefore `δ₁ ≥ −β`, `|δ₄| ≤ β + δ₁` and `δ₂ ≥ −b (β + δ₁ − |δ₄|)` are sufficient, and
-    /// also necessary if b is attained. The bounds are applied in sequence; each is a continuous function of
-    /// δ.
+    /// because v s ≥ 0. Therefore `δ₁ ≥ −β`, `|δ₄| ≤ β + δ₁` and `δ₂ ≥ −b (β + δ₁ − |δ₄|)` are sufficient. The conditions are also
+    /// necessary if b is attained at a velocity. Load-dependent friction dissipates if δ₅ ≥ −1. The conditions are applied in this
+    /// order, and each depends continuously on δ.
     #[must_use]
     pub fn admissible(&self, mut delta: [f64; TERMS], bounds: &[f64; TERMS]) -> [f64; TERMS] {
         for (delta, bound) in delta.iter_mut().zip(bounds) {
@@ -72,11 +86,12 @@ impl JointScale {
         let factor = base + delta[0];
         delta[3] = delta[3].clamp(-factor, factor);
         delta[1] = delta[1].max(-self.least_slope * (factor - delta[3].abs()));
+        delta[4] = delta[4].max(-1.0);
         delta
     }
 }
 
-/// `x/√(1 + x²)`: odd and increasing with limits ±1; uses no functions of a platform's library.
+/// Smooth sign `x/√(1 + x²)`. The result does not depend on the mathematical library of the platform.
 #[inline]
 pub(super) fn smooth_sign(x: f64) -> f64 {
     x / root(1.0 + x * x)
@@ -87,7 +102,7 @@ pub(super) fn dot<const K: usize>(a: &[f64; K], b: &[f64; K]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// `C x`.
+/// Product `C x`.
 #[inline]
 pub(super) fn product<const K: usize>(c: &[[f64; K]; K], x: &[f64; K]) -> [f64; K] {
     core::array::from_fn(|i| dot(&c[i], x))

@@ -1,38 +1,46 @@
 //! Recursive estimation of friction during motion.
 //!
-//! Friction changes while gears warm up. [`Adaptation`] estimates the difference from the described friction
-//! τ_d for each joint,
+//! Friction changes while gears warm up. For each joint, [`Adaptation`] estimates the difference between the actual friction τ
+//! and the described friction τ_d:
 //!
 //! ```text
-//!     τ(v) = τ_d(v) + δ₁ s(v) + δ₂ v + δ₃ + δ₄ |s(v)|        [`terms`]
+//!     τ(v) = τ_d(v) + |τ_l| s₁(v) + δ₁ s(v) + δ₂ v + δ₃ + δ₄ |s(v)| + δ₅ |τ_l| s₁(v)        [`terms`]
 //! ```
 //!
-//! from positions and torques alone. Each period it goes through these steps, in the order of the files:
+//! with the velocity v and the shape s of friction. It only needs measured positions and torques. Each period has these steps:
 //!
-//! 1. **Filter.** The torque that the described robot does not explain and the four terms pass the same two poles (Ljung, *System
-//!    Identification*, 1999, section 14.4). The inertia enters as differences of the momentum (Slotine, Li, 1987), so the filter limits
-//!    what noise of the encoders adds.
-//! 2. **Exclusion.** A sample is left out at rest, within the filter's memory of a rest, a reversal, a gap, a limit of the torque or
-//!    a torque that has repeated bit for bit, and beyond four standard deviations of its prediction, as in contact.
-//! 3. **Estimation.** Kalman filters for three rates of drift, weighted by their predictions (Raftery, Kárný, Ettler, 2010), with the
-//!    number of correlated samples that count as one (Kish, 1965).
-//! 4. **Average of nested laws**, from the described law on, by their marginal likelihoods (Dickey, 1971).
-//! 5. **Trust.** Terms beyond their bounds are conditioned on them (Simon, Chia, 2002), so that the law dissipates
-//!    ([`JointScale::admissible`]). The learned law acts while its prediction errors are smaller than the described law's (Dawid, 1984),
-//!    and the law without bounds dissipates at the largest speed.
+//! 1. **Filter.** The same low-pass filter with two poles is applied to the five terms and to the torque that the described robot
+//!    does not explain (Ljung, *System Identification*, 1999, section 14.4). The torque of the inertia enters as differences of the
+//!    momentum (Slotine, Li, 1987), so the filter limits the noise of the encoders.
+//! 2. **Exclusion.** These samples are not used:
+//!    - samples at rest
+//!    - samples soon after a rest, a reversal, a gap, or a torque that is at a limit or repeats bit for bit, until the filter has
+//!      settled
+//!    - samples beyond four standard deviations of their prediction, for example in contact
+//! 3. **Estimation.** Kalman filters for three rates of drift are weighted by their predictions (Raftery, Kárný, Ettler, 2010). They
+//!    take into account that consecutive samples are correlated (Kish, 1965).
+//! 4. **Average of nested laws.** The laws with the first 0, 1, … 5 terms are averaged, weighted by their marginal likelihoods
+//!    (Dickey, 1971).
+//! 5. **Trust.** Terms beyond their bounds are set to the bounds, and the correlated terms change with them (Simon, Chia, 2002). The
+//!    bounds ensure that friction dissipates energy ([`JointScale::admissible`]). The result is the *learned law*. The *acting law*,
+//!    which controllers use, follows the learned law under two conditions. The prediction errors of the learned law must be smaller
+//!    than those of the described law (Dawid, 1984), and the law without bounds must dissipate energy at the largest speed. Otherwise
+//!    the acting law follows the described law.
 //!
-//! On request a [`LoadEstimator`] learns the parameters of a load from the torques that the acting friction leaves.
+//! A [`LoadEstimator`] can also learn the parameters of a load from the torques that the acting law does not explain.
 //!
-//! `gelenk-runtime` makes it an option of the loop under the same name, and `gelenk identify --online` replays a log.
+//! `gelenk-runtime` offers the estimator as an option of the control loop (module `adaptation`). `gelenk identify --online` applies
+//! the estimator to a log.
 //!
 //! # Limits
 //!
 //! - Robots with quaternions, inputs at frames or driven joints are not supported.
-//! - Friction under load is not learned: it stays as described.
+//! - The factor of load-dependent friction is learned only for joints with described load-dependent friction.
 //! - A constant contact that lasts longer than [`AdaptationSettings::patience`] is learned as an offset.
-//! - Intervals do not include errors of inertia and gravity of the description.
-//! - In two of 3000 simulated runs with a fault (a stuck or swapped sensor, rests, gaps, saturation; `runtime/examples/warming.rs`),
-//!   the acting law had more than 1.05 times the error of the described law, at most 1.20 times. In both, the torque sensor saturates.
+//! - Confidence intervals do not include errors of inertia and gravity of the description.
+//! - `runtime/examples/warming.rs` simulates 3000 runs with a fault (a stuck or swapped sensor, rests, gaps, saturation). In two
+//!   runs, the error of the acting law was 1.05 to 1.20 times the error of the described law. In both runs, the torque sensor
+//!   saturates.
 
 #![no_std]
 #![warn(unreachable_pub)]
@@ -50,7 +58,7 @@ mod persistent;
 mod settings;
 mod trust;
 
-pub use estimator::{Adaptation, DescribedForces, JointState, Magnitudes, Measured};
+pub use estimator::{Adaptation, DescribedForces, JointState, Magnitudes, Measured, TermState};
 pub use inputs::input_inverse;
 pub use joint::Prediction;
 pub use law::{JointScale, TERM_NAMES, TERMS, terms};

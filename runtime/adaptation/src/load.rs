@@ -8,39 +8,41 @@ use super::law::{dot, root};
 use super::settings::AdaptationError;
 use super::trust::{Comparison, Trust};
 
-/// Parameters of the load at one time.
+/// State of a [`LoadEstimator`] at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoadState<const P: usize> {
-    /// Learned parameters.
+    /// Learned parameters of the load.
     pub learned: [f64; P],
-    /// Half of the 90 % interval of each parameter.
+    /// Half of the 90 % confidence interval of each parameter.
     pub half_widths: [f64; P],
-    /// Acting parameters; zero while the robot without load predicts better.
+    /// Acting parameters of the load, which controllers use. They follow the learned parameters, or 0 if the robot without load
+    /// predicts better.
     pub acting: [f64; P],
     /// Whether the learned parameters act, and the reason.
     pub trust: Trust,
 }
 
-/// Recursive estimator of P parameters θ of a load; torques must be linear in θ.
+/// Recursive estimator of P parameters θ of a load that the robot carries. The joint torques must be linear in θ:
 ///
 /// ```text
 ///     M ÿ + k − q + τ_acting + Σ_k W_k(y, ẏ, ÿ) θ_k = B u
 /// ```
 ///
-/// The columns W are those of a mass at a known position, or of the ten inertial parameters of a body
-/// (Atkeson, An, Hollerbach, *Int. J. Robotics Research* 5, 1986). They pass the same filter as the friction
-/// terms, and the samples are those of the friction estimator. One Kalman filter over all joints predicts the
-/// torque that the acting friction leaves; its noise has the variances of noise and friction of each joint. A
-/// sample beyond four standard deviations is not learned, as in contact. It widens the covariance by its
-/// share of [`AdaptationSettings::patience`](super::AdaptationSettings::patience), so a load is learned if it
-/// lasts. θ drifts with the fastest of
-/// [`AdaptationSettings::drift_times`](super::AdaptationSettings::drift_times).
+/// The columns W_k of the regressor belong, for example, to a mass at a known position, or to the ten inertial parameters of a
+/// body (Atkeson, An, Hollerbach, *Int. J. Robotics Research* 5, 1986). Columns and friction terms pass the same filter, and
+/// samples are taken at the same times. One Kalman filter for all joints predicts the torque that the acting friction τ_acting
+/// does not explain. Its noise variance is the sum of the variances of noise and learned friction of each joint. θ drifts with
+/// the fastest of [`AdaptationSettings::drift_times`](super::AdaptationSettings::drift_times).
+///
+/// A sample beyond four standard deviations, for example in contact, is not used. It increases the covariance by the sampling
+/// interval divided by [`AdaptationSettings::patience`](super::AdaptationSettings::patience), relative to the prior. Therefore a
+/// lasting load is learned after some time.
 ///
 /// # Limits
 ///
-/// - Parameters stay in a box around 0. That a body with these ten parameters exists is not ensured.
-/// - A lasting contact is learned as a load, as far as its torques resemble those of one.
-/// - A saved state has no load: it may be another one after a restart.
+/// - Parameters remain in a box around 0. The estimator does not ensure that a body with the ten estimated parameters exists.
+/// - A lasting contact is learned as a load if its torques resemble those of a load.
+/// - The saved state ([`Adaptation::save`]) does not contain the load, because the load can change before a restart.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoadEstimator<const N: usize, const P: usize> {
     bounds: [[f64; 2]; P],
@@ -52,10 +54,11 @@ pub struct LoadEstimator<const N: usize, const P: usize> {
 }
 
 impl<const N: usize, const P: usize> LoadEstimator<N, P> {
-    /// Estimator of parameters within a box. The prior's standard deviation is half of the largest magnitude.
+    /// Constructs an estimator for parameters within `bounds`. The standard deviation of the prior of each parameter is half of
+    /// the largest magnitude of its bounds.
     ///
     /// # Errors
-    /// [`AdaptationError::Load`].
+    /// [`AdaptationError::Load`] if bounds are not finite or 0 is not between them.
     pub fn new(bounds: [[f64; 2]; P]) -> Result<Self, AdaptationError> {
         let is_box =
             |[low, high]: &[f64; 2]| low.is_finite() && high.is_finite() && *low <= 0.0 && *high >= 0.0;
@@ -73,11 +76,11 @@ impl<const N: usize, const P: usize> LoadEstimator<N, P> {
         })
     }
 
-    /// Advances by a period, after the step of the friction estimator. Does not allocate.
+    /// Advances the estimation by a period. Call this method after the step of the friction estimator. Does not allocate.
     ///
-    /// - `columns`: joint torques per unit of each parameter, at the motion for which [`Adaptation::step`]
-    ///   requested the described forces; `None` if it did not request them
-    /// - `friction`: the friction estimator, whose described forces included the [acting](Self::acting) load
+    /// - `columns`: joint torques per unit of each parameter, at the motion for which [`Adaptation::step`] requested the
+    ///   described torques; `None` if it did not request them
+    /// - `friction`: the friction estimator. Its described torques must include the [acting](Self::acting) load.
     pub fn step(&mut self, columns: Option<&[[f64; P]; N]>, friction: &Adaptation<N>) {
         let settings = friction.settings();
         self.law.widen(settings.period / settings.drift_times[2], &self.prior);
@@ -117,7 +120,7 @@ impl<const N: usize, const P: usize> LoadEstimator<N, P> {
         self.law.update(column, torque - dot(column, &self.law.mean), noise);
     }
 
-    /// The acting parameters follow the learned ones.
+    /// Moves the acting parameters towards the learned parameters, or towards 0.
     fn blend(&mut self, period: f64, time_constant: f64) {
         let target = match self.comparison.trust(true) {
             Trust::Learned => self.admissible(),
@@ -128,18 +131,18 @@ impl<const N: usize, const P: usize> LoadEstimator<N, P> {
         }
     }
 
-    /// The learned parameters within their box.
+    /// The learned parameters, clamped to their bounds.
     fn admissible(&self) -> [f64; P] {
         core::array::from_fn(|k| self.law.mean[k].clamp(self.bounds[k][0], self.bounds[k][1]))
     }
 
-    /// Acting parameters.
+    /// Acting parameters of the load.
     #[must_use]
     pub fn acting(&self) -> &[f64; P] {
         &self.acting
     }
 
-    /// Learned and acting parameters, and intervals.
+    /// Learned and acting parameters, and confidence intervals.
     #[must_use]
     pub fn state(&self) -> LoadState<P> {
         LoadState {

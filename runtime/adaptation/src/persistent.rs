@@ -1,4 +1,4 @@
-//! Saving and restoring of the learned state as numbers.
+//! Saves and restores the learned state as an array of numbers.
 
 use super::correlation::CELLS;
 use super::estimator::Adaptation;
@@ -6,24 +6,26 @@ use super::joint::Joint;
 use super::law::TERMS;
 use super::settings::AdaptationError;
 
-/// Numbers of the origin: fingerprint in two halves, joints, period, time constant, delay.
+/// Number of values that identify the origin of a saved state: fingerprint in two halves, number of joints, period, time constant,
+/// delay.
 const ORIGIN: usize = 6;
 /// Names of the parts of the origin, in this order.
 const PARTS: [&str; ORIGIN] =
     ["description", "description", "number of joints", "period", "time constant", "delay"];
-/// Numbers of a filter: mean, covariance, cells, and four of weight and correlation.
+/// Number of values of a filter: mean, covariance, cells, and four values of weight and correlation.
 const TRACK: usize = TERMS + TERMS * TERMS + 2 * CELLS + 4;
-/// Numbers of a joint: filters, noise with its weight, mean and covariance of the law, comparison.
+/// Number of values of a joint: filters, noise with its weight, mean and covariance of the law, comparison.
 const JOINT: usize = super::bank::RATES * TRACK + 2 + TERMS + TERMS * TERMS + 8;
 
 impl<const N: usize> Adaptation<N> {
-    /// Length of the saved state.
+    /// Number of values of the saved state.
     pub const SAVED: usize = ORIGIN + N * JOINT;
 
-    /// Writes the learned laws, after a fingerprint of the description, the period, the filter and the delay.
+    /// Writes the learned laws to `numbers`, which must have [`SAVED`](Self::SAVED) entries. The first values identify the
+    /// description, the period, the filter and the delay.
     ///
     /// # Errors
-    /// [`AdaptationError::Length`].
+    /// [`AdaptationError::Length`] if `numbers` has another length.
     pub fn save(&self, numbers: &mut [f64]) -> Result<(), AdaptationError> {
         self.require_length(numbers.len())?;
         numbers[..ORIGIN].copy_from_slice(&self.origin());
@@ -36,11 +38,15 @@ impl<const N: usize> Adaptation<N> {
         Ok(())
     }
 
-    /// Restores saved laws. Motion and time restart; the described law acts until the first period.
+    /// Restores laws that [`save`](Self::save) wrote. Motion and time restart. The acting law begins with the described law and
+    /// then follows the restored law.
     ///
     /// # Errors
-    /// [`AdaptationError::Length`], [`AdaptationError::Origin`], [`AdaptationError::Number`]; the state is
-    /// then unchanged.
+    /// - [`AdaptationError::Length`] if `numbers` has another length than [`SAVED`](Self::SAVED).
+    /// - [`AdaptationError::Origin`] if the saved state belongs to another description, period, filter or delay.
+    /// - [`AdaptationError::Number`] if a saved number is not valid.
+    ///
+    /// After an error the state is unchanged.
     pub fn restore(&mut self, numbers: &[f64]) -> Result<(), AdaptationError> {
         self.require_length(numbers.len())?;
         let differs = |(a, b): (&f64, &f64)| a.to_bits() != b.to_bits();
@@ -84,7 +90,7 @@ impl<const N: usize> Adaptation<N> {
     }
 }
 
-/// Whether an estimator can have these numbers: finite, with variances and counts that are not negative.
+/// Whether the restored numbers of a joint are valid: all numbers are finite, and variances and counts are not negative.
 fn is_possible(joint: &Joint, numbers: &[f64]) -> bool {
     let counts = |values: &[f64]| values.iter().all(|value| *value >= 0.0);
     let tracks = joint.bank.tracks.iter().all(|track| {

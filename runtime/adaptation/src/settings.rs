@@ -1,4 +1,4 @@
-//! Settings and errors.
+//! Settings and errors of the recursive estimation.
 
 use gelenk_dynamics::dynamics::Named;
 use thiserror::Error;
@@ -8,37 +8,45 @@ pub const MOST_DELAY: usize = 8;
 
 /// Settings of the recursive estimation.
 ///
-/// [`AdaptationSettings::new`] gives the defaults. They were chosen with simulated joints
-/// (`runtime/examples/support/warming.rs`); a test varies only the drift times.
+/// [`AdaptationSettings::new`] returns the defaults. They were chosen with simulated joints
+/// (`runtime/examples/support/warming.rs`). A test only varies the drift times.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AdaptationSettings {
-    /// Measurement period (s).
+    /// Measurement period (s), which is the period of the calls of [`Adaptation::step`](super::Adaptation::step).
     pub period: f64,
-    /// Time constant of each of the filter's two poles (s).
+    /// Time constant of each of the two filter poles (s).
     pub time_constant: f64,
-    /// Periods until an input acts, at most [`MOST_DELAY`].
+    /// Number of periods until an input acts, at most [`MOST_DELAY`].
     pub delay: usize,
-    /// Largest change of friction as a share of the described friction at the largest speed. Parameters are
-    /// clipped to this box; the prior's standard deviation is half of it.
+    /// Largest change of friction, relative to the described friction at the largest speed; above 0 and below 1. The change bounds
+    /// the learned coefficients. The standard deviation of their prior is half of the bounds.
     pub largest_change: f64,
-    /// Times in which a random walk of the terms reaches the prior's standard deviation (s), from slow to
-    /// fast.
+    /// Times in which a random walk of the coefficients reaches the standard deviation of the prior (s), from slow to fast drift.
     pub drift_times: [f64; 3],
-    /// Memory of noise, correlation, weights of the drift rates, and prediction errors (s of motion).
+    /// Time constant of leaky averages, in seconds of motion. They are the estimates of noise, correlation, weights of the drift
+    /// rates, and prediction errors.
     pub memory: f64,
-    /// Time of motion (s) after which residuals outside the prediction interval of the learned law count as a
-    /// change of the joint, not as contact.
+    /// Time of motion (s) after which residuals outside the prediction interval of the learned law count as a change of the joint.
+    /// Before this time they count as contact.
     pub patience: f64,
     /// Time constant with which the acting law follows the learned law (s).
     pub blending: f64,
-    /// Share of the largest speed below which a joint is at rest.
+    /// Speed below which a joint counts as at rest, relative to the largest speed; above 0 and below 1.
     pub rest: f64,
 }
 
 impl AdaptationSettings {
-    /// Settings for a period (s): poles of 0.04 s or three periods, no delay, changes up to 90 %, drift
-    /// within 40000, 4000 or 400 s, memory of 20 s, patience of 20 s, blending of 0.5 s, rest below 1 % of
-    /// the largest speed.
+    /// Default settings for a period (s):
+    ///
+    /// | setting | value |
+    /// |---|---|
+    /// | `time_constant` | the larger of 0.04 s and three periods |
+    /// | `delay` | 0 |
+    /// | `largest_change` | 0.9 |
+    /// | `drift_times` | 40000, 4000 and 400 s |
+    /// | `memory`, `patience` | 20 s |
+    /// | `blending` | 0.5 s |
+    /// | `rest` | 0.01 |
     #[must_use]
     pub fn new(period: f64) -> Self {
         Self {
@@ -79,7 +87,7 @@ fn require(name: &'static str, value: f64, needed: &'static str, holds: bool) ->
     if holds && value.is_finite() { Ok(()) } else { Err(AdaptationError::Setting { name, value, needed }) }
 }
 
-/// Reasons why friction cannot be learned.
+/// Reason why friction or a load cannot be learned, or a saved state cannot be used.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum AdaptationError {
     /// A setting is out of range.
@@ -89,42 +97,49 @@ pub enum AdaptationError {
         name: &'static str,
         /// Value of the setting.
         value: f64,
-        /// The allowed values.
+        /// Allowed values.
         needed: &'static str,
     },
-    /// The bounds of a load's parameter are empty or infinite, or exclude 0.
-    #[error("parameter {0} of the load needs finite bounds with 0 between them")]
+    /// The bounds of a parameter of the load are not finite, or 0 is not between them. The value is the index of the parameter,
+    /// from 0.
+    #[error("the bounds of load parameter {0} (counted from 0) must be finite, with 0 between them")]
     Load(usize),
-    /// The description lacks the magnitudes of a joint.
+    /// Bounds of a joint that is not learned, or bounds that are negative or NaN.
     #[error(
-        "the size of the friction of joint {} is unknown: describe a finite speed limit, and friction or a \
-         finite effort limit",
+        "joint {0} cannot have these bounds: the joint must be learned, and the bounds must be at least 0"
+    )]
+    Bounds(usize),
+    /// The description of a joint has no finite speed limit, or neither friction nor a finite effort limit.
+    #[error(
+        "the scale of the friction of joint {} is unknown: add a finite speed limit, and friction or a finite \
+         effort limit, to its description",
         Named(.name)
     )]
     Scale {
         /// Name of the joint.
         name: &'static str,
     },
-    /// The learned friction cannot be compensated.
+    /// The inputs cannot load each learned joint separately, or the robot has inputs at frames or driven joints.
     #[error(
-        "learned friction needs one drive per learned joint that loads no other joint; inputs at frames and \
-         driven joints are not supported"
+        "friction can only be learned if the drives can load each joint separately; inputs at frames and driven \
+         joints are not supported"
     )]
     Inputs,
-    /// The saved state has a different length.
-    #[error("the saved state has {found} numbers; this robot's has {needed}")]
+    /// The saved state does not have the length of the states of this robot.
+    #[error("the saved state has {found} numbers, but the state of this robot has {needed}")]
     Length {
-        /// Numbers that were given.
+        /// Given number of values.
         found: usize,
-        /// Numbers that are needed.
+        /// Necessary number of values.
         needed: usize,
     },
-    /// The saved state has another origin.
+    /// The saved state was saved with another description, number of joints, period, time constant or delay. The value names the
+    /// difference.
     #[error(
-        "the saved state belongs to another {0}: start without it, or use the same description, period, filter and delay"
+        "the saved state was saved with another {0}: start without this state, or use the same description, period, filter and delay"
     )]
     Origin(&'static str),
-    /// A saved number is not valid.
-    #[error("number {0} of the saved state is not valid")]
+    /// A saved number of a joint is not valid. The value is the index of the first number of this joint in the saved state.
+    #[error("the saved state is not valid: a number of the joint that begins at index {0} is out of range")]
     Number(usize),
 }

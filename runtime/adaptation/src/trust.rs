@@ -1,31 +1,32 @@
-//! Choice of the acting law by prequential comparison.
+//! Choice of the acting law by comparison of prediction errors.
 
-/// Samples before which the described law acts.
+/// Number of samples before which the described law acts.
 const FEWEST: f64 = 20.0;
 
-/// Share of samples beyond the interval from which on the described law acts.
+/// Share of samples outside the prediction interval above which the described law acts.
 const CONTRADICTED: f64 = 0.5;
 
-/// Share of the torque's variance that may remain unexplained by the learned law, or the described one acts: with a swapped sign, no
-/// law within the box explains much of it.
+/// Share of the variance of the torque that the learned law may leave unexplained. Above this share the described law acts. For
+/// example, if a sign is wrong, no law within the bounds explains the torque.
 const UNEXPLAINED: f64 = 0.5;
 
-/// Acting law of a joint, and the reason.
+/// Acting friction law of a joint (or acting load), with the reason. For a load, the described law is the robot without load.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Trust {
-    /// There are too few samples, or the friction that was learned without bounds accelerates the joint: the described law acts.
+    /// The described law acts, because fewer than 20 samples are available, or because the friction that was learned without bounds
+    /// would accelerate the joint.
     Unknown,
-    /// The learned law predicts better and acts.
+    /// The learned law acts, because it predicts better.
     Learned,
-    /// The described law predicts better and acts.
+    /// The described law acts, because it predicts better.
     Described,
-    /// Most residuals are outside the interval, or the learned law explains less than half of the torque's
-    /// variance, as in contact or with a wrong sensor: the described law acts.
+    /// The described law acts, because most residuals are outside the prediction interval, or the learned law explains less than
+    /// half of the variance of the torque. Possible reasons are contact or a wrong sensor.
     Contradicted,
 }
 
 impl Trust {
-    /// Name in logs.
+    /// Name of the variant in logs.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -37,25 +38,24 @@ impl Trust {
     }
 }
 
-/// Leaky means of the squared one-step prediction errors.
+/// Leaky sums of the squared one-step prediction errors of both laws.
 ///
-/// Each error is that of the law before it learned from the sample (Dawid, *J. R. Stat. Soc. A* 147, 1984),
-/// so additional terms give no unearned advantage.
+/// Each error is computed before the law learns from the sample (prequential, Dawid, *J. R. Stat. Soc. A* 147, 1984). Therefore
+/// additional terms only have an advantage if they improve the prediction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Comparison {
-    /// Sums of squared errors: described, learned.
+    /// Sums of squared errors of the described and of the learned law.
     pub squares: [f64; 2],
     pub taken: f64,
     pub excluded: f64,
-    /// Sums that include excluded samples: squared errors of the learned law, squared torques, torques,
-    /// number of samples.
+    /// Sums that include excluded samples: squared errors of the learned law, squared torques, torques, and number of samples.
     pub all: [f64; 4],
 }
 
 impl Comparison {
     pub(super) const NEW: Self = Self { squares: [0.0; 2], taken: 0.0, excluded: 0.0, all: [0.0; 4] };
 
-    /// Adds any sample: error of the learned law, and torque.
+    /// Adds a sample, also if it will be excluded. `error` is the error of the learned law.
     pub(super) fn whole(&mut self, [error, torque]: [f64; 2], keep: f64) {
         let sums = self.squares.iter_mut().chain([&mut self.taken, &mut self.excluded]).chain(&mut self.all);
         sums.for_each(|sum| *sum *= keep);
@@ -64,7 +64,7 @@ impl Comparison {
         }
     }
 
-    /// Adds the errors of both laws.
+    /// Adds the errors of the described and of the learned law for a sample that is not excluded.
     pub(super) fn take(&mut self, errors: [f64; 2]) {
         for (square, error) in self.squares.iter_mut().zip(errors) {
             *square += error * error;
@@ -72,12 +72,14 @@ impl Comparison {
         self.taken += 1.0;
     }
 
-    /// Counts a sample outside the interval.
+    /// Counts a sample outside the prediction interval.
     pub(super) fn exclude(&mut self) {
         self.excluded += 1.0;
     }
 
-    /// - `dissipates`: whether the friction that was learned without bounds dissipates
+    /// Decides which law acts.
+    ///
+    /// - `dissipates`: whether the friction that was learned without bounds dissipates energy
     pub(super) fn trust(&self, dissipates: bool) -> Trust {
         let ([described, learned], [unexplained, squares, sum, count]) = (self.squares, self.all);
         let variance = squares - sum * sum / count.max(1.0);
@@ -96,7 +98,7 @@ impl Comparison {
         }
     }
 
-    /// Root-mean-square errors: described, learned [N m or N]; NaN before the first sample.
+    /// Root-mean-square errors of the described and of the learned law [N m or N]; NaN before the first sample.
     pub(super) fn errors(&self) -> [f64; 2] {
         self.squares.map(|square| super::law::root(square / self.taken))
     }

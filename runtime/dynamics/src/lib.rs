@@ -1,4 +1,4 @@
-//! Generated robots as types: traits for control and identification, and macros that implement these traits.
+//! Traits of robots for control and identification, and macros that implement these traits for generated modules.
 //!
 //! `gelenk-runtime` re-exports this crate under the same names.
 

@@ -2,24 +2,24 @@
 
 use gelenk_kernels::math::sqrt;
 
-/// Singular values below this share of the largest one count as zero.
+/// Singular values below this tolerance, relative to the largest singular value, count as zero.
 const RANK_TOLERANCE: f64 = 1e-12;
 
 /// Largest number of sweeps of rotations. Five or six sweeps are usually enough.
 const MOST_SWEEPS: usize = 40;
 
-/// Pseudo-inverse `B⁺` of a matrix B: `B⁺ f` is the shortest u that minimizes `|B u − f|`. `None` for a
+/// Returns the pseudo-inverse `B⁺` of a matrix B. `B⁺ f` is the shortest vector u that minimizes `|B u − f|`. Returns `None` for a
 /// matrix that is empty, zero or not finite.
 ///
 /// One-sided Jacobi rotations V make the columns of B V orthogonal (Hestenes 1958; Golub and Van Loan 2013,
-/// section 8.6.3). With `B = U Σ Vᵀ`, the pseudo-inverse is `B⁺ = V Σ⁻² (B V)ᵀ`.
+/// section 8.6.3). For the singular value decomposition `B = U Σ Vᵀ`, the pseudo-inverse is `B⁺ = V Σ⁻² (B V)ᵀ`.
 #[must_use]
 pub fn pseudo_inverse<const N: usize, const M: usize>(matrix: &[[f64; M]; N]) -> Option<[[f64; N]; M]> {
     let largest = matrix.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
     if largest == 0.0 || !matrix.iter().flatten().all(|x| x.is_finite()) {
         return None;
     }
-    // Columns of B V in units of the largest entry, and of V.
+    // Columns of B V in units of the largest entry of B, and columns of V.
     let mut columns: [[f64; N]; M] =
         core::array::from_fn(|j| core::array::from_fn(|i| matrix[i][j] / largest));
     let mut rotation: [[f64; M]; M] =
@@ -88,7 +88,7 @@ mod tests {
     struct Random(u64);
 
     impl Random {
-        /// Between −1 and 1.
+        /// A number between −1 and 1.
         fn next(&mut self) -> f64 {
             self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             (self.0 >> 40) as f64 / (1_u64 << 23) as f64 - 1.0
@@ -105,8 +105,8 @@ mod tests {
         assert!(inverse[0][0].abs() < 1e-15 && (inverse[1][0] - 0.25).abs() < 1e-15);
     }
 
-    /// The four conditions that define it (Penrose 1955), for matrices of every rank, some with a column of another
-    /// size.
+    /// Tests the four conditions that define the pseudo-inverse (Penrose 1955), for matrices of every rank. Some matrices have a
+    /// column of another magnitude.
     #[test]
     fn penrose_s_conditions_hold() {
         let mut random = Random(5);
@@ -128,7 +128,7 @@ mod tests {
         let found = pseudo_inverse(&matrix).unwrap();
         let (b, x) =
             (DMatrix::from_fn(N, M, |i, j| matrix[i][j]), DMatrix::from_fn(M, N, |j, i| found[j][i]));
-        // Rounding, which the condition number amplifies.
+        // The tolerance allows for rounding errors, which the condition number amplifies.
         let condition = b.norm() * x.norm();
         let (bx, xb) = (&b * &x, &x * &b);
         let conditions = [

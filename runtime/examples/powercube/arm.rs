@@ -1,5 +1,4 @@
-//! The simulated arm: its friction, the regimes in which it is driven, and the trajectory that it shall
-//! follow.
+//! Simulated arm with its friction, the conditions of inputs and measurements, and the desired trajectory.
 
 use crate::study::Outcome;
 use gelenk_generated::powercube_parameters::Parameters;
@@ -8,64 +7,62 @@ use gelenk_runtime::plant::PlantOptions;
 use gelenk_runtime::trajectory::{Columns, Recording, Sampled, Smoothing};
 
 gelenk_runtime::dynamics!(
-    /// The arm reduced to y = (β, γ), with friction and gravity as parameters: plants and controllers are
-    /// each given their own. `Default` is the published arm.
+    /// The arm with the coordinates y = (β, γ), and with friction and gravity as parameters. Plants and controllers have
+    /// separate parameters. `Default` is the published arm.
     pub struct Arm { parameters } = gelenk_generated::powercube_parameters: Discretizable []
 );
 
 /// Gear ratio of both joints.
 pub const GEAR: f64 = 161.0;
-/// Peak torque of the motors [N m]; 80.5 N m at the joint.
+/// Peak torque of the motors [N m], which is 80.5 N m at the joint.
 pub const PEAK: f64 = 0.5;
 /// Period of the published trajectory, and of control along it (s).
 pub const PERIOD: f64 = 0.02;
 /// Names of the joints, for figures and tables.
 pub const JOINTS: [&str; 2] = ["β", "γ"];
 
-/// Terms of a [`Friction`].
+/// Number of terms of a [`Friction`].
 pub const TERMS: usize = 7;
 
-/// Friction torque of one joint [N m] over the library [1, v, sign v, tanh 5v, tanh 10v, tanh 20v, tanh
-/// 100v].
+/// Coefficients of the friction torque of one joint [N m] for the terms 1, v, sign v, tanh 5v, tanh 10v, tanh 20v and tanh 100v.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Friction(pub [f64; TERMS]);
 
 impl Friction {
-    /// Joint A, the α axis: not published; an estimate, of the same kind of module.
+    /// Friction of joint A, the α axis. It is not published, so this is an estimate for a module of the same type.
     pub const A: Self = Self([0.0, 60.0, 0.0, 0.0, 0.0, 10.0, 0.0]);
-    /// Joint B, the β axis, as published.
+    /// Published friction of joint B, the β axis.
     pub const B: Self = Self([0.0, 76.556, 0.0, 3.924, 10.838, 2.236, 0.0]);
-    /// Joint C, the γ axis, as published.
+    /// Published friction of joint C, the γ axis.
     pub const C: Self = Self([0.0, 56.231, 0.492, 0.368, 0.368, 0.0, 8.342]);
-    /// Stand-in for the old model, one curve for all joints: 45 v + 9 tanh 10v. Oberhuber's own is not
-    /// published.
+    /// Substitute for the old friction model, one curve 45 v + 9 tanh 10v for all joints. The model of Oberhuber is not published.
     pub const OLD: Self = Self([0.0, 45.0, 0.0, 0.0, 9.0, 0.0, 0.0]);
 
-    /// Values of the terms at speed `v` [rad/s], sign(0) = 0.
+    /// Values of the terms at velocity `v` [rad/s], with sign(0) = 0.
     pub fn terms(v: f64) -> [f64; TERMS] {
         let sign = if v == 0.0 { 0.0 } else { v.signum() };
         let tanh = |slope: f64| (slope * v).tanh();
         [1.0, v, sign, tanh(5.0), tanh(10.0), tanh(20.0), tanh(100.0)]
     }
 
-    /// τ(v) [N m].
+    /// Friction torque τ(v) [N m] at velocity `v` [rad/s].
     pub fn at(&self, v: f64) -> f64 {
         let terms = Self::terms(v);
         self.0.iter().zip(terms).map(|(a, b)| a * b).sum()
     }
 
-    /// All torques times `factor`.
+    /// The same friction multiplied by `factor`.
     pub fn scaled(&self, factor: f64) -> Self {
         Self(self.0.map(|one| factor * one))
     }
 
-    /// The terms as the library of identification.
+    /// The terms as a library for identification.
     pub fn library() -> Outcome<Library> {
         Ok(Library::friction()?)
     }
 }
 
-/// The published arm with this friction on (β, γ).
+/// The published arm with this friction at the joints (β, γ).
 pub fn arm([beta, gamma]: [Friction; 2]) -> Arm {
     let Friction(beta) = beta;
     let Friction(gamma) = gamma;
@@ -91,37 +88,37 @@ pub fn arm([beta, gamma]: [Friction; 2]) -> Arm {
     }
 }
 
-/// The same arm with gravity off by a share: 0.08 makes a model that is 8 % too heavy.
+/// The same arm with gravity multiplied by 1 + `share`. The share 0.08 makes a model that is 8 % too heavy.
 pub fn heavier(mut arm: Arm, share: f64) -> Arm {
     arm.parameters.g *= 1.0 + share;
     arm
 }
 
-/// The same arm with a mass between its fingers [kg].
+/// The same arm with a mass [kg] between its fingers.
 pub fn carrying(mut arm: Arm, mass: f64) -> Arm {
     arm.parameters.load = mass;
     arm
 }
 
-/// The drive of the arm: effects of its electronics and its bus on inputs and measurements.
+/// Conditions of an experiment: effects of electronics and bus on inputs and measurements.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Regime {
     /// Sample time of control (s).
     pub period: f64,
-    /// Periods from an input's computation to its effect.
+    /// Number of periods from the computation of an input to its effect.
     pub delay: usize,
-    /// Step of the encoders at the joints [rad].
+    /// Resolution of the encoders at the joints [rad].
     pub encoder_step: f64,
-    /// Standard deviation of the noise on measured positions, before they are rounded [rad].
+    /// Standard deviation of the noise of measured positions before rounding [rad].
     pub encoder_noise: f64,
-    /// Step of the motor torques [N m].
+    /// Resolution of the motor torques [N m].
     pub torque_step: f64,
-    /// Standard deviation of the noise on motor torques, drawn once a period [N m].
+    /// Standard deviation of the noise of the motor torques, which is constant during a period [N m].
     pub torque_noise: f64,
 }
 
 impl Regime {
-    /// 50 Hz, nothing else: exact encoders and torques, no delay.
+    /// Ideal conditions: 50 Hz, exact encoders and torques, no delay.
     pub const IDEAL: Self = Self {
         period: PERIOD,
         delay: 0,
@@ -130,8 +127,8 @@ impl Regime {
         torque_step: 0.0,
         torque_noise: 0.0,
     };
-    /// 50 Hz, inputs that act one period late, encoders of 0.1 mrad, torques in steps of 0.8 N m at the
-    /// joint. Assumed: the arm's own numbers are not published.
+    /// Realistic conditions: 50 Hz, inputs that act one period late, encoders of 0.1 mrad, and torques in steps of 0.8 N m at the
+    /// joint. These numbers are assumptions, because those of the arm are not published.
     pub const REALISTIC: Self = Self {
         period: PERIOD,
         delay: 1,
@@ -141,7 +138,7 @@ impl Regime {
         torque_noise: 2e-3,
     };
 
-    /// The plant's options, with the motors' peak torque.
+    /// Options of the plant for these conditions, with the peak torque of the motors.
     pub fn plant(&self, seed: u64) -> PlantOptions<2, 2> {
         PlantOptions {
             encoder_resolution: [self.encoder_step; 2],
@@ -156,14 +153,14 @@ impl Regime {
     }
 }
 
-/// The published trajectory: 1220 samples, 20 ms, from rest to rest with motion reversals and zero crossings.
+/// Reads the published trajectory: 1220 samples every 20 ms, from rest to rest with motion reversals and zero crossings.
 pub fn recording() -> Outcome<Recording<2>> {
     let columns = Columns { time: "t", positions: ["y1", "y2"], velocities: Some(["v1", "v2"]) };
     let data = include_bytes!("../data/powercube_trajectory.csv");
     Ok(Recording::read(&data[..], "powercube_trajectory.csv", &columns)?)
 }
 
-/// The published trajectory, smoothed so that positions, velocities and accelerations agree.
+/// Returns the published trajectory, smoothed so that positions, velocities and accelerations are consistent.
 pub fn reference() -> Outcome<Sampled<2>> {
     Ok(recording()?.smoothed(&Smoothing::of(PERIOD))?.trajectory)
 }

@@ -1,10 +1,10 @@
-//! The equations of the arm and of its controllers, as the page sets them.
+//! Equations of the arm and of its controllers for the page.
 
 use crate::study::Outcome;
 use gelenk_report::{Block, Equation, Section, text};
 
-/// Numbers of the published model: M_11, M_22 without rotors, h [kg m²], first moments [kg m], gear ratio,
-/// rotor inertia [kg m²], gravity.
+/// Parameters of the published model: M_11, M_22 without rotors and h [kg m²], first moments [kg m], gear ratio, rotor inertia
+/// [kg m²], gravity [m/s²].
 struct Published {
     m11: f64,
     m22: f64,

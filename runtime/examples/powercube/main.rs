@@ -1,16 +1,15 @@
-//! "Identification of Friction Models for MPC-based Control of a PowerCube Serial Robot" (Fehr, Kargl,
-//! Eschmann), reproduced on the simulated arm.
+//! Reproduces "Identification of Friction Models for MPC-based Control of a PowerCube Serial Robot" (Fehr, Kargl, Eschmann) on
+//! the simulated arm.
 //!
 //! ```sh
 //! cargo run --release -p gelenk-runtime --example powercube [FOLDER]
 //! ```
 //!
-//! Runs the paper's experiments with seeded plants, prints each claim with its verdict, and writes a report
-//! into FOLDER (`report`): `index.html`, and its numbers as JSON and CSV. `GELENK_EXAMPLE_SHORT=1` takes
-//! fewer samples through the same code.
+//! The program runs the experiments of the paper with seeded plants, and prints each claim with its verdict. It writes a report
+//! with `index.html`, JSON and CSV to FOLDER (default `report`). `GELENK_EXAMPLE_SHORT=1` runs the same code with fewer samples.
 //!
-//! Verdicts follow from numbers and thresholds; `control/tests.rs` and `friction/tests.rs` assert them, and
-//! flip each by what its claim names: `cargo test --release -p gelenk-runtime --example powercube`.
+//! Verdicts follow from numbers and thresholds. `control/tests.rs` and `friction/tests.rs` assert the verdicts, and reverse each
+//! verdict by the change that its claim names: `cargo test --release -p gelenk-runtime --example powercube`.
 
 mod arm;
 mod control;
@@ -39,9 +38,9 @@ fn run() -> Outcome<()> {
     write(&Study::from_environment(), &folder)
 }
 
-/// Prints the verdicts, and writes the report into a folder.
+/// Prints the verdicts, and writes the report to a folder.
 fn write(study: &Study, folder: &Path) -> Outcome<()> {
-    // A minute of work should not end with a folder that cannot be made.
+    // The folder is created first, so that an error appears before the long computation.
     std::fs::create_dir_all(folder).map_err(|error| format!("cannot write {}: {error}", folder.display()))?;
     let report = report(study)?;
     for claim in report.claims() {
@@ -55,7 +54,7 @@ fn write(study: &Study, folder: &Path) -> Outcome<()> {
     Ok(())
 }
 
-/// Runs all experiments, several at a time; what they find does not depend on how many. Progress goes to the
+/// Runs all experiments, several at a time. The results do not depend on the number of threads. Progress is printed to the
 /// terminal.
 fn report(study: &Study) -> Outcome<Report> {
     let experiments: Vec<Experiment> =
@@ -68,7 +67,7 @@ fn report(study: &Study) -> Outcome<Report> {
             scope.spawn(|| {
                 while let Some((place, experiment)) = taken(&next, &found, &experiments) {
                     let start = Instant::now();
-                    // Errors stay in the thread, their text does not.
+                    // Errors cannot be sent to another thread, but their text can.
                     let outcome = experiment.1(study).map_err(|error| error.to_string());
                     eprintln!(
                         "[{:>2}/{}] {}, {:.1} s",
@@ -95,7 +94,7 @@ fn report(study: &Study) -> Outcome<Report> {
 
 type Place = Mutex<Option<Result<Part, String>>>;
 
-/// The next experiment that nobody has begun, and where its outcome goes.
+/// Returns the next experiment that no thread has begun, and the place for its result.
 fn taken<'e>(
     next: &AtomicUsize,
     found: &'e [Place],
@@ -105,7 +104,7 @@ fn taken<'e>(
     Some((found.get(k)?, experiments.get(k)?))
 }
 
-/// Where `GELENK_REPORT` says, for who wants to look at it.
+/// Writes the report to the folder in `GELENK_REPORT`, if this variable is set.
 #[test]
 fn the_report_is_written() -> Outcome<()> {
     let folder = tempfile::tempdir()?;

@@ -1,13 +1,13 @@
-//! The page: results of all experiments, claims first.
+//! Page with the results of all experiments. It begins with the claims.
 
 use crate::equations;
 use crate::study::{Outcome, Part, Study};
 use gelenk_report::{Block, Claim, Report, Section, text};
 
-/// The command of the full run.
+/// Command of the full run.
 pub const COMMAND: &str = "cargo run --release -p gelenk-runtime --example powercube";
 
-/// The report of all parts, in the order of their claims.
+/// Returns the report with all parts, in the order of their claims.
 pub fn report(study: &Study, mut parts: Vec<Part>) -> Outcome<Report> {
     parts.sort_by_key(|part| part.claims.iter().map(number).min());
     let mut claims = Vec::new();
@@ -37,12 +37,12 @@ pub fn report(study: &Study, mut parts: Vec<Part>) -> Outcome<Report> {
     Ok(report)
 }
 
-/// `8b` of the identifier `claim-8b`.
+/// Label of a claim, for example `8b` for the identifier `claim-8b`.
 fn label(claim: &Claim) -> &str {
     claim.id.strip_prefix("claim-").unwrap_or(&claim.id)
 }
 
-/// Claims stand in the order of the paper's list, its parts by their letters.
+/// Sorting key of a claim: its number in the paper and its letter.
 fn number(claim: &Claim) -> (u32, String) {
     let label = label(claim);
     let end = label.find(|c: char| !c.is_ascii_digit()).unwrap_or(label.len());

@@ -14,14 +14,14 @@ pub const FAULTS: [&str; 6] = [
     "torque sensor that saturates",
 ];
 
-/// Root mean squares of the torque that a law gets wrong over a run, acting and described, noise included [N m].
+/// Root-mean-square torque errors of the acting and of the described law over a run, including noise [N m].
 #[derive(Debug, Clone, Copy)]
 pub struct Outcome {
     pub acting: f64,
     pub described: f64,
 }
 
-/// One run of two minutes of motion with fault number `seed % 6` from a random time on. Every other robot's friction drifts.
+/// Simulates two minutes of motion with fault number `seed % 6` from a random time on. The friction of every second robot drifts.
 pub fn run(seed: u64) -> Outcome {
     let mut joint = Simulated::new(5000 + seed);
     if seed % 12 < 6 {
@@ -60,7 +60,7 @@ pub fn run(seed: u64) -> Outcome {
         let v = joint.state[1];
         if v.abs() > adaptation.rest(0) {
             let described = joint.described(v);
-            let phi: [f64; TERMS] = terms(described, v);
+            let phi: [f64; TERMS] = terms(described, v, 0.0);
             let more: f64 = phi.iter().zip(&adaptation.acting()[0]).map(|(phi, delta)| phi * delta).sum();
             for (sum, law) in sums.iter_mut().zip([described + more, described]) {
                 *sum += (law - joint.true_friction(v)).powi(2) + joint.noise * joint.noise;

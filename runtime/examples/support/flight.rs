@@ -1,4 +1,4 @@
-//! The quadrotor, its figure and its controller's options.
+//! Quadrotor with its desired motion and the options of its controller.
 
 use gelenk_runtime::mpc::{MpcOptions, ObserverOptions};
 use gelenk_runtime::trajectory::{GeodesicMotion, TrajectoryError};
@@ -7,18 +7,19 @@ gelenk_runtime::dynamics!(pub struct Quadrotor = gelenk_generated::quadrotor);
 
 pub type Motion = GeodesicMotion<Quadrotor, 6, 4, 7>;
 
-/// Sample time (s), and stages of the horizon.
+/// Sample time (s).
 pub const PERIOD: f64 = 0.03;
+/// Number of periods in the horizon.
 pub const HORIZON: usize = 20;
 
-/// x, y, z in m, then the quaternion x y z w of a roll and a heading.
+/// Pose with x, y, z in m, and the quaternion x, y, z, w for a roll angle and a heading (rad).
 pub fn pose([x, y, z]: [f64; 3], roll: f64, heading: f64) -> [f64; 7] {
     let ((a, b), (c, d)) = ((roll / 2.0).sin_cos(), (heading / 2.0).sin_cos());
     // The heading turns about the vertical axis, then the body rolls about its own x axis.
     [x, y, z, d * a, c * a, c * b, d * b]
 }
 
-/// Through an eight, with a whole roll in its middle.
+/// Motion along a figure of eight with a whole roll in its middle.
 pub fn figure() -> Result<Motion, TrajectoryError> {
     let middle = [0.0, 0.0, 1.5];
     let hover = pose(middle, 0.0, 0.0);
@@ -33,7 +34,7 @@ pub fn figure() -> Result<Motion, TrajectoryError> {
     Motion::through(Quadrotor, &points)
 }
 
-/// Options with weights of position and of attitude.
+/// Options with these weights of position and attitude.
 pub fn options([position, attitude]: [f64; 2]) -> MpcOptions<6, 4> {
     MpcOptions {
         position_weight: [position, position, position, attitude, attitude, attitude],

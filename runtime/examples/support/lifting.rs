@@ -1,4 +1,4 @@
-//! The Go2 lifts and swings one leg after the other while its trunk sways, and sensors record it.
+//! Simulates the Go2, which lifts and swings one leg after the other while its trunk sways, and records sensor data.
 
 use crate::outcome::Outcome;
 use crate::quadruped::{
@@ -10,27 +10,30 @@ use std::f64::consts::TAU;
 
 /// Time between two rows of a log [s].
 pub const PERIOD: f64 = 0.0025;
-/// A turn of each leg, and the way back to rest [s].
+/// Duration of the turn of each leg [s].
 const TURN: f64 = 6.0;
+/// Duration of the return to rest [s].
 const REST: f64 = 1.0;
 const DURATION: f64 = 4.0 * TURN + REST;
-/// Within its turn a leg is unloaded, swings, and is loaded again [s].
+/// Interval within the turn of a leg in which the leg is unloaded [s]. The leg then swings until it is loaded again.
 const UNLOADED: [f64; 2] = [1.0, 1.3];
+/// Interval within the turn of a leg in which the leg is loaded again [s].
 const LOADED: [f64; 2] = [5.4, 5.7];
-/// The legs in the order of their turns: over the diagonal.
+/// Order of the legs. Diagonal legs follow each other.
 const ORDER: [usize; 4] = [0, 3, 1, 2];
-/// Signs of x and y of each leg's hip.
+/// Signs of x and y of the hip of each leg.
 const SIDES: [[f64; 2]; 4] = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]];
-/// How far the trunk leans away from the leg that it lifts [m].
+/// Distance by which the trunk leans away from the lifted leg [m].
 const LEAN: [f64; 2] = [0.03, 0.045];
-/// How far the trunk sways [m and rad].
+/// Amplitudes of the swaying trunk [m and rad].
 const SWAY: [f64; N - M] = [0.012, 0.012, 0.012, 0.1, 0.1, 0.1];
-/// A leg in the air: amplitudes of its hip, thigh and calf, and their offsets [rad].
+/// Offsets of hip, thigh and calf of a lifted leg [rad].
 const LIFTED: [f64; 3] = [0.0, 0.45, -0.75];
+/// Amplitudes of hip, thigh and calf of a lifted leg [rad].
 const SWING: [f64; 3] = [0.35, 0.6, 0.45];
 /// Frequencies of swaying and swinging [Hz].
 const FREQUENCIES: [[f64; 2]; 2] = [[0.5, 1.5], [0.8, 2.4]];
-/// Noise: of the trunk's place [m] and attitude [rad], of the encoders [rad], of forces at the feet [N].
+/// Standard deviations of the noise of trunk position [m], trunk attitude [rad], encoders [rad] and forces at the feet [N].
 const NOISE: [f64; 4] = [2e-4, 3e-4, 1e-4, 0.2];
 
 /// Measurements at one time.
@@ -41,22 +44,22 @@ pub struct Measured {
     pub feet: [[f64; 3]; 4],
 }
 
-/// A log, and the torques of the joints [N m], which no sensor has seen.
+/// A log of sensor data, and the true joint torques [N m], which are not measured.
 #[derive(Debug)]
 pub struct Log {
     pub rows: Vec<Measured>,
     pub torques: Vec<[f64; M]>,
-    /// Least force that a foot presses with while it bears its whole share [N].
+    /// Smallest vertical force of a fully loaded foot [N].
     pub pressing: f64,
-    /// Largest share of the friction that a standing foot uses.
+    /// Largest ratio of tangential force to available friction at a standing foot.
     pub friction: f64,
-    /// Largest share of a joint's torque that is used.
+    /// Largest ratio of a joint torque to its limit.
     pub used_torque: f64,
-    /// Least height of a foot above where it stood, while it swings to the full [m].
+    /// Smallest height of a fully swinging foot above its place on the ground [m].
     pub clearance: f64,
 }
 
-/// Three sines for each velocity.
+/// Parameters of three sines for each velocity.
 type Waves = [[[f64; 2]; 3]; N];
 
 /// The motion of a seed.
@@ -81,10 +84,10 @@ impl Lifting {
         Self { waves, places: FEET.map(|foot| (foot.pose)(&standing()).0), random }
     }
 
-    /// The log of the whole motion.
+    /// Simulates the whole motion and returns its log.
     ///
     /// # Errors
-    /// Where a standing foot would slide or lift, a swinging one is below the ground, or a joint is beyond its limits.
+    /// An error if a standing foot would slide or lift, if a swinging foot is below the ground, or if a joint exceeds its limits.
     pub fn record(mut self) -> Outcome<Log> {
         let mut log = Log {
             rows: vec![],
@@ -110,7 +113,7 @@ impl Lifting {
         Ok(log)
     }
 
-    /// A foot at a time: pressing force and used friction while it stands, otherwise its height.
+    /// Checks a foot at a time: vertical force and friction if the foot stands, otherwise its height.
     fn check(&self, foot: usize, time: f64, y: &[f64; NY], force: &[f64; 6], log: &mut Log) -> Outcome<()> {
         let at = (FEET[foot].pose)(y).0;
         let moved: [f64; 3] = std::array::from_fn(|i| at[i] - self.places[foot][i]);
@@ -145,7 +148,7 @@ impl Lifting {
         Measured { y: robot::integrate(y, &d), feet }
     }
 
-    /// Positions, velocities and accelerations, by differences along ⊕.
+    /// Positions, velocities and accelerations at a time, computed by differences (⊖).
     fn motion(&self, time: f64) -> ([f64; NY], [f64; N], [f64; N]) {
         let h = 1e-4;
         let at = self.posture(time);
@@ -173,13 +176,13 @@ impl Lifting {
         y
     }
 
-    /// Between −1 and 1.
+    /// Value of the sines of velocity `i` at a time, between −1 and 1.
     fn wave(&self, i: usize, time: f64) -> f64 {
         self.waves[i].iter().map(|[rate, phase]| (rate * time + phase).sin()).sum::<f64>() / 3.0
     }
 }
 
-/// From 0 to 1, with velocities and accelerations of 0 at both ends.
+/// Smooth step from 0 to 1, with zero velocity and acceleration at both ends.
 fn rise(s: f64) -> f64 {
     let s = s.clamp(0.0, 1.0);
     s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)
@@ -191,13 +194,13 @@ fn within_turn(leg: usize, time: f64) -> f64 {
     time - TURN * before as f64
 }
 
-/// Share of its swing that a leg makes.
+/// Factor of the swing of a leg, from 0 (standing) to 1 (full swing).
 fn lifted(leg: usize, time: f64) -> f64 {
     let s = within_turn(leg, time);
     rise((s - UNLOADED[1]) / 0.5) * rise((LOADED[0] - s) / 0.5)
 }
 
-/// Weights of the feet in the distribution of forces: 0 from the moment in which a foot lifts to that in which it lands.
+/// Weights of the feet in the distribution of forces. The weight of a lifted foot is 0.
 fn weights(time: f64) -> [f64; 4] {
     std::array::from_fn(|leg| {
         let share = |from: [f64; 2]| rise((within_turn(leg, time) - from[0]) / (from[1] - from[0]));
@@ -205,7 +208,7 @@ fn weights(time: f64) -> [f64; 4] {
     })
 }
 
-/// Where the trunk leans to [m]: from a turn to the next one while all feet stand.
+/// Displacement of the leaning trunk [m]. It changes between two turns, while all feet stand.
 fn lean(time: f64) -> [f64; 2] {
     let mut at = [0.0; 2];
     for leg in ORDER {
@@ -218,7 +221,7 @@ fn lean(time: f64) -> [f64; 2] {
     at
 }
 
-/// The angles with which a leg reaches a place.
+/// Joint angles [rad] with which the foot of a leg reaches a place.
 fn leg_angles(y: &[f64; NY], leg: usize, place: &[f64; 3]) -> [f64; 3] {
     let [front, left] = SIDES[leg];
     let (origin, axes) = robot::frame_middle_pose(y);
@@ -230,11 +233,11 @@ fn leg_angles(y: &[f64; NY], leg: usize, place: &[f64; 3]) -> [f64; 3] {
     let hip = up.atan2(across) - (-down).atan2(side);
     let calf = -((x * x + down * down) / (2.0 * LENGTH * LENGTH) - 1.0).acos();
     let thigh = (-x).atan2(down) - (LENGTH * calf.sin()).atan2(LENGTH + LENGTH * calf.cos());
-    // Between −π and π: both angles of the hip's difference may lie on either side of a whole turn.
+    // The hip angle is a difference of two angles, so it is wrapped to the range from −π to π.
     [hip.sin().atan2(hip.cos()), thigh, calf]
 }
 
-/// Torques of the joints, and the forces at the feet that move the base so.
+/// Joint torques, and forces at the feet, that cause these accelerations.
 fn forces(y: &[f64; NY], v: &[f64; N], a: &[f64; N], weights: [f64; 4]) -> Outcome<([f64; M], Wrenches)> {
     let inverse = |w: &Wrenches| robot::inverse_dynamics_with_wrenches(y, v, a, w);
     let jacobians = FEET.map(|foot| (foot.jacobian)(y));

@@ -1,4 +1,4 @@
-//! How an example ends where something is at fault: with the error in words.
+//! Result type of the examples, and output of errors.
 
 use std::error::Error;
 use std::process::ExitCode;
@@ -6,7 +6,7 @@ use std::process::ExitCode;
 /// Result of the parts of an example.
 pub type Outcome<T> = Result<T, Box<dyn Error>>;
 
-/// Prints `error: …` with all causes, and is exit code 1 then.
+/// Returns the exit code of an example. After an error, prints `error: …` with all causes and returns exit code 1.
 pub fn end(outcome: Outcome<()>) -> ExitCode {
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
@@ -17,7 +17,7 @@ pub fn end(outcome: Outcome<()>) -> ExitCode {
     }
 }
 
-/// An error and its causes; causes that a message repeats are left out.
+/// Text of an error and its causes. Causes whose text is already in the message are omitted.
 fn with_causes(error: &dyn Error) -> String {
     let mut text = error.to_string();
     let mut cause = error.source();

@@ -1,4 +1,4 @@
-//! Pages of plots over time, for the examples.
+//! Pages with plots over time for the examples.
 #![allow(dead_code, reason = "no example needs all of it")]
 
 use gelenk_report::{Axis, Block, Figure, Marks, Plot, Report, Section};
@@ -10,7 +10,7 @@ use std::path::PathBuf;
 pub struct Folder(PathBuf);
 
 impl Folder {
-    /// The first argument, or `gelenk-examples/NAME` in the folder for temporary files.
+    /// The folder in the first argument of the program. The default is `gelenk-examples/NAME` in the folder for temporary files.
     pub fn from_arguments(name: &str) -> Result<Self, Box<dyn Error>> {
         let folder = std::env::args_os()
             .nth(1)
@@ -18,13 +18,13 @@ impl Folder {
         Self::made(folder)
     }
 
-    /// A folder, which is made if it is missing.
+    /// This folder, which is created if it does not exist.
     pub fn made(folder: PathBuf) -> Result<Self, Box<dyn Error>> {
         std::fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
         Ok(Self(folder))
     }
 
-    /// Writes a page of figures.
+    /// Writes a page with figures.
     pub fn write(&self, title: &str, figures: Vec<Figure>) -> Result<(), Box<dyn Error>> {
         let plots = Section::new("plots", "Plots").blocks(figures.into_iter().map(Block::Figure));
         let files = Report::new(title).section(plots).write(&self.0)?;
@@ -33,12 +33,12 @@ impl Folder {
     }
 }
 
-/// A figure of plots that belong together.
+/// A figure with several plots.
 pub fn figure(id: &str, caption: &str, plots: impl IntoIterator<Item = Plot>) -> Figure {
     plots.into_iter().fold(Figure::new(id, caption), Figure::plot)
 }
 
-/// Lines over time [s], each with its name.
+/// A plot of named lines over time [s].
 pub fn over_time<S: Into<String>>(
     quantity: &str,
     unit: &str,
@@ -48,7 +48,7 @@ pub fn over_time<S: Into<String>>(
     lines.into_iter().fold(plot, |plot, (name, points)| plot.series(name, Marks::Line, points))
 }
 
-/// Positions, velocities and accelerations of a motion.
+/// A figure with positions, velocities and accelerations of a motion.
 pub fn motion<const N: usize>(
     id: &str,
     caption: &str,

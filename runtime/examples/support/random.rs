@@ -1,24 +1,25 @@
-//! Seeded random numbers, the same on every platform: SplitMix64 (Steele, Lea and Flood 2014), uniforms and Box–Muller normals.
+//! Seeded random numbers that are equal on every platform: SplitMix64 (Steele, Lea and Flood 2014), uniform numbers, and normally
+//! distributed numbers by Box–Muller.
 #![allow(dead_code, reason = "each program uses its own part")]
 
-/// Generator with 64 bits of state.
+/// Random number generator SplitMix64 with 64 bits of state.
 #[derive(Debug, Clone)]
 pub struct SplitMix64 {
     state: u64,
 }
 
 impl SplitMix64 {
-    /// Starts the stream of `seed`.
+    /// A generator with this seed.
     pub fn new(seed: u64) -> Self {
         Self { state: seed }
     }
 
-    /// Uniform in [0, 1), 53 bits.
+    /// A uniformly distributed number in the range from 0 to 1 (exclusive) with 53 bits.
     pub fn uniform(&mut self) -> f64 {
         self.bits53() / TWO_53
     }
 
-    /// Standard normal: `√(−2 ln u₁) cos 2π u₂`, two outputs of the stream each.
+    /// A standard normal number `√(−2 ln u₁) cos 2π u₂` from two uniform numbers u₁ and u₂.
     pub fn normal(&mut self) -> f64 {
         let u1 = (self.bits53() + 1.0) / TWO_53;
         let u2 = self.bits53() / TWO_53;

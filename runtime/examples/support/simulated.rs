@@ -1,4 +1,4 @@
-//! A controller on a simulated robot, period by period.
+//! Runs a controller on a simulated robot period by period.
 #![allow(dead_code, reason = "no example reads all of a period")]
 
 use gelenk_runtime::control_loop::{Controller, Cycle};
@@ -6,19 +6,19 @@ use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::plant::Plant;
 use std::error::Error;
 
-/// The end of a period.
+/// State at the end of a period.
 #[derive(Debug, Clone, Copy)]
 pub struct Period<const N: usize, const M: usize, const NY: usize = N> {
-    /// Since the start [s].
+    /// Time since the start [s].
     pub time: f64,
     pub positions: [f64; NY],
     pub velocities: [f64; N],
-    /// The inputs that were held over the period.
+    /// Inputs that acted during the period.
     pub inputs: [f64; M],
 }
 
-/// Runs `controller` on `plant` from the plant's state for `steps` periods, with `inputs` before the first one. Positions
-/// and velocities are measured; whether the latter are used, its options say.
+/// Runs `controller` on `plant` for `steps` periods from the present state of the plant. `inputs` are the inputs before the first
+/// period. Positions and velocities are measured. The options of the controller determine whether it uses the velocities.
 pub fn run<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize>(
     plant: &mut Plant<D, N, M, NY>,
     controller: &mut impl Controller<N, M, NY>,

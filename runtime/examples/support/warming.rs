@@ -1,4 +1,4 @@
-//! Simulated joints whose friction drifts: a pendulum behind a gear with Coulomb friction and stiction, under PD control.
+//! Simulated joints with drifting friction. Each joint is a pendulum with a gear, Coulomb friction and stiction, under PD control.
 #![allow(clippy::expect_used, reason = "what cannot be set up ends the study")]
 
 use super::random::SplitMix64;
@@ -6,12 +6,12 @@ use gelenk_runtime::adaptation::{Adaptation, AdaptationSettings, DescribedForces
 
 /// Period of control (s).
 pub const PERIOD: f64 = 0.01;
-/// Steps of the integration in a period.
+/// Number of integration steps in a period.
 const SUBSTEPS: u32 = 10;
 /// Largest speed of the joints [rad/s].
 pub const SPEED: f64 = 1.5;
 
-/// True friction: viscous, Coulomb, and how much more holds the joint at rest.
+/// Parameters of the true friction: viscous friction, Coulomb friction, and additional friction at rest (stiction).
 #[derive(Clone, Copy)]
 pub struct Rubbing {
     pub viscous: f64,
@@ -22,14 +22,14 @@ pub struct Rubbing {
 }
 
 impl Rubbing {
-    /// Magnitude at a speed.
+    /// Magnitude of friction at a speed [N m].
     pub fn magnitude(&self, speed: f64) -> f64 {
         let more = self.stiction * (-(speed / self.stribeck).powi(2)).exp();
         self.viscous * speed + self.coulomb + more
     }
 }
 
-/// How friction changes: factors of the viscous and the dry part, reached with a time constant.
+/// Drift of friction: final factors of the viscous and of the dry part, and the time constant of the drift.
 #[derive(Clone, Copy)]
 pub struct Drift {
     pub viscous: f64,
@@ -60,14 +60,14 @@ pub struct Simulated {
     pub friction: Rubbing,
     pub drift: Drift,
     pub encoder: f64,
-    /// Standard deviation of the torque's noise, drawn each period [N m].
+    /// Standard deviation of the noise of the torque, which is constant during a period [N m].
     pub noise: f64,
     /// Amplitudes, frequencies [rad/s] and phases of the desired motion.
     pub motion: [[f64; 3]; 3],
     pub random: SplitMix64,
     pub state: [f64; 2],
     pub time: f64,
-    /// Position that was measured last.
+    /// Last measured position.
     pub measured: f64,
     pub torque: f64,
     /// Largest torque of the drive [N m].
@@ -77,13 +77,13 @@ pub struct Simulated {
 /// Motion and torque of the joint in a period.
 pub struct Period {
     pub position: f64,
-    /// Torque of the period before, as commanded.
+    /// Commanded torque of the previous period.
     pub torque: f64,
     pub saturated: bool,
 }
 
 impl Simulated {
-    /// A random joint.
+    /// A joint with random parameters.
     pub fn new(seed: u64) -> Self {
         let mut random = SplitMix64::new(seed);
         let between =
@@ -127,7 +127,7 @@ impl Simulated {
         }
     }
 
-    /// Position and velocity that are wanted.
+    /// Desired position and velocity.
     fn desired(&self) -> [f64; 2] {
         let ramp = (self.time / 2.0).min(1.0);
         self.motion.iter().fold([0.0; 2], |[y, v], [amplitude, frequency, phase]| {
@@ -136,7 +136,7 @@ impl Simulated {
         })
     }
 
-    /// Holds a torque over a period.
+    /// Integrates the motion over a period with a constant torque.
     fn integrate(&mut self, torque: f64) {
         let friction = self.drift.at(&self.friction, self.time);
         let dt = PERIOD / f64::from(SUBSTEPS);
@@ -144,14 +144,14 @@ impl Simulated {
             let [y, v] = self.state;
             let free = v + dt / self.inertia * (torque - self.gravity * y.sin());
             let most = dt / self.inertia * friction.magnitude(v.abs());
-            // Friction stops the joint, and does not turn it back.
+            // Friction can stop the joint, but cannot reverse its motion.
             let v = if free.abs() <= most { 0.0 } else { free - most * free.signum() };
             self.state = [y + dt * v, v];
         }
         self.time += PERIOD;
     }
 
-    /// One period under PD control with compensated gravity.
+    /// Simulates one period of PD control with gravity compensation.
     pub fn period(&mut self) -> Period {
         let [y, v] = self.desired();
         let measured = (self.state[0] / self.encoder).round() * self.encoder;
@@ -171,34 +171,32 @@ impl Simulated {
         period
     }
 
-    /// Described friction: that before the drift, with a smooth sign.
+    /// Described friction, which is the friction before the drift with a smooth sign.
     pub fn described(&self, v: f64) -> f64 {
         self.friction.viscous * v + self.friction.coulomb * (v / 0.005).tanh()
     }
 
-    /// True friction now.
+    /// Present true friction.
     pub fn true_friction(&self, v: f64) -> f64 {
         self.drift.at(&self.friction, self.time).magnitude(v.abs()) * v.signum()
     }
 
-    /// Forces of the described joint.
+    /// Torques of the described joint.
     pub fn forces(&self, y: f64, v: f64, a: f64) -> DescribedForces<1> {
         let friction = self.described(v);
-        DescribedForces {
-            forces: [self.inertia * a + self.gravity * y.sin() + friction],
-            friction: [friction],
-        }
+        let forces = [self.inertia * a + self.gravity * y.sin() + friction];
+        DescribedForces::new(forces, [friction], &[0.0])
     }
 
     /// The estimator of this joint.
     pub fn estimator(&self, settings: AdaptationSettings) -> Adaptation<1> {
         let magnitudes = Magnitudes { speed: SPEED, effort: 100.0, range: f64::INFINITY };
-        let scale = magnitudes.scale(0, |v: &[f64; 1]| self.described(v[0]));
+        let scale = magnitudes.scale(0, |v: &[f64; 1]| [self.described(v[0]), 0.0]);
         Adaptation::new([scale], settings, |y, v, a| self.forces(y[0], v[0], a[0]))
             .expect("settings are in range")
     }
 
-    /// A period that the estimator sees.
+    /// Simulates one period and passes its measurements to the estimator.
     pub fn step(&mut self, adaptation: &mut Adaptation<1>) {
         let period = self.period();
         let measured = Measured {
@@ -211,19 +209,20 @@ impl Simulated {
     }
 }
 
-/// Shares of 90 % intervals that hold, at ten instants of a run of five minutes, and mean widths over true friction.
+/// Shares of 90 % intervals that contain the true value, at ten instants of a run of five minutes, and mean widths relative to true
+/// friction.
 pub struct Coverage {
     pub held: [f64; 10],
     pub width: f64,
-    /// Root mean square of the law's error over the friction, learned and described.
+    /// Root-mean-square errors of the learned and of the described law, relative to friction.
     pub errors: [f64; 2],
     /// Share of instants at which the learned law acts.
     pub learned: f64,
 }
 
-/// Runs `count` robots of one joint each.
+/// Simulates `count` robots with one joint each.
 ///
-/// - `first`: seed of the first one
+/// - `first`: seed of the first robot
 pub fn coverage(first: u64, count: u64, settings: AdaptationSettings) -> Coverage {
     let mut result = Coverage { held: [0.0; 10], width: 0.0, errors: [0.0; 2], learned: 0.0 };
     let share = 1.0 / count as f64;

@@ -1,17 +1,17 @@
-//! Numbers that are rounded at the second significant digit of their standard error.
+//! Rounding of numbers to the second significant digit of their standard error.
 
 /// Largest number of significant digits of an f64.
 const MOST_DIGITS: i32 = 17;
 /// Largest number of decimals without an exponent.
 const MOST_DECIMALS: i32 = 12;
 
-/// The number `value`, rounded to the decimal place of the second significant digit of `error`. At most 17
-/// significant digits are written.
+/// Returns `value` as text, rounded to the decimal place of the second significant digit of `error`. The
+/// text has at most 17 significant digits.
 ///
 /// - `error`: standard error. If it is `None`, zero or not finite, the result is the shortest text that reads
 ///   back as `value`.
 ///
-/// Examples: 76.5561 with the error 0.0312 is `76.556`, and 12345.0 with the error 120.0 is `12350`.
+/// Examples: 76.5561 with the error 0.0312 gives `76.556`, and 12345.0 with the error 120.0 gives `12350`.
 pub fn rounded(value: f64, error: Option<f64>) -> String {
     let Some(decimals) = decimals(error).filter(|_| value.is_finite()) else {
         return format!("{value:?}");
@@ -32,14 +32,15 @@ pub fn rounded(value: f64, error: Option<f64>) -> String {
     }
 }
 
-/// The result of [`rounded`] with a decimal point or an exponent, for formats that distinguish integers from
-/// floating-point numbers.
+/// Returns the text of [`rounded`] with a decimal point or an exponent, for formats that distinguish
+/// integers from floating-point numbers.
 pub fn literal(value: f64, error: Option<f64>) -> String {
     let text = rounded(value, error);
     if text.contains(['.', 'e', 'N', 'i']) { text } else { text + ".0" }
 }
 
-/// The value with its error, for example `76.556 ± 0.031`; only the value if the error is unknown.
+/// Returns the value with its error as text, for example `76.556 ± 0.031`. If the error is unknown, the
+/// text has only the value.
 pub fn with_error(value: f64, error: Option<f64>) -> String {
     match error.filter(|_| decimals(error).is_some()) {
         Some(e) => format!("{} ± {}", rounded(value, error), rounded(e, error)),
@@ -47,20 +48,20 @@ pub fn with_error(value: f64, error: Option<f64>) -> String {
     }
 }
 
-/// Number of significant digits of a value after [`rounded`], at least one; `None` if the error is unknown.
+/// Returns the number of significant digits of [`rounded`], at least 1; `None` if the error is unknown.
 pub fn significant(value: f64, error: Option<f64>) -> Option<usize> {
     let decimals = decimals(error).filter(|_| value.is_finite())?;
     let digits = if value == 0.0 { 1 } else { magnitude(value) + 1 + decimals };
     Some(digits.clamp(1, MOST_DIGITS).unsigned_abs() as usize)
 }
 
-/// Whether the result of [`rounded`] is 0.
+/// Returns whether [`rounded`] gives 0.
 pub fn vanishes(value: f64, error: Option<f64>) -> bool {
     rounded(value, error).parse::<f64>() == Ok(0.0)
 }
 
-/// The number `value` with `digits` significant digits in short notation, for example `0` or `31.62`. Numbers
-/// below 1e-4 or from 1e6 on have an exponent.
+/// Returns `value` as text with at most `digits` significant digits, without trailing zeros, for example
+/// `0` or `31.62`. Numbers with a magnitude below 1e-4 or of at least 1e6 have an exponent.
 pub fn plain(value: f64, digits: usize) -> String {
     let digits = digits.clamp(1, MOST_DIGITS.unsigned_abs() as usize);
     let rounded: f64 = format!("{value:.*e}", digits - 1).parse().unwrap_or(value);
@@ -71,20 +72,21 @@ pub fn plain(value: f64, digits: usize) -> String {
     }
 }
 
-/// A non-zero number rounded to two significant digits.
+/// Rounds a non-zero number to two significant digits.
 pub fn two_digits(x: f64) -> f64 {
     let scale = 10_f64.powf(x.abs().log10().floor() - 1.0);
     let rounded = (x / scale).round();
     if scale >= 1.0 { rounded * scale } else { rounded / (1.0 / scale).round() }
 }
 
-/// Decimal place of the second significant digit of the error; `None` if the error is unknown.
+/// Returns the decimal place of the second significant digit of the error; `None` if the error is unknown.
 fn decimals(error: Option<f64>) -> Option<i32> {
     let error = error.filter(|e| e.is_finite() && *e > 0.0)?;
     Some(1 - magnitude(error))
 }
 
-/// Exponent of ten of a number that is rounded to two digits. For example, 0.0996 counts as 0.10.
+/// Returns the exponent of ten of a number after rounding to two digits. For example, 0.0996 counts as
+/// 0.10.
 fn magnitude(x: f64) -> i32 {
     let text = format!("{:.1e}", x.abs());
     text.split_once('e').and_then(|(_, exponent)| exponent.parse().ok()).unwrap_or(0)

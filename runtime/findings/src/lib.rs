@@ -1,26 +1,26 @@
 //! Findings: messages about a description, a log or a fit, with a place and a remedy.
 //!
-//! Each check has a [`Rule`] and makes [`Finding`]s. The message of a finding does not name its subject. The
-//! field [`About`] has the subject. Therefore findings can be sorted, counted and removed by rule and
-//! subject, and their text is formatted in one place.
+//! Each check has a [`Rule`] and creates [`Finding`]s. The message of a finding does not name the part of
+//! the robot or of the log that it is about. The field [`About`] names this part. Therefore findings can be
+//! sorted, counted and removed by rule and part, and one function formats the text of all findings.
 
 pub mod digits;
 
 use std::fmt;
 
-/// Severity of a finding, in falling order.
+/// Severity of a finding. The most severe one is first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
     /// The input cannot be used, or a result is rejected.
     Error,
     /// The input is used but probably has a fault.
     Warning,
-    /// The input is used. A part was skipped or changed, or there is a useful remark.
+    /// The input is used. A part of it was skipped or changed, or the finding is a remark.
     Note,
 }
 
 impl Severity {
-    /// Name of the severity: `error`, `warning` or `note`.
+    /// Returns the name of the severity: `error`, `warning` or `note`.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Error => "error",
@@ -40,24 +40,24 @@ pub struct Rule {
 }
 
 impl Rule {
-    /// A rule whose findings reject a result.
+    /// Creates a rule whose findings reject a result.
     pub const fn error(code: &'static str) -> Self {
         Self { code, severity: Severity::Error }
     }
 
-    /// A rule whose findings question a result.
+    /// Creates a rule whose findings question a result.
     pub const fn warning(code: &'static str) -> Self {
         Self { code, severity: Severity::Warning }
     }
 
-    /// A rule whose findings are remarks.
+    /// Creates a rule whose findings are remarks.
     pub const fn note(code: &'static str) -> Self {
         Self { code, severity: Severity::Note }
     }
 
-    /// A finding of this rule about the whole input.
+    /// Creates a finding of this rule about the whole input.
     ///
-    /// - `message`: message without the subject
+    /// - `message`: text without the name of the part that the finding is about
     pub fn found(&self, message: impl Into<String>) -> Finding {
         Finding { severity: self.severity, ..Finding::error(self.code, message) }
     }
@@ -74,7 +74,7 @@ pub struct Location {
     pub column: usize,
     /// Number of marked characters on this line, at least 1.
     pub length: usize,
-    /// The source line without control characters, or a part of a very long line.
+    /// Source line without control characters. If the line is very long, only a part of it.
     pub excerpt: String,
     /// Position of the mark within `excerpt`, in characters from 0.
     pub excerpt_column: usize,
@@ -88,14 +88,14 @@ pub enum Subject {
     Whole,
     /// The joint with this name.
     Joint(String),
-    /// The shaft of the drive with this name, which moves several joints.
+    /// The shaft of a drive that moves several joints, with the name of the drive.
     Shaft(String),
     /// The input with this name.
     Input(String),
 }
 
 impl Subject {
-    /// Name of the part; `None` for the whole robot.
+    /// Returns the name of the part; `None` for the whole robot.
     pub fn name(&self) -> Option<&str> {
         match self {
             Self::Whole => None,
@@ -118,11 +118,11 @@ impl fmt::Display for Subject {
 /// Place and subject of a finding.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct About {
-    /// Place in a description; `None` for other findings.
+    /// Place in a description; `None` if the finding is not about a place in a description.
     pub place: Option<Location>,
     /// Name of the log; `None` for a finding that is not about a log.
     pub log: Option<String>,
-    /// First and last row of the log, with the line numbers of an editor.
+    /// First and last row of the log, as line numbers of the file, counted from 1.
     pub rows: Option<(usize, usize)>,
     /// Column of the log.
     pub column: Option<String>,
@@ -141,7 +141,7 @@ pub struct Value {
     pub unit: &'static str,
 }
 
-/// A problem or remark.
+/// A problem or a remark, with its place, numbers and remedy.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Finding {
     /// Severity of the finding.
@@ -159,23 +159,23 @@ pub struct Finding {
 }
 
 impl Finding {
-    /// An error without a place.
+    /// Creates an error without a place.
     pub fn error(code: &'static str, message: impl Into<String>) -> Self {
         let (message, about) = (message.into(), About::default());
         Self { severity: Severity::Error, code, about, message, values: Vec::new(), remedy: None }
     }
 
-    /// A warning without a place.
+    /// Creates a warning without a place.
     pub fn warning(code: &'static str, message: impl Into<String>) -> Self {
         Rule::warning(code).found(message)
     }
 
-    /// A note without a place.
+    /// Creates a note without a place.
     pub fn note(code: &'static str, message: impl Into<String>) -> Self {
         Rule::note(code).found(message)
     }
 
-    /// Adds a place in a description.
+    /// Sets the place in a description.
     #[must_use]
     pub fn at(mut self, location: Location) -> Self {
         self.about.place = Some(location);
@@ -223,29 +223,29 @@ impl Finding {
         self
     }
 
-    /// Adds a number for programs.
+    /// Adds a number that programs can read with [`Self::value`].
     #[must_use]
     pub fn with(mut self, name: &'static str, value: f64, unit: &'static str) -> Self {
         self.values.push(Value { name, value, unit });
         self
     }
 
-    /// Value of the number `name`; `None` if the finding has no number of this name.
+    /// Returns the number `name`; `None` if the finding has no number of this name.
     pub fn value(&self, name: &str) -> Option<f64> {
         self.values.iter().find(|value| value.name == name).map(|value| value.value)
     }
 
-    /// Whether another finding has the same rule, place and subject.
+    /// Returns whether another finding has the same rule, place and part of the robot.
     pub fn is_like(&self, other: &Self) -> bool {
         self.code == other.code && self.about == other.about
     }
 
-    /// Place of the finding in a description; `None` for a finding without this place.
+    /// Returns the place of the finding in a description; `None` if the finding has no such place.
     pub fn location(&self) -> Option<&Location> {
         self.about.place.as_ref()
     }
 
-    /// Text of the finding: log, rows, column, part of the robot, and message.
+    /// Returns the text of the finding: log, rows, column, part of the robot, and message.
     pub fn sentence(&self) -> String {
         let rows = self.about.rows.map(|(first, last)| match last {
             last if last == first => format!("row {first}"),
@@ -276,8 +276,8 @@ impl fmt::Display for Finding {
     }
 }
 
-/// Removes duplicates. Of several findings about a part of the robot with the same rule, place and subject,
-/// only the last one is kept.
+/// Removes duplicates. If several findings about a part of the robot have the same rule and place, only the
+/// last one is kept.
 pub fn distinct(findings: impl IntoIterator<Item = Finding>) -> Vec<Finding> {
     let mut kept: Vec<Finding> = Vec::new();
     for finding in findings {
@@ -290,7 +290,7 @@ pub fn distinct(findings: impl IntoIterator<Item = Finding>) -> Vec<Finding> {
     kept
 }
 
-/// Texts of the findings with this severity.
+/// Returns the texts of the findings with this severity.
 pub fn texts(findings: &[Finding], severity: Severity) -> Vec<String> {
     findings.iter().filter(|finding| finding.severity == severity).map(ToString::to_string).collect()
 }

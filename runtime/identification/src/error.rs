@@ -1,4 +1,4 @@
-//! Errors of data and settings, with the numbers that show the fault.
+//! Errors of data and settings. Their messages contain the values that are wrong.
 
 use gelenk_findings::digits::plain;
 use gelenk_findings::{About, Finding, Rule, Subject};
@@ -15,14 +15,15 @@ const UNUSABLE: Rule = Rule::error("unusable-input");
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum IdentificationError {
     /// There are no samples.
-    #[error("{what} is empty: there is nothing to identify from")]
+    #[error("{what} is empty, so that nothing can be identified")]
     Empty {
         /// Name of the quantity.
         what: String,
     },
     /// A value that must be a number is NaN or infinite.
     #[error(
-        "{what} is not finite ({value}) at row {row} (counted from 0), {count} such values of {samples}: deselect these rows or repair the log"
+        "{what} is not finite ({value}) at row {row} (counted from 0), and {count} of {samples} values are not finite: \
+         remove these rows or repair the log"
     )]
     NotFinite {
         /// Name of the column or channel.
@@ -37,21 +38,21 @@ pub enum IdentificationError {
         samples: usize,
     },
     /// Finite samples are so large that their squares overflow.
-    #[error("{what} has values up to {}, whose squares overflow: scale it to sensible units", plain(*.largest, 3))]
+    #[error("{what} has values up to {}, whose squares overflow: convert it to SI units", plain(*.largest, 3))]
     Overflow {
         /// Name of the column or channel.
         what: String,
         /// Largest magnitude of the samples.
         largest: f64,
     },
-    /// The equations are singular, although their numbers have a sensible size.
+    /// The equations of the fit are singular, although no value is too large.
     #[error("the fit has no solution: {reason}")]
     NoSolution {
         /// Known details of the cause.
         reason: String,
     },
     /// There are fewer samples than the method needs.
-    #[error("{what} needs at least {needed} samples, there are {got}")]
+    #[error("{what} needs at least {needed} samples, but there are {got}")]
     TooFewSamples {
         /// Name of the method.
         what: String,
@@ -60,8 +61,8 @@ pub enum IdentificationError {
         /// Given number of samples.
         got: usize,
     },
-    /// Two lengths differ that must be equal.
-    #[error("{what}: {expected} expected, {got} given")]
+    /// Two lengths that must be equal differ.
+    #[error("{what}: {expected} are expected, but {got} are given")]
     Shape {
         /// Quantities that are compared.
         what: String,
@@ -80,12 +81,13 @@ pub enum IdentificationError {
         /// Condition that the setting has to meet.
         requirement: String,
     },
-    /// Columns of the library of friction terms are (nearly) linearly dependent.
+    /// Columns of the library of friction terms are linearly dependent, exactly or nearly.
     #[error(
-        "the terms {} are collinear on these data: condition number {} of the scaled library exceeds {limit:e}; remove one of them or excite the joint more", .terms.join(", "), plain(*.condition, 3)
+        "the terms {} are collinear on these data, because the condition number {} of the scaled library exceeds {limit:e}: \
+         remove one of these terms, or record a motion that excites the joint more", .terms.join(", "), plain(*.condition, 3)
     )]
     Collinear {
-        /// Terms that take part in the dependency.
+        /// Terms that are linearly dependent.
         terms: Vec<String>,
         /// Condition number of the library with columns scaled to unit length.
         condition: f64,
@@ -93,7 +95,10 @@ pub enum IdentificationError {
         limit: f64,
     },
     /// A quantity never changes, although the identification needs its changes.
-    #[error("{what} is constant ({value}) in all {samples} samples: nothing can be identified from it")]
+    #[error(
+        "{what} is constant ({value}) in all {samples} samples, so that nothing can be identified from it: record data \
+             in which it changes"
+    )]
     Constant {
         /// Name of the quantity.
         what: String,
@@ -103,7 +108,9 @@ pub enum IdentificationError {
         samples: usize,
     },
     /// A column of the library is zero in all samples.
-    #[error("the term {term} is zero in all {samples} samples: no coefficient can be found for it")]
+    #[error(
+        "the term {term} is zero in all {samples} samples, so that its coefficient cannot be identified: remove the term"
+    )]
     ZeroColumn {
         /// The term of the column.
         term: String,
@@ -111,7 +118,7 @@ pub enum IdentificationError {
         samples: usize,
     },
     /// A threshold or λ removes every term.
-    #[error("{what} = {} removes every term: the largest value that keeps one is {}", plain(*.value, 6), plain(*.largest, 6))]
+    #[error("{what} = {} removes every term: the largest value that keeps at least one term is {}", plain(*.value, 6), plain(*.largest, 6))]
     EverythingRemoved {
         /// Name of the setting: "threshold" or "lambda".
         what: String,
@@ -125,11 +132,11 @@ pub enum IdentificationError {
     Expression {
         /// The text.
         text: String,
-        /// The fault, and the texts that are possible.
+        /// Description of the fault. It often lists the valid alternatives.
         message: String,
     },
     /// The log does not have a channel of this name.
-    #[error("there is no channel `{name}`; known are {}", .known.join(", "))]
+    #[error("there is no channel `{name}`; the channels are {}", .known.join(", "))]
     UnknownChannel {
         /// Name of the missing channel.
         name: String,
@@ -149,16 +156,16 @@ pub enum IdentificationError {
         /// Numbers at the end of the iteration.
         detail: String,
     },
-    /// Findings refuse the result.
+    /// There are findings with the severity "error", so that there is no result.
     #[error("{}", findings.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
     Found {
         /// The findings, at least one.
         findings: Vec<Finding>,
     },
-    /// An error occurred after some findings. One of these may be its reason.
+    /// An error that occurred after findings had been collected. One of the findings may be the cause of the error.
     #[error("{error}")]
     After {
-        /// Earlier findings, in the order in which they were found.
+        /// Earlier findings, in the order in which they were collected.
         noted: Vec<Finding>,
         /// The error.
         error: Box<Self>,
@@ -209,7 +216,7 @@ impl IdentificationError {
         if noted.is_empty() { self } else { Self::After { noted, error: Box::new(self) } }
     }
 
-    /// The findings that refuse a result; empty for errors of other kinds.
+    /// Returns the findings that reject the result. The result is empty for errors of other kinds.
     pub fn refusals(&self) -> &[Finding] {
         match self {
             Self::Found { findings } => findings,
@@ -219,7 +226,7 @@ impl IdentificationError {
         }
     }
 
-    /// Findings that were collected before the error.
+    /// Returns the findings that were collected before the error.
     pub fn noted(&self) -> &[Finding] {
         match self {
             Self::After { noted, .. } => noted,
@@ -248,9 +255,9 @@ pub(crate) fn require_finite(what: &str, values: &[f64]) -> Result<()> {
     })
 }
 
-/// Fails unless `value` is finite and `holds`.
+/// Fails if `value` is not finite or `holds` is false.
 ///
-/// - `requirement`: the condition in words
+/// - `requirement`: condition on the setting, in words
 ///
 /// # Errors
 /// [`IdentificationError::Setting`]
@@ -275,7 +282,7 @@ pub(crate) fn require_length(what: &str, expected: usize, got: usize) -> Result<
 /// Fails if there are fewer than `needed` samples.
 ///
 /// # Errors
-/// [`IdentificationError::Empty`] without samples, and [`IdentificationError::TooFewSamples`] with too few samples.
+/// [`IdentificationError::Empty`] if there are no samples, [`IdentificationError::TooFewSamples`] if there are too few.
 pub(crate) fn require_samples(what: &str, needed: usize, got: usize) -> Result<()> {
     if got == 0 {
         return Err(IdentificationError::Empty { what: what.into() });

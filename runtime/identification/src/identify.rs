@@ -23,7 +23,7 @@ use std::path::PathBuf;
 /// Fixture: `codegen/tests/identified_friction.rs`.
 const NO_LAW: Rule = Rule::warning("no-friction-law");
 
-/// Sees: a law of which no term differs from 0 by more than its error.
+/// Sees: a law in which no term differs from 0 by more than its standard error.
 /// Matters: the data do not show friction, and no law is written.
 /// Example: a direct drive without friction.
 /// Fixture: `friction/tests.rs`.
@@ -42,11 +42,11 @@ pub struct IdentificationSettings {
     pub columns: ColumnOptions,
     /// Settings of resampling, filter and delay.
     pub preparation: PreparationSettings,
-    /// Settings of the common estimate of inertia, friction, offsets and gains.
+    /// Settings of the estimate of inertia, friction, offsets and gains in one fit.
     pub estimation: EstimationSettings,
     /// Settings of the friction laws.
     pub friction: FrictionIdentification,
-    /// Whether friction laws that would be refused are accepted. The reason is then a warning.
+    /// Whether friction laws that would be refused are accepted. The reasons for the refusal then become warnings.
     pub accept_poor: bool,
 }
 
@@ -54,7 +54,7 @@ impl IdentificationSettings {
     /// Returns the default settings.
     ///
     /// # Errors
-    /// An error of the default library of friction terms, which does not occur.
+    /// The call fails if the default library of friction terms is invalid, which does not happen.
     pub fn new() -> Result<Self> {
         Ok(Self {
             columns: ColumnOptions::default(),
@@ -87,13 +87,14 @@ pub struct Identification {
     pub estimate: Estimate,
     /// Friction laws of the joints that moved.
     pub friction: Vec<JointFriction>,
-    /// The rows of the equations that shafts of drives take from joints; `None` if no shaft takes a row. In the row of a
-    /// shaft, positions and velocities are those of the shaft, and efforts are those of its motor.
+    /// The rows of the equations in which shafts of drives replace joints; `None` if no shaft replaces a joint. In the row of a
+    /// shaft, positions and velocities are those of the shaft, and efforts are those of the shaft's motor.
     pub(crate) shafts: Option<ShaftRows>,
 }
 
 impl Identification {
-    /// The robot with the rows and the parameters of the estimate.
+    /// Returns the robot with the rows and the parameters of the estimate. Shafts replace joints in some rows
+    /// ([`Robot::shafts`]).
     ///
     /// - `robot`: the identified robot
     #[must_use]
@@ -101,7 +102,7 @@ impl Identification {
         RobotRows::new(robot, self.shafts.clone())
     }
 
-    /// Name of the drive whose shaft takes this row; `None` if the row is that of a joint.
+    /// Name of the drive whose shaft has this row; `None` if the row is that of a joint.
     #[must_use]
     pub fn shaft(&self, row: usize) -> Option<&str> {
         self.shafts.as_ref()?.shaft(row).map(|shaft| shaft.name.as_str())
@@ -114,8 +115,8 @@ impl Identification {
         of_row.and_then(|friction| friction.report.as_ref().ok())
     }
 
-    /// Described friction terms of joints whose rows shafts take, with their estimated factors; `None` if no shaft takes a
-    /// row.
+    /// Described friction terms of the joints that are replaced by shafts, with their estimated factors; `None` if no shaft
+    /// replaces a joint.
     #[must_use]
     pub fn joint_terms(&self) -> Option<Vec<(&JointTerm, f64)>> {
         let rows = self.shafts.as_ref()?;
@@ -124,19 +125,19 @@ impl Identification {
     }
 }
 
-/// Friction of a joint, or of a shaft that takes the joint's row.
+/// Friction of a joint, or of a shaft that replaces the joint in the equations.
 #[derive(Debug, Clone)]
 pub struct JointFriction {
     /// Index of the joint.
     pub joint: usize,
     /// Name of the joint, or of the shaft's drive.
     pub name: String,
-    /// ẏ at all samples of all runs in which the joint does not rest [rad/s or m/s].
+    /// Velocities ẏ [rad/s or m/s] at the samples in which the joint does not rest, of all runs.
     pub velocities: Vec<f64>,
-    /// Measured forces minus those of the rigid body and of friction under load, at the same samples [N·m or N]. They
-    /// contain friction, offset and error.
+    /// Measured forces minus rigid-body forces and load-dependent friction, at the same samples [N·m or N]. These values
+    /// contain the other friction, the offset and the error.
     pub torques: Vec<f64>,
-    /// Friction law with its report, or the reasons for which there is no law.
+    /// Friction law with its report, or the findings because of which there is no law.
     pub report: std::result::Result<FrictionReport, Vec<Finding>>,
 }
 
@@ -146,10 +147,13 @@ pub struct JointFriction {
 /// - `progress`: receives a sentence at each step
 ///
 /// # Errors
-/// The call fails if logs cannot be read or do not match the robot's joints, if signals are too short or far beyond
-/// described limits, or if the estimate is refused ([`estimate()`] lists the reasons). An error after the first finding is
-/// [`IdentificationError::After`], which holds the earlier findings. A joint without a friction law is not an error, see
-/// [`JointFriction::report`].
+/// The call fails if
+/// - logs cannot be read or do not match the robot's joints,
+/// - signals are too short or far beyond described limits, or
+/// - the estimate is refused ([`estimate()`] lists the reasons).
+///
+/// An error after the first finding is [`IdentificationError::After`], which holds the earlier findings. A joint without a
+/// friction law is not an error ([`JointFriction::report`]).
 pub fn identify(
     robot: &dyn Robot,
     logs: &[PathBuf],
@@ -160,9 +164,9 @@ pub fn identify(
     identified(robot, logs, settings, &mut noted, progress).map_err(|error| error.after(noted))
 }
 
-/// Does the work of [`identify`].
+/// Identifies as [`identify`] does, but without adding the earlier findings to errors.
 ///
-/// - `noted`: takes the findings before an error
+/// - `noted`: receives the findings that precede an error
 fn identified(
     robot: &dyn Robot,
     logs: &[PathBuf],
@@ -242,7 +246,7 @@ impl Identification {
 
 /// The finding that no law is written, with all reasons.
 ///
-/// - `reasons`: findings that refuse the law
+/// - `reasons`: findings because of which the law is refused
 fn no_law(reasons: &[Finding]) -> Finding {
     let messages: Vec<&str> = reasons.iter().map(|reason| reason.message.as_str()).collect();
     let remedies: Vec<&str> = reasons.iter().filter_map(|reason| reason.remedy.as_deref()).collect();
@@ -252,8 +256,8 @@ fn no_law(reasons: &[Finding]) -> Finding {
     if remedies.is_empty() { found } else { found.help(remedies.join("; ")) }
 }
 
-/// Settings of the estimate with the filter of the signals, and with the numbers of the delays. Efforts with the same delay
-/// have the same number.
+/// Settings of the estimate with the filter of the signals and with the index of the delay of each effort. Efforts with the
+/// same delay have the same index.
 ///
 /// - `mixed`: whether efforts of the joints were added along shafts
 pub(crate) fn of_signals(
@@ -279,7 +283,7 @@ pub(crate) fn left_of_delays(estimate: &Estimate) -> Vec<[f64; 2]> {
     estimate.delays.iter().map(|delay| [delay.value, delay.standard_error]).collect()
 }
 
-/// The friction term of a joint that grows with the load, as a term of a law; `None` if it was not chosen.
+/// The load-dependent friction term of a joint, as a term of a law; `None` if the term was not chosen.
 fn under_load(joint: &JointEstimate) -> Option<FrictionTerm> {
     joint.load.as_ref().map(|term| FrictionTerm {
         basis: term.basis.clone(),
@@ -291,7 +295,7 @@ fn under_load(joint: &JointEstimate) -> Option<FrictionTerm> {
 
 /// Reads the logs and prepares their signals.
 ///
-/// - `noted`: takes the findings, also before an error
+/// - `noted`: receives the findings, including those that precede an error
 pub(crate) fn read_and_prepare(
     robot: &dyn Robot,
     logs: &[PathBuf],
@@ -300,7 +304,7 @@ pub(crate) fn read_and_prepare(
     progress: &mut dyn FnMut(&str),
 ) -> Result<(Recording, Vec<PreparedRun>, PreparationReport)> {
     if settings.estimation.gravity_compensated {
-        let help = "nothing holds the weight of such a robot; leave --gravity-compensated out";
+        let help = "such a robot has no drive that holds its weight; leave --gravity-compensated out";
         require_no_quaternions(robot, "gravity is not compensated", help)?;
     }
     progress("reading the logs");
@@ -378,7 +382,7 @@ pub(crate) fn common(estimate: &Estimate, joint: usize) -> Option<CommonTerms> {
 
 /// The law, or the reasons for which it is refused.
 ///
-/// - `accept_poor`: whether a law is accepted in spite of the reasons, which then are warnings
+/// - `accept_poor`: whether a law is accepted in spite of the reasons. The reasons then become warnings.
 pub(crate) fn unless_refused(
     mut report: FrictionReport,
     accept_poor: bool,

@@ -6,7 +6,7 @@ use gelenk_dynamics::dynamics::{difference, integrate};
 ///
 /// The positions of a spherical joint are a quaternion x, y, z, w of unit length. A floating joint has the position of its
 /// origin in the parent's frame before the quaternion. The velocities of a spherical joint are the angular velocity in the
-/// body's own frame. A floating joint has the linear velocity of its origin in the same frame before the angular velocity.
+/// body's frame. A floating joint has the linear velocity of its origin in the same frame before the angular velocity.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct QuaternionJoint {
     /// Name of the joint.
@@ -60,8 +60,8 @@ fn entries<const K: usize>(values: &[f64]) -> [f64; K] {
 
 /// For each of `n` velocity entries, whether it belongs to a joint with a quaternion.
 ///
-/// No sensor measures the forces of these rows. They are the forces of the inputs that act there, and zero without an input.
-/// So no offset and no friction is estimated for these rows.
+/// No sensor measures the forces of the rows of such joints. If inputs act there, their sum is the force; otherwise the force
+/// is zero. Therefore neither offsets nor friction are estimated for these rows.
 pub(crate) fn rows_of(joints: &[QuaternionJoint], n: usize) -> Vec<bool> {
     (0..n).map(|i| joints.iter().any(|joint| joint.velocities().contains(&i))).collect()
 }

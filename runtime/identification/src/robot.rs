@@ -5,19 +5,21 @@ use super::pose::QuaternionJoint;
 use gelenk_dynamics::dynamics::{Dynamics, Limits, load};
 use gelenk_findings::Subject;
 
-/// A robot whose equations of motion are linear in its inertial parameters π, `W(y, ẏ, ÿ) π = M ÿ + k − q_g` with the mass
-/// matrix M, the bias force k and the gravity force q_g.
+/// A robot whose equations of motion are linear in its inertial parameters π, `W(y, ẏ, ÿ) π = M ÿ + k − q_g`. W is the
+/// regressor, y are the joint positions, M is the mass matrix, k the bias force and q_g the gravity force.
 ///
-/// The robot has N joints, M inputs and P parameters. A generated module has these functions, and so does an interpreted
-/// description. The slices have the lengths that are stated here. Implementations may rely on it.
+/// The robot has N joints, M inputs and P parameters. Generated modules and interpreted descriptions have these functions.
+/// Implementations may rely on slices of the lengths that are stated here.
 ///
-/// If joints have quaternions ([`Self::quaternion_joints`]), each of their velocities counts as a joint of its own here, and
-/// y has one more entry for each joint with a quaternion.
+/// If joints have quaternions ([`Self::quaternion_joints`]), each of their velocities counts as one joint here, and y has one
+/// more entry for each joint with a quaternion.
+///
+/// A row is one of the N equations. The equation of a shaft may replace the row of a joint ([`Self::shafts`]).
 pub trait Robot {
     /// Names of the N joints in the description. A joint with a quaternion has the names of its velocities.
     fn joint_names(&self) -> Vec<String>;
 
-    /// The part of the robot to which a row of the equations belongs: a joint, or the shaft that takes the joint's row.
+    /// The part of the robot to which a row of the equations belongs: a joint, or the shaft that replaces the joint.
     fn subject(&self, row: usize) -> Subject {
         Subject::Joint(self.joint_names().swap_remove(row))
     }
@@ -35,13 +37,14 @@ pub trait Robot {
     /// frame's origin), then one for each rotor, as in `INERTIAL_PARAMETER_NAMES` of a generated module.
     fn parameter_names(&self) -> Vec<String>;
 
-    /// The values of the P parameters in the description.
+    /// The values of the P parameters in the description [kg, kg m, kg m²].
     fn parameters(&self) -> Vec<f64>;
 
     /// Number of bodies. The first `10 · bodies` parameters are those of the bodies.
     fn bodies(&self) -> usize;
 
-    /// The joints that follow other joints and have limits of their own, without those that follow driven joints.
+    /// The joints that follow other joints (mimic joints) and have limits. Followers of joints that are moved from outside are
+    /// not included.
     fn followers(&self) -> Vec<FollowerLimits> {
         Vec::new()
     }
@@ -55,7 +58,7 @@ pub trait Robot {
     /// zero.
     fn input_matrix(&self) -> Vec<f64>;
 
-    /// For each input, whether the description has it as a current. B then contains its motor constant.
+    /// For each input, whether it is a current in the description. B then contains the motor constant.
     fn described_currents(&self) -> Vec<bool> {
         vec![false; self.input_names().len()]
     }
@@ -70,7 +73,7 @@ pub trait Robot {
         vec![[f64::NEG_INFINITY, f64::INFINITY]; self.input_names().len()]
     }
 
-    /// Torque–speed lines of the motors.
+    /// Torque–speed lines of the motors; empty if the description has none.
     fn torque_speed_lines(&self) -> Vec<TorqueSpeedLine> {
         Vec::new()
     }
@@ -83,37 +86,38 @@ pub trait Robot {
         }
     }
 
-    /// For each joint, whether it is moved from outside, as a linear axis under a robot. Logs have the motion of a joint
-    /// that is moved from outside, but not its force.
+    /// For each joint, whether it is a driven joint, which is moved from outside. An example is a linear axis that carries the
+    /// robot. Logs have the motion of such a joint, but not its force.
     fn unmeasured(&self) -> Vec<bool> {
         vec![false; self.joint_names().len()]
     }
 
     /// For each joint, whether a single input drives it and this input drives no other joint. The load of the joint's gear
-    /// is then known, so that friction under load can be estimated.
+    /// is then known, so that load-dependent friction can be estimated.
     fn own_inputs(&self) -> Vec<bool> {
         own_inputs(&self.input_matrix(), self.joint_names().len(), self.input_names().len())
     }
 
     /// For each row (of a joint, or of one of [`Self::shafts`]), whether additional inertia of its drive may be estimated.
-    /// It may not if the drive's rotor is among the parameters, or if the inertia could not be written as part of the drive.
+    /// The entry is false if the drive's rotor is among the parameters, or if the description could not hold the inertia.
     fn takes_inertia(&self) -> Vec<bool> {
         vec![true; self.joint_names().len()]
     }
 
-    /// Drives that act on several joints and whose shafts have friction that is to be found. Each shaft takes the row of a
-    /// joint. This joint has no drive of its own, is not moved from outside, and its row is taken by no other shaft.
+    /// Shafts of drives that act on several joints, if the friction of the shaft is to be identified. The equation of each
+    /// shaft replaces the row of one joint. This joint has no separate drive and is not moved from outside. Two shafts never
+    /// replace the same joint.
     fn shafts(&self) -> Vec<Shaft> {
         Vec::new()
     }
 
-    /// For each row, the ratio of its speed to that of a joint. Terms of friction are searched at speeds that are scaled by
-    /// this ratio.
+    /// For each row, the ratio of its speed to the speed of a joint. The ratio of a joint is 1. The search for friction terms
+    /// scales speeds by this ratio.
     fn speed_scales(&self) -> Vec<f64> {
         vec![1.0; self.joint_names().len()]
     }
 
-    /// Described friction terms of joints whose rows shafts take.
+    /// Described friction terms of the joints that are replaced by shafts.
     fn joint_terms(&self) -> Vec<JointTerm> {
         Vec::new()
     }
@@ -124,8 +128,8 @@ pub trait Robot {
         values.fill(0.0);
     }
 
-    /// Described friction of a row (of a joint, or of one of [`Self::shafts`]) at its speed v: the force against the motion,
-    /// without friction under load. Zero if the description has no friction.
+    /// Described friction of a row (of a joint, or of one of [`Self::shafts`]) at its speed v: the force against the motion
+    /// [N·m or N], without load-dependent friction. Zero if the description has no friction.
     fn friction(&self, row: usize, v: f64) -> f64 {
         let _ = (row, v);
         0.0
@@ -137,8 +141,9 @@ pub trait Robot {
         None
     }
 
-    /// Computes `W` at positions y and at rest for another gravity \[m/s²\], in the shape of [`Self::inertial_regressor`].
-    /// Robots whose [`Self::gravity`] is not `None` implement it.
+    /// Computes the regressor W at positions y and at rest for another gravity \[m/s²\], in the shape of
+    /// [`Self::inertial_regressor`].
+    /// Robots whose [`Self::gravity`] is not `None` implement this function.
     fn regressor_at_rest(&self, y: &[f64], gravity: [f64; 3], regressor: &mut [f64]) {
         let _ = (y, gravity);
         regressor.fill(0.0);
@@ -147,20 +152,20 @@ pub trait Robot {
     /// Computes the regressor `W`, `N × P`, row by row, at positions y [rad or m], velocities ẏ and accelerations ÿ.
     fn inertial_regressor(&self, y: &[f64], v: &[f64], a: &[f64], regressor: &mut [f64]);
 
-    /// Computes `M ÿ + k − q` with the described parameters, one entry for each joint [N·m or N]. Friction of joints and of
-    /// [`Self::shafts`] is left out. Springs and other forces that are not inertial are included, unlike in `W π`.
+    /// Computes `M ÿ + k − q` with the described parameters, one entry for each joint [N·m or N]. The forces q are gravity,
+    /// springs and all other forces except inputs and friction. `W π` contains gravity only.
     fn rigid_forces(&self, y: &[f64], v: &[f64], a: &[f64], forces: &mut [f64]);
 }
 
 /// Positions, velocities and accelerations of all joints at one time.
 pub type Instant = [Vec<f64>; 3];
 
-/// A drive that acts on several joints. Its friction is that of its shaft.
+/// The shaft of a drive that acts on several joints. The drive's friction acts on this shaft.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shaft {
     /// Name of the drive in the description.
     pub name: String,
-    /// Index of the joint whose row the shaft takes. This joint has no drive of its own.
+    /// Index of the joint whose row the shaft's equation replaces. This joint has no separate drive.
     pub joint: usize,
     /// Motion of the shaft per unit of motion of each of the N joints: gear ratio times weight [1 or rad/m].
     pub ratios: Vec<f64>,
@@ -168,13 +173,13 @@ pub struct Shaft {
     pub torque: f64,
 }
 
-/// A motor with less torque at higher speed, `|u + C ẏ| ≤ limit`.
+/// A torque–speed line of a motor: the largest input u falls with the joint velocities ẏ, `|u + C ẏ| ≤ limit`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TorqueSpeedLine {
     /// Index of the input u.
     pub input: usize,
-    /// C: for each of the N joints, the part of the input that a unit of the joint's velocity takes, in the unit of the
-    /// input.
+    /// C: for each of the N joints, the decrease of the largest input per unit of the joint's velocity, in the unit of the
+    /// input per rad/s or m/s.
     pub slopes: Vec<f64>,
     /// Largest input of the motor at rest, in the unit of the input.
     pub limit: f64,
@@ -188,7 +193,7 @@ impl TorqueSpeedLine {
     }
 }
 
-/// A described friction term of a joint whose row a shaft takes.
+/// A described friction term of a joint that is replaced by a shaft ([`Robot::shafts`]).
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointTerm {
     /// Index of the joint.
@@ -261,8 +266,8 @@ impl FollowerLimits {
         offset + followed.map(|(ratio, value)| ratio * value).sum::<f64>()
     }
 
-    /// The followed joint with its allowed range of positions and its allowed speed, if the joint follows a single one;
-    /// otherwise `None`.
+    /// Index, allowed range of positions and allowed speed of the followed joint; `None` if there are several followed
+    /// joints.
     pub(crate) fn allowed(&self) -> Option<(usize, [f64; 2], f64)> {
         let mut followed = self.ratios.iter().enumerate().filter(|(_, ratio)| **ratio != 0.0);
         let ((joint, ratio), None) = (followed.next()?, followed.next()) else { return None };
@@ -299,7 +304,7 @@ impl JointLimits {
         Self { position: [f64::NEG_INFINITY, f64::INFINITY], velocity: f64::INFINITY, effort: f64::INFINITY };
 }
 
-/// W at y, ẏ, ÿ, as `inertial_regressor` of a generated module.
+/// Function `inertial_regressor` of a generated module: the regressor W at y, ẏ, ÿ.
 type Regressor<const N: usize, const P: usize> = fn(&[f64; N], &[f64; N], &[f64; N]) -> [[f64; P]; N];
 
 /// A generated module as a [`Robot`]: its [`Dynamics`] and its `inertial_regressor`.
@@ -329,7 +334,7 @@ pub struct Generated<D, const N: usize, const M: usize, const P: usize> {
     pub parameter_names: [&'static str; P],
     /// `inertial_parameters()` of the module.
     pub parameters: [f64; P],
-    /// Number of bodies. Their `10 · bodies` parameters come first, those of the rotors follow.
+    /// Number of bodies. Their `10 · bodies` parameters come first. The parameters of the rotors follow.
     pub bodies: usize,
     /// `inertial_regressor` of the module.
     pub regressor: Regressor<N, P>,

@@ -15,14 +15,14 @@ pub struct Run {
     /// Row of each sample in the log. The header is row 1, as in an editor.
     pub rows: Vec<usize>,
     /// Measured positions [rad or m], one column for each joint of the robot. A joint with a quaternion has one column for
-    /// each velocity: the sum of the displacements `y ⊖ y_before` from sample to sample, from 0 on. The rates of these
-    /// columns are the velocities in the body's frame.
+    /// each of its velocities. Such a column starts at 0 and adds up the displacements `y ⊖ y_before` between consecutive
+    /// samples. Its rate is the velocity in the body's frame.
     pub positions: Vec<Vec<f64>>,
     /// Measured positions y of a robot with quaternions, one column for each entry; empty for other robots.
     pub poses: Vec<Vec<f64>>,
     /// Measured velocities [rad/s or m/s] of each joint; `None` if the log does not have them.
     pub velocities: Vec<Option<Vec<f64>>>,
-    /// Measured efforts, one column for each joint or input as [`Effort`] says. Units are in [`Effort`].
+    /// Measured efforts. [`Self::effort`] determines the unit, and whether there is a column for each joint or for each input.
     pub efforts: Vec<Vec<f64>>,
     /// Kind of the efforts.
     pub effort: Effort,
@@ -34,11 +34,11 @@ pub(crate) const FEWEST_SAMPLES: usize = 16;
 /// Kind of the efforts of a log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Effort {
-    /// Forces at the joints, `B u` [N·m or N], one for each joint.
+    /// Forces at the joints, `B u` with the input matrix B and the inputs u [N·m or N], one for each joint.
     Joint,
     /// Inputs u of the description [N·m or N], on the motor side of the gears, one for each input.
     Input,
-    /// Motor currents i \[A\], one for each input: `u = K_M i` with an unknown motor constant K_M.
+    /// Motor currents i \[A\], one for each input: `u = K_M i` with the input u and an unknown motor constant K_M.
     Current,
 }
 
@@ -52,8 +52,8 @@ impl Effort {
     }
 }
 
-/// A run on an equidistant grid: smoothed positions, their derivatives, and efforts that passed the same filter and have no
-/// delay.
+/// A run on an equidistant time grid, with smoothed positions and their derivatives. The efforts passed the same filter, and
+/// their delay is removed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PreparedRun {
     /// Name of the run from which this run was made.
@@ -64,30 +64,31 @@ pub struct PreparedRun {
     pub rows: Vec<usize>,
     /// Smoothed positions [rad or m], one column for each joint; for joints with a quaternion as in [`Run::positions`].
     pub positions: Vec<Vec<f64>>,
-    /// Smoothed y of a robot with quaternions, one column for each entry; empty for other robots.
+    /// Smoothed positions y of a robot with quaternions, one column for each entry; empty for other robots.
     pub poses: Vec<Vec<f64>>,
     /// Velocities ẏ [rad/s or m/s], one column for each joint.
     pub velocities: Vec<Vec<f64>>,
     /// Accelerations ÿ [rad/s² or m/s²], one column for each joint.
     pub accelerations: Vec<Vec<f64>>,
-    /// Smoothed efforts, one column for each joint or input as [`Effort`] says.
+    /// Smoothed efforts. [`Self::effort`] determines the unit, and whether there is a column for each joint or for each input.
     pub efforts: Vec<Vec<f64>>,
     /// For each joint and sample, whether the joint rests. Dry friction at rest takes any value up to the static one, so the
-    /// effort of this sample contains no information on friction. Empty if no joint rests.
+    /// effort at this sample contains no information on friction. Empty if no joint rests.
     pub resting: Vec<Vec<bool>>,
     /// Kind of the efforts.
     pub effort: Effort,
 }
 
 impl PreparedRun {
-    /// Fails unless the run has all columns of a robot, of the same length and with finite values.
+    /// Fails unless the run has all columns of a robot, and the columns have the same length and finite values.
     ///
     /// - `effort`: kind of efforts of the other runs
-    /// - `may_lack`: whether an effort may be missing, so that its column is NaN
+    /// - `may_lack`: whether an effort may be missing. The column of a missing effort is NaN.
     pub(crate) fn check(&self, robot: &dyn Robot, effort: Effort, may_lack: bool) -> Result<()> {
         let name = &self.name;
         if self.effort != effort {
-            let message = format!("its efforts are {:?}, those of the first run are {effort:?}", self.effort);
+            let message =
+                format!("its efforts are {:?}, but the efforts of the first run are {effort:?}", self.effort);
             return Err(at(name).fault(message));
         }
         let (joints, quaternions) = (robot.joint_names().len(), robot.quaternion_joints().len());
@@ -117,12 +118,12 @@ impl PreparedRun {
         Ok(())
     }
 
-    /// The entries of y. They are the joints' positions if the robot has no quaternion.
+    /// One column for each entry of y. The columns are the joints' positions if the robot has no quaternion.
     pub(crate) fn coordinates(&self) -> &[Vec<f64>] {
         if self.poses.is_empty() { &self.positions } else { &self.poses }
     }
 
-    /// Measured force at a joint with a gain of one [N·m or N].
+    /// Force at a joint [N·m or N], computed from the measured efforts with a gain of one.
     ///
     /// - `input_matrix`: B, row by row
     pub(crate) fn force(&self, input_matrix: &[f64], joint: usize, sample: usize) -> f64 {
@@ -139,7 +140,7 @@ impl PreparedRun {
         self.resting.get(joint).and_then(|rests| rests.get(sample)).copied().unwrap_or(false)
     }
 
-    /// The samples of a joint without its rests, in contiguous intervals.
+    /// Contiguous intervals of samples in which a joint does not rest.
     pub(crate) fn moving(&self, joint: usize) -> Vec<Range<usize>> {
         let mut stretches: Vec<Range<usize>> = Vec::new();
         for i in (0..self.times.len()).filter(|i| !self.rests(joint, *i)) {

@@ -15,19 +15,20 @@ use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
 use std::path::PathBuf;
 
-/// Sees: a log to validate that was fitted, too.
-/// Matters: R² of it says nothing of other data.
+/// Sees: a validation log that was also fitted.
+/// Matters: its R² does not measure the error on other data.
 /// Example: the same file twice on the command line.
 /// Fixture: `codegen/tests/external_arm/doubts.rs`.
 const FITTED: Rule = Rule::warning("fitted-log");
 
-/// Sees: efforts of a log to validate that are farther from the prediction than from their mean.
-/// Matters: the description is worse than none for this log, or the log is of another robot, load or unit.
+/// Sees: efforts of a validation log that are farther from the prediction than from their mean.
+/// Matters: a constant predicts this log better than the description does. The log may be of another robot, load or unit.
 /// Example: efforts with the other sign.
 /// Fixture: `codegen/tests/external_arm/doubts.rs`.
 const NOT_PREDICTED: Rule = Rule::warning("validation-failed");
 
-/// Quality of the prediction of a joint's efforts τ in logs that were not fitted. τ̂ is the predicted effort, τ̄ the mean.
+/// Quality of the prediction of a joint's efforts τ in logs that were not fitted. τ̂ is the predicted effort. τ̄ is the mean
+/// of τ.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointValidation {
     /// Name of the joint.
@@ -39,15 +40,15 @@ pub struct JointValidation {
     pub r_squared_with_rest: f64,
     /// Root mean square of τ − τ̂ over the samples in which the joint moves [N·m or N].
     pub residual: f64,
-    /// Mean of τ − τ̂ over the samples in which the joint moves [N·m or N]. It is an offset of the logs that the description
-    /// does not have.
+    /// Mean of τ − τ̂ over the samples in which the joint moves [N·m or N]. It is a constant force in the logs that the
+    /// description does not contain.
     pub offset: f64,
-    /// R² of the moving samples if this offset is added to τ̂.
+    /// R² over the samples in which the joint moves, if [`Self::offset`] is added to τ̂.
     pub r_squared_with_offset: f64,
 }
 
-/// Predicts the efforts of other logs with the written description: inertial parameters, added inertias, the chosen friction
-/// laws with their constants, and gains. Nothing is fitted again. Offsets of the fitted logs are not added.
+/// Predicts the efforts of other logs with the identified description: inertial parameters, added inertias, the chosen
+/// friction laws with their constants, and gains. Nothing is fitted again. Offsets of the fitted logs are not added.
 ///
 /// Signals pass the filter of the identification, and friction passes the filter of the efforts. The delay of the
 /// identification is removed from the efforts.
@@ -72,7 +73,7 @@ pub fn validate(
     let fitted = |hash: &str| found.recording.hashes.iter().any(|(_, other)| other == hash);
     for (path, _) in recording.hashes.iter().filter(|(_, hash)| fitted(hash)) {
         say(&FITTED
-            .found("it is one of the fitted logs: R² there does not measure the error on other data")
+            .found("it is one of the fitted logs, so its R² does not measure the error on other data")
             .log(path, None));
     }
     let preparation = found.preparation.settings_alike(&settings.preparation);
@@ -94,8 +95,10 @@ pub fn validate(
         judged.iter().enumerate().filter(|(_, of)| of.r_squared < 0.0)
     {
         let r_squared = plain(*r_squared, 3);
-        let message =
-            format!("R² is {r_squared}: the efforts are farther from the prediction than from their mean");
+        let message = format!(
+            "R² is {r_squared}: the efforts are farther from the prediction than from their mean. Check that robot, load and units \
+             are those of the fitted logs"
+        );
         say(&NOT_PREDICTED.found(message).of(rows.subject(joint)));
     }
     Ok(judged)
@@ -151,17 +154,17 @@ fn judged(name: String, [moving, all]: [Sums; 2]) -> JointValidation {
 struct Prediction<'a> {
     robot: &'a dyn Robot,
     found: &'a Identification,
-    /// The inertial parameters whose weight the robot compensates; `None` if the robot does not compensate gravity.
+    /// Inertial parameters of the weight that the robot compensates; `None` if the robot does not compensate gravity.
     compensated: Option<Vec<f64>>,
     joints: usize,
     /// Identified minus described inertial parameters.
     changes: Vec<f64>,
-    /// `M ÿ + k − q` with gravity: loads of the gears.
+    /// Loads of the gears: `M ÿ + k − q` with gravity.
     loads: Vec<f64>,
     input_matrix: Vec<f64>,
     regressor: Vec<f64>,
     forces: Vec<f64>,
-    /// Friction of each joint along the run, which passed the filter of the efforts; `None` if it depends on the load.
+    /// Friction of each joint along the run, filtered as the efforts are; `None` if the friction depends on the load.
     friction: Vec<Option<Vec<f64>>>,
 }
 

@@ -26,9 +26,9 @@ pub enum Block {
     Text(Vec<Inline>),
     /// A heading within the section.
     Heading(Vec<Inline>),
-    /// Equations, each on a line of its own.
+    /// Equations, each on a separate line.
     Equations(Vec<Equation>),
-    /// Short equations of intermediate values, side by side if there is room.
+    /// Short equations of intermediate values, side by side if the page is wide enough.
     Abbreviations(Vec<Equation>),
     /// A table of values.
     Table(Table),
@@ -55,14 +55,14 @@ pub enum Block {
     },
 }
 
-/// A paragraph with markup: `$…$` is an equation in LaTeX, `` `…` `` is code. Use [`plain`] for text from
-/// other sources.
+/// Returns a paragraph with markup: `$…$` is an equation in LaTeX, `` `…` `` is code. For text from descriptions and
+/// files use [`plain`].
 #[must_use]
 pub fn text(source: &str) -> Block {
     Block::Text(inlines(source))
 }
 
-/// A paragraph without markup, for text from descriptions and files.
+/// Returns a paragraph without markup, for text from descriptions and files.
 #[must_use]
 pub fn plain(source: impl Into<String>) -> Block {
     Block::Text(vec![Inline::Text(source.into())])
@@ -89,7 +89,7 @@ impl Section {
         self
     }
 
-    /// All blocks in order, including blocks inside of collapsible blocks.
+    /// All blocks in order, including blocks inside collapsible blocks.
     pub(super) fn all_blocks(&self) -> Vec<&Block> {
         let mut all = Vec::new();
         collect(&self.blocks, &mut all);

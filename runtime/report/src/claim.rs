@@ -1,4 +1,4 @@
-//! Claims, whose verdicts follow from numbers and thresholds.
+//! Claims with verdicts that follow from numbers and thresholds.
 
 use std::fmt;
 
@@ -9,19 +9,19 @@ use super::number::{DIGITS, rounded};
 /// The verdict follows from the criteria and cannot be set. A claim without criteria does not hold.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Claim {
-    /// Anchor on the page, and name of the claim in the data.
+    /// Anchor on the page, and name of the claim in JSON and CSV.
     pub id: String,
-    /// The claimed sentence; `$…$` is an equation in LaTeX.
+    /// Statement of the claim as a sentence; `$…$` is an equation in LaTeX.
     pub statement: String,
     /// Numbers with thresholds. All thresholds must be met.
     pub criteria: Vec<Criterion>,
     /// Condition under which the claim holds; `None` if the claim has no condition.
     pub condition: Option<String>,
-    /// Change of conditions that would reverse the verdict; may be empty.
+    /// Change of the experiment that would reverse the verdict; may be empty.
     pub flipped_by: String,
-    /// Remark on the result and its reason; may be empty.
+    /// Remark on the result; may be empty.
     pub remark: String,
-    /// Identifier of the figure or table that shows the claim; `None` if there is no figure or table.
+    /// Identifier of the figure or table that shows the claim; `None` without figure or table.
     pub shown_in: Option<String>,
 }
 
@@ -30,15 +30,15 @@ pub struct Claim {
 pub struct Criterion {
     /// Name of the measured quantity.
     pub name: String,
-    /// The measured number.
+    /// Measured value.
     pub value: f64,
-    /// The threshold of the number.
+    /// Threshold for the value.
     pub bound: Bound,
     /// Unit of value and threshold; may be empty.
     pub unit: String,
 }
 
-/// A threshold.
+/// Threshold for a measured value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Bound {
     /// Largest value that meets the threshold.
@@ -54,7 +54,7 @@ pub enum Verdict {
     Holds,
     /// All criteria are met, and the claim has a condition.
     HoldsConditionally,
-    /// A criterion is not met, or there are no criteria.
+    /// A criterion is not met, or the claim has no criteria.
     DoesNotHold,
 }
 
@@ -69,7 +69,7 @@ impl fmt::Display for Verdict {
 }
 
 impl Claim {
-    /// A claim without criteria; `$…$` in the statement is an equation.
+    /// A claim without criteria; `$…$` in the statement is an equation in LaTeX.
     #[must_use]
     pub fn new(id: impl Into<String>, statement: impl Into<String>) -> Self {
         Self {
@@ -83,7 +83,7 @@ impl Claim {
         }
     }
 
-    /// Adds a number with its threshold.
+    /// Adds a measured number with its threshold.
     #[must_use]
     pub fn criterion(mut self, criterion: Criterion) -> Self {
         self.criteria.push(criterion);
@@ -97,7 +97,7 @@ impl Claim {
         self
     }
 
-    /// Sets the change of conditions that would reverse the verdict.
+    /// Sets the change of the experiment that would reverse the verdict.
     #[must_use]
     pub fn flipped_by(mut self, cause: impl Into<String>) -> Self {
         self.flipped_by = cause.into();
@@ -118,7 +118,7 @@ impl Claim {
         self
     }
 
-    /// The verdict from the criteria and the condition.
+    /// Verdict that follows from the criteria and the condition.
     #[must_use]
     pub fn verdict(&self) -> Verdict {
         let is_met = !self.criteria.is_empty() && self.criteria.iter().all(Criterion::is_met);
@@ -131,19 +131,19 @@ impl Claim {
 }
 
 impl Criterion {
-    /// A number that must satisfy `value ≤ bound`.
+    /// A criterion that is met if `value ≤ bound`.
     #[must_use]
     pub fn at_most(name: impl Into<String>, value: f64, bound: f64, unit: impl Into<String>) -> Self {
         Self { name: name.into(), value, bound: Bound::AtMost(bound), unit: unit.into() }
     }
 
-    /// A number that must satisfy `value ≥ bound`.
+    /// A criterion that is met if `value ≥ bound`.
     #[must_use]
     pub fn at_least(name: impl Into<String>, value: f64, bound: f64, unit: impl Into<String>) -> Self {
         Self { bound: Bound::AtLeast(bound), ..Self::at_most(name, value, bound, unit) }
     }
 
-    /// Whether the number meets its threshold; NaN never does.
+    /// Whether the value meets its threshold; false for NaN.
     #[must_use]
     pub fn is_met(&self) -> bool {
         match self.bound {

@@ -1,4 +1,4 @@
-//! The numbers of a report as JSON and CSV.
+//! Conversion of the numbers of a report to JSON and CSV.
 
 use serde_json::{Value, json};
 
@@ -12,7 +12,7 @@ use super::plot::{self, Figure, Plot};
 use super::report::Report;
 use super::table::{Cell, Table};
 
-/// The whole report as data.
+/// The whole report as JSON.
 pub(super) fn json(report: &Report) -> Value {
     let section = |section: &Section| {
         let parts: Vec<Value> = section.all_blocks().into_iter().filter_map(block).collect();
@@ -26,7 +26,7 @@ pub(super) fn json(report: &Report) -> Value {
     })
 }
 
-/// Whether the data have the keys of the result of [`json`].
+/// Whether a JSON value has the keys of the results of [`json`].
 pub(super) fn is_report(value: &Value) -> bool {
     let mut expected = json(&Report::default());
     match (expected.as_object_mut(), value.as_object()) {
@@ -35,7 +35,7 @@ pub(super) fn is_report(value: &Value) -> bool {
     }
 }
 
-/// Names of the CSV and SVG files that belong to the data of a report.
+/// Names of the CSV and SVG files of a report, for its JSON.
 pub(super) fn tables(report: &Value) -> Vec<String> {
     let entries = |value: &Value, name: &str| value[name].as_array().cloned().unwrap_or_default();
     let (mut names, mut drawings) = (Vec::new(), Vec::new());
@@ -112,19 +112,20 @@ fn table_json(table: &Table) -> Value {
 }
 
 impl Table {
-    /// The sentence above the table.
+    /// Caption of the table as plain text, with equations in LaTeX.
     #[must_use]
     pub fn title(&self) -> String {
         words(&self.caption)
     }
 
-    /// The table as plain text for a terminal: a row of names with units, and the rows of cells.
+    /// The table as plain text for a terminal. The first row contains the names of the columns with units. The other rows
+    /// contain the cells.
     #[must_use]
     pub fn plain(&self) -> Vec<Vec<String>> {
         table_rows(self, plain)
     }
 
-    /// The rows as JSON objects with the columns' names as keys; formulas are plain text.
+    /// The rows as JSON objects. Keys are the names of the columns. Formulas are plain text.
     #[must_use]
     pub fn records(&self) -> Value {
         let names = self.columns.iter().map(|column| column.name.replace(' ', "_"));
@@ -173,7 +174,7 @@ fn cell_json(cell: &Cell) -> Value {
     }
 }
 
-/// A number as JSON. Infinity and NaN, which JSON does not have, are written as text.
+/// A number as JSON. Infinity and NaN are written as text, because JSON cannot represent them.
 fn number_json(value: f64) -> Value {
     if value.is_finite() { json!(value) } else { json!(value.to_string()) }
 }
@@ -277,7 +278,7 @@ fn with_unit(name: &str, unit: &str) -> String {
     }
 }
 
-/// A row of names with units, and the rows of cells.
+/// Rows of a table as text: a row of names with units, and the rows of cells.
 fn table_rows(table: &Table, cell: impl Fn(&Cell) -> String) -> Vec<Vec<String>> {
     let columns = table.columns.iter();
     let head = columns.map(|column| with_unit(&column.name, &column.unit));
@@ -327,7 +328,7 @@ fn claim_rows(claims: &[Claim]) -> Vec<Vec<String>> {
     rows
 }
 
-/// One row for each point, because curves have different abscissae.
+/// Rows of a figure as text, one for each point, because curves have different abscissae.
 fn figure_rows(figure: &Figure) -> Vec<Vec<String>> {
     let mut rows = vec![["plot", "series", "x", "y"].map(str::to_owned).to_vec()];
     for (index, plot) in figure.plots.iter().enumerate() {

@@ -13,7 +13,7 @@ const MARGIN: f64 = 8.0;
 /// A link in the drawing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Place {
-    /// Column of the link. It may be between two columns if the link has several children.
+    /// Column of the link. If the link has several children, it can be between two columns.
     lane: f64,
     depth: f64,
 }
@@ -62,7 +62,7 @@ fn children(scene: &Scene) -> Vec<Vec<usize>> {
 /// their children.
 fn places(children: &[Vec<usize>]) -> (Vec<Place>, f64) {
     let mut places = vec![Place { lane: 0.0, depth: 0.0 }; children.len()];
-    // Parents stand before their children, so depth goes down and lanes come back up.
+    // Parents precede their children. Depths are computed from parents to children, and columns from children to parents.
     for (parent, own) in children.iter().enumerate() {
         for &child in own {
             places[child].depth = places[parent].depth + 1.0;
@@ -132,8 +132,8 @@ fn edge(scene: &Scene, joint: &SceneJoint, from: Place, to: Place) -> Markup {
     }
 }
 
-/// Symbol of a joint: a circle for a rotation, a square for a translation, a circle in a square for both, a
-/// bar for a fixed joint. The symbol is filled if the joint has an input.
+/// Symbol of a joint. It is a circle for a rotation, a square for a translation, a circle in a square for both, and a bar
+/// for a fixed joint. The symbol is filled if the joint has an input.
 fn symbol(joint: &SceneJoint, x: f64, y: f64) -> Markup {
     let is_driven = joint.input.is_some();
     let moves = matches!(joint.motion, SceneMotion::Coordinate(_) | SceneMotion::Follows { .. });
@@ -207,7 +207,7 @@ mod tests {
 
     #[test]
     fn branches_stand_side_by_side() {
-        // A torso with two arms, the first of two links.
+        // A torso with two arms. The first arm has two links.
         let (places, lanes) = places(&[vec![1], vec![2, 3], vec![4], vec![], vec![]]);
         assert_eq!(lanes, 2.0);
         let lane_and_depth: Vec<(f64, f64)> = places.iter().map(|place| (place.lane, place.depth)).collect();

@@ -23,8 +23,8 @@ impl Equation {
         Ok(Self { latex, mathml })
     }
 
-    /// An equation that is broken into lines of at most `letters` letters, before signs of its outermost sum.
-    /// Wide equations can be scrolled on a screen, but not on paper.
+    /// A displayed equation that is broken into lines of at most `letters` letters, so that it fits on paper. Lines are
+    /// broken before signs of the outermost sum.
     ///
     /// # Errors
     /// [`ReportError::Equation`] if `latex` cannot be typeset.
@@ -69,10 +69,10 @@ fn width(latex: &str) -> usize {
                 while let Some(next) = rest.next_if(|c| c.is_ascii_alphabetic()) {
                     command.push(next);
                 }
-                // Fonts and sizes of brackets take no room.
+                // Commands for fonts and sizes of brackets have no width.
                 let is_silent = ["left", "right", "mathrm", "operatorname", "dot", "ddot"];
                 width += match command.as_str() {
-                    // Escaped signs are seen, thin spaces are not.
+                    // Escaped signs have a width, thin spaces do not.
                     "" => usize::from(rest.next().is_some_and(|sign| "{}_%#&$".contains(sign))),
                     silent if is_silent.contains(&silent) => 0,
                     "sin" | "cos" | "tanh" | "exp" => 3,
@@ -115,7 +115,7 @@ pub(super) fn inline(latex: &str) -> Result<String, ReportError> {
 
 fn mathml(latex: &str, display_mode: DisplayMode) -> Result<String, ReportError> {
     let fault = |message: String| ReportError::Equation { latex: latex.to_owned(), message };
-    // Where the parser stumbles the writer would set the message in red; here it is an error.
+    // If parsing fails, the writer would print the message in red. Here the failure is an error.
     let storage = Storage::new();
     if let Some(error) = Parser::new(latex, &storage).find_map(Result::err) {
         return Err(fault(error.to_string()));

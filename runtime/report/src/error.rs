@@ -3,7 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
-/// Error of a report.
+/// Reason why a report cannot be written.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
     /// An equation is not valid LaTeX, or has an unsupported command.
@@ -19,11 +19,11 @@ pub enum ReportError {
     Plot {
         /// Identifier of the figure.
         id: String,
-        /// Reason for which it cannot be drawn.
+        /// Reason why the figure cannot be drawn.
         message: String,
     },
     /// Two parts have the same identifier.
-    #[error("two parts of the report have the identifier `{0}`: rename one")]
+    #[error("two parts of the report have the identifier `{0}`: rename one of them")]
     SameId(String),
     /// A table cannot be written as CSV.
     #[error("the table `{id}` cannot be written as CSV: {message}")]

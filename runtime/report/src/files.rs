@@ -1,5 +1,5 @@
-//! Files of a report. Either all files or no files are written, and files from other sources are never
-//! replaced.
+//! Writes the files of a report. Either all files or no files are written. Files that were not written by a report are
+//! never replaced.
 
 use std::fs;
 use std::io;
@@ -14,11 +14,11 @@ use gelenk_files::Prepared;
 const PAGE: &str = "index.html";
 const DATA: &str = "report.json";
 
-/// Writes files to a folder. Removes tables of the previous report that this report does not have.
+/// Writes files to a folder. Removes tables of the previous report that the new report does not have.
 pub(super) fn write(folder: &Path, files: &[(String, String)]) -> Result<Vec<PathBuf>, ReportError> {
     let old = old_tables(folder);
     if folder.is_file() {
-        let why = io::Error::new(io::ErrorKind::NotADirectory, "it is a file, not a folder");
+        let why = io::Error::new(io::ErrorKind::NotADirectory, "this path is a file, not a folder");
         return Err(fault(folder)(why));
     }
     fs::create_dir_all(folder).map_err(fault(folder))?;
@@ -32,14 +32,15 @@ pub(super) fn write(folder: &Path, files: &[(String, String)]) -> Result<Vec<Pat
         prepared.push((name.as_str(), path, file));
     }
     let paths = prepared.iter().map(|(_, path, _)| path.clone()).collect();
-    // What names the tables comes first: wherever this ends, the next report knows them for its own.
+    // The file with the names of the tables is written first. If writing is interrupted, the next report can then
+    // recognize the tables.
     prepared.sort_by_key(|(name, ..)| (*name != DATA, *name == PAGE));
     for (_, path, file) in prepared {
         file.put().map_err(fault(&path))?;
     }
     let is_gone = |name: &&String| !files.iter().any(|(new, _)| new == *name);
     for name in old.iter().filter(is_gone) {
-        // A table too much in the folder does not make the report worse.
+        // An error is ignored, because an additional table in the folder does no harm.
         let _ = fs::remove_file(folder.join(name));
     }
     Ok(paths)
@@ -50,18 +51,18 @@ fn fault(path: &Path) -> impl FnOnce(io::Error) -> ReportError + use<> {
     move |source| ReportError::File { path, source }
 }
 
-/// Checks that a file may be written: there is no file yet, the file is empty or unchanged, or it is from a
-/// report.
+/// Checks that a file may be written. This is the case if the file does not exist, is empty, has the same content, or was
+/// written by a report.
 fn check(folder: &Path, name: &str, content: &str, old: &[String]) -> io::Result<()> {
     if !is_plain(name) {
-        let why = "an identifier can be a file name only if it has letters, digits, `-` and `_` alone";
+        let why = "an identifier can be a file name only if it consists of letters, digits, `-` and `_`";
         return Err(io::Error::new(io::ErrorKind::InvalidInput, why));
     }
     let path = folder.join(name);
     let Ok(found) = fs::metadata(&path) else {
         return Ok(());
     };
-    // Whatever is not a file is refused when its place is taken.
+    // Folders and other objects are rejected later, when the file is moved to this path.
     if !found.is_file() || found.len() == 0 {
         return Ok(());
     }
@@ -74,7 +75,7 @@ fn check(folder: &Path, name: &str, content: &str, old: &[String]) -> io::Result
     if is_ours || text == content.as_bytes() {
         return Ok(());
     }
-    let why = "it was not written by a report; name another folder, or remove it first";
+    let why = "this file was not written by a report; choose another folder, or remove this file first";
     Err(io::Error::new(io::ErrorKind::AlreadyExists, why))
 }
 
@@ -126,7 +127,7 @@ mod tests {
         let before = fs::read(at("index.html")).unwrap();
         let error = report("Third", "mine").write(folder.path()).unwrap_err();
         let message = error.to_string();
-        assert!(message.contains("mine.csv: it was not written by a report"), "{message}");
+        assert!(message.contains("mine.csv: this file was not written by a report"), "{message}");
         assert_eq!(fs::read(at("index.html")).unwrap(), before);
         assert_eq!(fs::read_to_string(at("mine.csv")).unwrap(), "t,q\n");
         assert_eq!(names(folder.path()), expected);

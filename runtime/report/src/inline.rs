@@ -11,7 +11,7 @@ pub enum Inline {
     Code(String),
 }
 
-/// A name from source code as part of a line.
+/// Returns a name from source code as part of a line.
 #[must_use]
 pub fn code(source: impl Into<String>) -> Inline {
     Inline::Code(source.into())

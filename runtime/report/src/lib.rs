@@ -1,9 +1,9 @@
 //! Reports as data, written as HTML pages, JSON and CSV.
 //!
-//! A [`Report`] consists of sections with paragraphs, equations, tables, claims, figures and a view of a
-//! robot. It is written as an HTML page that needs neither a network nor other files, and as JSON and CSV
-//! with the same numbers. The page is made for light and dark screens, narrow and wide screens, and paper.
-//! The data have all digits of the numbers that the page rounds.
+//! A [`Report`] consists of sections with paragraphs, equations, tables, claims, figures and a 3-D view of a robot. It is
+//! written as an HTML page that needs neither a network nor other files. The page is suitable for light and dark screens,
+//! narrow and wide screens, and paper. The page rounds numbers. The JSON and CSV files contain the same numbers with all
+//! digits.
 //!
 //! ```
 //! use gelenk_report::{Block, Claim, Criterion, Report, Section, text};

@@ -1,6 +1,6 @@
-//! Numbers for readers: rounded, with a minus sign and powers of ten.
+//! Formats numbers for the page: rounded, with a typographic minus sign and powers of ten.
 
-/// Default number of digits.
+/// Default number of significant digits.
 pub(super) const DIGITS: usize = 4;
 
 /// The number `value` with `digits` significant digits. Trailing zeros of a fraction are kept, because they
@@ -28,10 +28,10 @@ pub(super) fn rounded(value: f64, digits: usize) -> String {
     text.replace('-', "−")
 }
 
-/// Largest number of digits shown of a described number; the data hold all.
+/// Largest number of digits of a described number on the page. The JSON and CSV files contain all digits.
 pub(super) const MOST_DIGITS: usize = 9;
 
-/// The number `value` with its own digits, up to [`MOST_DIGITS`].
+/// The number `value` with all its digits, but at most [`MOST_DIGITS`].
 pub(super) fn exact(value: f64) -> String {
     if !value.is_finite() {
         return unusual(value);
@@ -48,11 +48,11 @@ pub(super) fn exact(value: f64) -> String {
     text.replace('-', "−")
 }
 
-/// `value` with at most `digits` significant digits, in letters that programs read.
+/// The number `value` with at most `digits` significant digits, in a format that programs can read.
 pub(super) fn plain(value: f64, digits: usize) -> String {
     let shown: f64 = format!("{value:.*e}", digits.clamp(1, 17) - 1).parse().unwrap_or(value);
     let is_usual = shown == 0.0 || (1e-4..1e6).contains(&shown.abs()) || !shown.is_finite();
-    // A sum with 0 has no negative zero.
+    // Adding 0 replaces a negative zero by 0.
     if is_usual { (shown + 0.0).to_string() } else { format!("{shown:e}") }
 }
 

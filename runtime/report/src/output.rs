@@ -11,14 +11,15 @@ impl Report {
     /// The page as one self-contained HTML file.
     ///
     /// # Errors
-    /// [`ReportError::Equation`] if an equation cannot be typeset, [`ReportError::Plot`] if a figure has
-    /// values that cannot be drawn, and [`ReportError::SameId`] if two parts have the same identifier.
+    /// - [`ReportError::Equation`] if an equation cannot be typeset.
+    /// - [`ReportError::Plot`] if a figure has values that cannot be drawn.
+    /// - [`ReportError::SameId`] if two parts have the same identifier.
     pub fn html(&self) -> Result<String, ReportError> {
         self.check_ids()?;
         page::html(self)
     }
 
-    /// All numbers as JSON without rounding. NaN and infinities are texts.
+    /// All numbers as JSON without rounding. NaN and infinities are strings.
     #[must_use]
     pub fn json(&self) -> String {
         format!("{:#}\n", data::json(self))
@@ -40,13 +41,13 @@ impl Report {
         data::svg(self)
     }
 
-    /// Writes `index.html`, `report.json`, and the CSV and SVG files to `folder`, which is created if it does
-    /// not exist. Returns the paths of the files, with the page first. A previous report in the folder is
-    /// replaced as a whole. If the disk is full, the previous report is kept.
+    /// Writes `index.html`, `report.json`, and the CSV and SVG files to `folder`. If the folder does not exist, it is created.
+    /// Returns the paths of the files; the first path is that of the page. A previous report in the folder is replaced as a
+    /// whole. If the disk is full, the previous report is kept.
     ///
     /// # Errors
-    /// The errors of [`Report::html`], [`Report::csv`] and [`Report::svg`], before a file is written.
-    /// [`ReportError::File`] if a file cannot be written, or if it exists and was not written by a report.
+    /// - The errors of [`Report::html`], [`Report::csv`] and [`Report::svg`]. In this case no file is written.
+    /// - [`ReportError::File`] if a file cannot be written, or if the file exists and was not written by a report.
     pub fn write(&self, folder: &Path) -> Result<Vec<PathBuf>, ReportError> {
         let mut files =
             vec![("index.html".to_owned(), self.html()?), ("report.json".to_owned(), self.json())];
@@ -55,7 +56,7 @@ impl Report {
         files::write(folder, &files)
     }
 
-    /// Checks that identifiers, which name anchors of the page and files, are unique.
+    /// Checks that identifiers are unique, because they are names of anchors and files.
     fn check_ids(&self) -> Result<(), ReportError> {
         let mut ids: Vec<&str> = self.sections.iter().flat_map(Section::ids).collect();
         ids.sort_unstable();

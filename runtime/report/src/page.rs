@@ -17,7 +17,7 @@ use super::{diagram, equation, number, pattern, plot};
 
 /// Script of the 3-D view, which uses no library.
 const SCRIPT: &str = include_str!("scene.js");
-/// Content security policy, with which the browser loads nothing.
+/// Content security policy. It prevents the browser from loading anything.
 const POLICY: &str =
     "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:";
 
@@ -131,7 +131,7 @@ fn block(block: &Block) -> Rendered {
         Block::Equations(equations) => Ok(equation_list(equations, "equations", None)),
         Block::Abbreviations(equations) => {
             let widest = equations.iter().map(Equation::width).max().unwrap_or(0);
-            // Columns hold the longest; what is longer than a page scrolls.
+            // Columns are as wide as the longest equation. Equations that are wider than the page can be scrolled.
             let style = format!("columns: {}em", widest.clamp(24, 90) / 2);
             Ok(equation_list(equations, "abbreviations", Some(style)))
         }
@@ -340,7 +340,7 @@ fn legend_mark(index: usize, marks: plot::Marks) -> Markup {
 }
 
 fn scene_markup(scene: &Scene) -> Markup {
-    // The one way out of a script element is a tag.
+    // Only a tag can end a script element, so `<` is escaped.
     let data = scene.json().to_string().replace('<', "\\u003c");
     let label = format!(
         "{} in three dimensions. Arrow keys turn the view, plus and minus zoom, 0 resets it.",
@@ -387,8 +387,8 @@ fn scene_markup(scene: &Scene) -> Markup {
     }
 }
 
-/// The slider of a joint. The sliders of a joint with a quaternion displace and rotate its body. They are
-/// not coordinates.
+/// The slider of a joint. The sliders of a joint with a quaternion displace and rotate its body, and do not represent
+/// coordinates.
 fn slider(index: usize, symbol: SceneSymbol, joint: &SceneJoint) -> Markup {
     let [low, high] = joint.range();
     let letter = Some(symbol.letter()).filter(|_| !matches!(symbol, SceneSymbol::Velocity(_)));

@@ -11,14 +11,14 @@ use super::error::ReportError;
 use super::inline::{Inline, inlines};
 use super::style::light;
 
-/// Plots with a common caption.
+/// One or more plots with a common caption.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
     /// Anchor on the page and name of the CSV file: letters, digits, hyphens and underscores.
     pub id: String,
     /// Caption below the plots.
     pub caption: Vec<Inline>,
-    /// The plots, side by side if there is room.
+    /// Plots of the figure, side by side if the page is wide enough.
     pub plots: Vec<Plot>,
 }
 
@@ -35,20 +35,20 @@ pub struct Plot {
     pub series: Vec<Series>,
 }
 
-/// An axis.
+/// An axis of a plot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
     /// Quantity of the axis.
     pub label: String,
     /// Unit of the quantity; may be empty.
     pub unit: String,
-    /// Shown range; `None` for the range of the data. Points outside of the range are omitted.
+    /// Shown range; `None` for the range of the data. Points outside the range are omitted.
     pub range: Option<[f64; 2]>,
-    /// Whether the scale is logarithmic. Values that are not positive are then omitted.
+    /// Whether the scale is logarithmic. A logarithmic scale omits values that are not positive.
     pub is_logarithmic: bool,
 }
 
-/// A curve.
+/// A curve of a plot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
     /// Name in the legend.
@@ -66,9 +66,9 @@ pub enum Marks {
     Line,
     /// A dashed line through the points.
     Dashed,
-    /// Points only.
+    /// Points without a line.
     Points,
-    /// Each value is held until the next point, like the output of a controller.
+    /// A stepped line: each value is held until the next point, like the output of a controller.
     Steps,
 }
 
@@ -116,7 +116,7 @@ impl Axis {
         self
     }
 
-    /// Sets the shown range.
+    /// Sets the range that the axis shows.
     #[must_use]
     pub fn over(mut self, low: f64, high: f64) -> Self {
         self.range = Some([low, high]);
@@ -131,8 +131,8 @@ impl Axis {
         }
     }
 
-    /// Positions of the ticks in scaled values. A logarithmic axis has ticks at powers of ten, and also at
-    /// their double and fivefold if the range is short.
+    /// Positions of the ticks in scaled values. A logarithmic axis has ticks at powers of ten. If the range is short, it also
+    /// has ticks at 2 and 5 times the powers of ten.
     fn ticks(&self, span: &Range<f64>, most: usize) -> Vec<f64> {
         if self.is_logarithmic {
             let digits: &[f64] = match span.end - span.start {
@@ -146,7 +146,7 @@ impl Axis {
                 .flat_map(|decade| digits.iter().map(move |d| decade as f64 + d.log10()))
                 .filter(|tick| span.contains(tick))
                 .collect();
-            // Within less there is no difference between the scales.
+            // In a shorter range, linear and logarithmic scale look alike.
             if ticks.len() >= 2 {
                 return ticks;
             }
@@ -209,10 +209,10 @@ fn tick(value: f64) -> String {
     }
 }
 
-/// Width and height on the page in CSS pixels.
+/// Width and height of a plot on the page in CSS pixels.
 const SIZE: (u32, u32) = (600, 350);
-/// Factor of the size of the canvas. The library draws at whole pixels, which are fine enough on a larger
-/// canvas.
+/// Ratio of the size of the canvas to the size on the page. The library rounds to whole pixels, so a larger canvas makes the
+/// rounding invisible.
 const SCALE: u32 = 8;
 /// Largest number of points of a curve. A curve with more points is thinned, to limit the size of the page.
 const MOST_POINTS: usize = 3_000;
@@ -221,7 +221,7 @@ const FEW_POINTS: usize = 20;
 /// Number of colours of curves.
 pub(super) const COLOURS: usize = 6;
 
-// Stand-ins, which become the page's own colours.
+// Placeholder colours, which are later replaced by the colours of the page.
 const INK: RGBColor = RGBColor(1, 1, 1);
 const GRID: RGBColor = RGBColor(2, 2, 2);
 const FIRST: u8 = 0x10;
@@ -252,13 +252,13 @@ pub(super) fn svg(plot: &Plot, id: &str) -> Result<String, ReportError> {
     Ok(themed(&text, &description(plot)))
 }
 
-/// Points in the scales of the axes.
+/// Points of a curve in the scales of the axes.
 fn scaled(plot: &Plot, series: &Series) -> Vec<[f64; 2]> {
     let points = series.points.iter();
     points.map(|&[x, y]| [plot.x.scaled(x), plot.y.scaled(y)]).collect()
 }
 
-/// A range with its own ticks.
+/// A range with given ticks.
 struct Ticked {
     range: RangedCoordf64,
     ticks: Vec<f64>,
@@ -296,7 +296,7 @@ fn draw(
     let letters = |size: f64| ("sans-serif", size * f64::from(SCALE) * 1.24).into_font();
     let mut chart = ChartBuilder::on(&area)
         .margin(pixels(6))
-        // Half of a label at the end of the axis.
+        // The margin has room for half a label at the end of the axis.
         .margin_right(pixels(18))
         .x_label_area_size(pixels(42))
         .y_label_area_size(pixels(70))
@@ -332,7 +332,7 @@ fn curve(
     let stride = points.len().div_ceil(MOST_POINTS).max(1);
     if marks == Marks::Points {
         let dots = points.iter().step_by(stride).filter(|point| shown(point));
-        // A few points stand for something; many are a cloud.
+        // Few points are drawn large, and many points small.
         let radius = if points.len() <= FEW_POINTS { SCALE * 4 } else { SCALE * 3 / 2 };
         let dot = |&[x, y]: &[f64; 2]| Circle::new((x, y), radius, style.filled());
         chart.draw_series(dots.map(dot))?;
@@ -433,7 +433,7 @@ pub(super) fn file(plot: &Plot, id: &str) -> Result<String, ReportError> {
 mod tests {
     use super::*;
 
-    /// Files need no page: no variable, no class, and the names of the curves.
+    /// SVG files do not need the page. They contain no CSS variables and no classes, and they contain the names of the curves.
     #[test]
     fn a_file_has_its_colours_and_its_legend() {
         let svg = file(&plot(vec![[0.0, 0.0], [1.0, 1.0]]), "f").unwrap();
@@ -480,7 +480,7 @@ mod tests {
     fn any_finite_values_can_be_drawn() {
         for value in [0.0, -1e300, 1e300, 5e-324, 1e-12, 9.8] {
             for second in [value, -value, value * (1.0 + 1e-15), 1.0] {
-                // Widths beyond the largest number are refused, everything else is drawn.
+                // A plot whose width exceeds the largest number is rejected. Everything else is drawn.
                 let _ = drawn(&plot(vec![[value, second], [second, value]]));
             }
         }

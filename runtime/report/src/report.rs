@@ -1,10 +1,10 @@
-//! A report as data.
+//! Type for a report as data.
 
 use super::block::{Block, Section};
 use super::claim::Claim;
 use super::inline::{Inline, inlines};
 
-/// A report, from which page, JSON and CSV are written.
+/// Content of a report, which can be written as HTML page, JSON and CSV.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Report {
     /// Title of the page.
@@ -15,7 +15,7 @@ pub struct Report {
     pub facts: Vec<(String, String)>,
     /// Sections of the page.
     pub sections: Vec<Section>,
-    /// Command that made the report, which is shown at the foot of the page; may be empty.
+    /// Command that generated the report. It is shown at the foot of the page, and may be empty.
     pub made_by: String,
 }
 

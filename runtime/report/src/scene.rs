@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-/// A robot for the 3-D view, with lengths in m and masses in kg.
+/// Data of a robot for the 3-D view. Lengths are in m, masses in kg, angles in rad.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Scene {
     /// Name of the robot.
@@ -19,7 +19,7 @@ pub struct Scene {
     pub bodies: Vec<SceneBody>,
     /// Named frames.
     pub frames: Vec<SceneFrame>,
-    /// Springs and cylinders that act between two points.
+    /// Springs and cylinders, which act between two points.
     pub rods: Vec<SceneRod>,
 }
 
@@ -28,7 +28,7 @@ pub struct Scene {
 pub enum SceneSymbol {
     /// Position yᵢ.
     Position(usize),
-    /// Velocity ẏᵢ of a joint with a quaternion, which has no position entry for it.
+    /// Velocity ẏᵢ of a joint with a quaternion. No position entry corresponds to this velocity.
     Velocity(usize),
     /// Position dᵢ of a driven joint, whose motion is prescribed.
     Driven(usize),
@@ -45,17 +45,17 @@ impl SceneSymbol {
     }
 }
 
-/// A force between two points, which is drawn as a line.
+/// A spring or cylinder, whose force acts between two points. It is drawn as a line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneRod {
-    /// End points: the index of the joint whose link has the point (`None` for the base), and the point in
-    /// the link's frame (m).
+    /// The two end points. Each has the index of the joint that carries the link of the point (`None` for the base), and the
+    /// point in the frame of this link (m).
     pub ends: [(Option<usize>, [f64; 3]); 2],
-    /// Whether the force is an input, for example of a cylinder.
+    /// Whether the force is an input, for example the force of a cylinder.
     pub is_input: bool,
 }
 
-/// A joint with the link that it carries.
+/// A joint together with the link that it carries.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneJoint {
     /// Name of the joint.
@@ -68,9 +68,9 @@ pub struct SceneJoint {
     pub translation: [f64; 3],
     /// Rotation matrix of the joint frame in the frame of the parent link, row by row.
     pub rotation: [[f64; 3]; 3],
-    /// Axis in the joint frame, unit length.
+    /// Unit vector along the axis, in the joint frame.
     pub axis: [f64; 3],
-    /// Kind of motion.
+    /// Type of the motion along the axis.
     pub kind: SceneKind,
     /// Motion of the joint in the view.
     pub motion: SceneMotion,
@@ -80,16 +80,16 @@ pub struct SceneJoint {
     pub input: Option<String>,
 }
 
-/// Type of a joint's motion along its axis.
+/// Type of the motion of a joint along its axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SceneKind {
     /// Rotation about the axis.
     Turns,
     /// Translation along the axis.
     Slides,
-    /// Rotation about the axis with a proportional translation along it.
+    /// Rotation about the axis with a proportional translation along the axis (screw motion).
     Screws {
-        /// Translation for each radian (m/rad).
+        /// Translation per angle (m/rad).
         pitch: f64,
     },
 }
@@ -97,27 +97,27 @@ pub enum SceneKind {
 /// Motion of a joint in the view.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SceneMotion {
-    /// A fixed joint.
+    /// The joint is fixed.
     Fixed,
-    /// Joint that is held at this position (rad or m).
+    /// The joint is held at this position (rad or m).
     Held(f64),
-    /// Independent joint with the index of its coordinate, counted from 0.
+    /// The joint is independent. The value is the index of its coordinate, counted from 0.
     Coordinate(usize),
-    /// Joint that follows coordinates, with the position `Σ ratio · y[coordinate] + offset`.
+    /// The joint follows coordinates, with the position `Σ ratio · y[coordinate] + offset`.
     Follows {
-        /// Indices of the coordinates, counted from 0, with their ratios.
+        /// Index (counted from 0) and ratio of each followed coordinate.
         terms: Vec<(usize, f64)>,
-        /// Position if all of these coordinates are 0 (rad or m).
+        /// Position if all followed coordinates are 0 (rad or m).
         offset: f64,
     },
 }
 
-/// A body, drawn as a point with mass.
+/// A body on a link. It is drawn as a disc at its centre of mass.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneBody {
     /// Name of the body.
     pub name: String,
-    /// Index of the joint whose link has the body; `None` for the base.
+    /// Index of the joint that carries the link of the body; `None` for the base.
     pub joint: Option<usize>,
     /// Mass (kg).
     pub mass: f64,
@@ -125,12 +125,12 @@ pub struct SceneBody {
     pub center: [f64; 3],
 }
 
-/// A named frame.
+/// A named frame on a link.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneFrame {
     /// Name of the frame.
     pub name: String,
-    /// Index of the joint whose link has the frame; `None` for the base.
+    /// Index of the joint that carries the link of the frame; `None` for the base.
     pub joint: Option<usize>,
     /// Origin in the frame of the link (m).
     pub translation: [f64; 3],
@@ -138,7 +138,7 @@ pub struct SceneFrame {
     pub rotation: [[f64; 3]; 3],
 }
 
-/// Range of a slider for a joint without limits: 180° or half a metre to each side.
+/// Range of the slider of a joint without limits: 180° or half a metre in both directions.
 const TURN: f64 = std::f64::consts::PI;
 const SLIDE: f64 = 0.5;
 
@@ -157,7 +157,7 @@ impl SceneJoint {
         }
     }
 
-    /// Initial value of the slider: the value within its range that is closest to 0.
+    /// Initial value of the slider, which is the value within its range that is closest to 0.
     pub(super) fn start(&self) -> f64 {
         let [low, high] = self.range();
         0.0_f64.clamp(low, high)

@@ -10,7 +10,7 @@ pub struct Table {
     pub id: String,
     /// Caption above the table.
     pub caption: Vec<Inline>,
-    /// Columns.
+    /// Columns with heading, name and unit.
     pub columns: Vec<Column>,
     /// Rows, with one cell for each column.
     pub rows: Vec<Vec<Cell>>,
@@ -19,9 +19,9 @@ pub struct Table {
 /// A column of a table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
-    /// Heading on the page, which may contain equations.
+    /// Heading on the page. It can contain equations.
     pub heading: Vec<Inline>,
-    /// Name in JSON and CSV.
+    /// Name of the column in JSON and CSV.
     pub name: String,
     /// Unit of the numbers; may be empty.
     pub unit: String,
@@ -38,18 +38,18 @@ pub enum Cell {
     Code(String),
     /// Text with equations and code.
     Line(Vec<Inline>),
-    /// A formula in LaTeX for pages and data, and as plain text.
+    /// A formula. The page, JSON and CSV contain LaTeX. [`Table::plain`] and [`Table::records`] contain plain text.
     Formula {
-        /// In LaTeX.
+        /// Formula in LaTeX.
         latex: String,
-        /// As plain text.
+        /// Formula as plain text.
         text: String,
     },
-    /// A measured number and its number of significant digits.
+    /// A measured number, and the number of significant digits to show.
     Rounded(f64, usize),
-    /// A number from a description with its own digits, up to nine.
+    /// A number from a description. All its digits are shown, but at most nine.
     Exact(f64),
-    /// A count.
+    /// A whole number, for example a count.
     Count(usize),
 }
 
@@ -87,7 +87,7 @@ impl Table {
         self
     }
 
-    /// Whether the column contains only numbers. It is then right-aligned.
+    /// Whether the column contains only numbers. Numeric columns are right-aligned.
     pub(super) fn is_numeric(&self, column: usize) -> bool {
         let mut cells = self.rows.iter().filter_map(|row| row.get(column));
         let is_number =

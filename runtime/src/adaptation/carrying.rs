@@ -6,11 +6,12 @@ use crate::control_loop::{Command, Controller, ControllerFault, Cycle, Estimate,
 use crate::dynamics::Dynamics;
 use gelenk_adaptation::{AdaptationError, LoadEstimator};
 
-/// A controller that learns friction and P parameters of a load.
+/// A controller that learns friction and P parameters of a load during motion.
 ///
-/// Torques must be linear in these parameters of the robot's model, for example a mass at the tool. The
-/// columns for [`LoadEstimator`] are differences of inverse dynamics, P + 1 evaluations per period. Before
-/// each step the model gets the acting load.
+/// The joint torques of the model must be linear in the load parameters, for example in the mass at the tool.
+/// The regressor of [`LoadEstimator`] is the change of the inverse dynamics for a unit of each parameter,
+/// which takes P + 1 evaluations per period. Before each step of the inner controller, its model gets the
+/// [acting](LoadEstimator::acting) load parameters.
 #[derive(Debug, Clone)]
 pub struct Carrying<C, D, const N: usize, const M: usize, const P: usize> {
     adaptive: Adaptive<C, D, N, M>,
@@ -20,13 +21,14 @@ pub struct Carrying<C, D, const N: usize, const M: usize, const P: usize> {
 }
 
 impl<C, D: Dynamics<N, M> + Clone, const N: usize, const M: usize, const P: usize> Carrying<C, D, N, M, P> {
-    /// A controller that learns friction, extended by a load.
+    /// Extends a controller that learns friction by a load.
     ///
     /// - `bounds`: smallest and largest value of each parameter, with 0 between them
-    /// - `loaded`: maps parameters to the robot with load; friction and input matrix must not depend on them
+    /// - `loaded`: returns the model of the robot with load for the robot without load and the load parameters.
+    ///   Friction and input matrix must not depend on the load.
     ///
     /// # Errors
-    /// [`AdaptationError::Load`].
+    /// [`AdaptationError::Load`] if bounds are not finite or 0 is not between them.
     pub fn new(
         adaptive: Adaptive<C, D, N, M>,
         bounds: [[f64; 2]; P],
@@ -36,17 +38,17 @@ impl<C, D: Dynamics<N, M> + Clone, const N: usize, const M: usize, const P: usiz
         Ok(Self { adaptive, load: LoadEstimator::new(bounds)?, empty, loaded })
     }
 
-    /// Controller that learns friction.
+    /// The controller that learns friction.
     pub fn adaptive(&self) -> &Adaptive<C, D, N, M> {
         &self.adaptive
     }
 
-    /// Estimator of the load.
+    /// The estimator of the load.
     pub fn load(&self) -> &LoadEstimator<N, P> {
         &self.load
     }
 
-    /// Torques at the joints of a unit of each parameter.
+    /// Joint torques per unit of each load parameter.
     fn columns(&self, [y, v, a]: &[[f64; N]; 3]) -> [[f64; P]; N] {
         let of_load = |load: &[f64; P]| (self.loaded)(&self.empty, load).inverse_dynamics(y, v, a);
         let empty = of_load(&[0.0; P]);

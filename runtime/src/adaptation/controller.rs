@@ -11,13 +11,14 @@ use crate::mpc::{LtvMpc, Nmpc};
 use crate::trajectory::Trajectory;
 use gelenk_adaptation::{Adaptation, AdaptationError, AdaptationSettings, DescribedForces, Measured};
 
-/// A controller that can change its model without a restart.
+/// A controller whose model can be replaced without a restart.
 pub trait TakesModel<D> {
-    /// Uses `model` from the next step on; estimate and plan are kept. Does not allocate if the input matrix
-    /// is the same.
+    /// Replaces the model from the next step on. The state estimate and the plan of the controller are kept.
+    /// Does not allocate if the input matrix is unchanged.
     ///
     /// # Errors
-    /// [`FeedForwardError::InputMatrix`]; the model is then unchanged.
+    /// [`FeedForwardError::InputMatrix`] if the new input matrix cannot be used. The controller then keeps the
+    /// old model.
     fn take_model(&mut self, model: D) -> Result<(), FeedForwardError>;
 }
 
@@ -46,21 +47,22 @@ impl<D: Dynamics<N, M>, R: Trajectory<N>, const N: usize, const M: usize> TakesM
     }
 }
 
-/// Source of the torques of samples.
+/// Source of the joint torques from which friction is learned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum TorqueSource {
-    /// B u of the inputs written by the loop.
+    /// The torques `B u`, with the input matrix B and the inputs u that the loop wrote.
     #[default]
     Inputs,
-    /// Torques measured by the robot, as the mean over each period; periods without them are skipped.
+    /// The torques that the robot measures. The mean of the values at both ends of a period is used. Periods
+    /// without measured torques are skipped.
     Measured,
 }
 
-/// A controller whose model's friction is learned during motion.
+/// A wrapper that learns friction during motion and updates the model of the wrapped (inner) controller.
 ///
-/// Controllers without this wrapper learn nothing. Before each step of the inner controller the estimator
-/// gets the last measurement, and the model gets the acting laws. These change with the time constant
-/// [`AdaptationSettings::blending`], so the input has no jump.
+/// In each step, the estimator first processes the last measurement. The model of the inner controller then
+/// gets the acting friction laws, and the inner controller computes the inputs. The acting laws follow the
+/// learned laws with the time constant [`AdaptationSettings::blending`], so the inputs do not jump.
 ///
 /// ```
 /// use gelenk_runtime::adaptation::{AdaptationSettings, Adaptive};
@@ -90,10 +92,12 @@ pub struct Adaptive<C, D, const N: usize, const M: usize> {
 }
 
 impl<C, D: Dynamics<N, M> + Clone, const N: usize, const M: usize> Adaptive<C, D, N, M> {
-    /// A learning controller. `make` builds the inner controller from the robot; its result is passed on.
+    /// Constructs the estimator for `robot`, and the inner controller by a call of `make` with the model of the
+    /// robot with learned friction.
     ///
     /// # Errors
-    /// [`AdaptationError`] as the outer error; the inner error is the error of `make`.
+    /// - The outer error is an [`AdaptationError`] if friction of this robot cannot be learned.
+    /// - The inner error is the error of `make`.
     pub fn new<E>(
         robot: D,
         settings: AdaptationSettings,
@@ -115,18 +119,19 @@ impl<C, D: Dynamics<N, M> + Clone, const N: usize, const M: usize> Adaptive<C, D
         }))
     }
 
-    /// Sets the source of torques.
+    /// Sets the source of the joint torques from which friction is learned. The default is
+    /// [`TorqueSource::Inputs`].
     #[must_use]
     pub fn with_torques(self, source: TorqueSource) -> Self {
         Self { source, ..self }
     }
 
-    /// The estimator.
+    /// The friction estimator.
     pub fn adaptation(&self) -> &Adaptation<N> {
         &self.adaptation
     }
 
-    /// The estimator, for restoring learned laws.
+    /// The friction estimator as a mutable reference, for example to restore saved laws.
     pub fn adaptation_mut(&mut self) -> &mut Adaptation<N> {
         &mut self.adaptation
     }
@@ -136,12 +141,13 @@ impl<C, D: Dynamics<N, M> + Clone, const N: usize, const M: usize> Adaptive<C, D
         &self.inner
     }
 
-    /// The inner controller; its own steps do not learn.
+    /// The inner controller as a mutable reference. A direct call of its `step` does not update the friction
+    /// estimator.
     pub fn inner_mut(&mut self) -> &mut C {
         &mut self.inner
     }
 
-    /// The robot with the acting laws.
+    /// The model of the robot with the acting friction laws.
     #[must_use]
     pub fn robot(&self) -> LearnedFriction<D, N, M> {
         self.robot.clone().with_laws(&self.adaptation)
@@ -159,7 +165,8 @@ impl<C, D: Dynamics<N, M> + Clone, const N: usize, const M: usize> Adaptive<C, D
         Some(core::array::from_fn(|i| 0.5 * (before[i] + now[i])))
     }
 
-    /// Processes the last measurement; returns positions, velocities and accelerations of the sample, if any.
+    /// Passes the last measurement to the estimator. Returns positions, velocities and accelerations at which the
+    /// estimator requested the described forces; `None` if it did not request them.
     pub(super) fn learn(&mut self, cycle: &Cycle<N, M>) -> Option<[[f64; N]; 3]> {
         let of_inputs = |row: &[f64; M]| row.iter().zip(&cycle.last_inputs).map(|(b, u)| b * u).sum();
         let torques = match self.source {
@@ -191,7 +198,7 @@ where
     D: Dynamics<N, M> + Clone,
     C: Controller<N, M> + TakesModel<LearnedFriction<D, N, M>>,
 {
-    /// Runs the controller's step with the acting laws.
+    /// Computes a step of the inner controller with the acting laws.
     pub(super) fn control(&mut self, cycle: &Cycle<N, M>) -> Result<Command<M>, ControllerFault> {
         self.inner.take_model(self.robot()).map_err(|_| ControllerFault::NotFinite)?;
         self.inner.step(cycle)

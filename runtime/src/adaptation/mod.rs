@@ -1,7 +1,8 @@
 //! Learning of friction during motion, an option of the control loop.
 //!
-//! [`gelenk_adaptation`] documents the estimator, its steps and limits. [`Adaptive`] wraps a controller and
-//! passes the acting laws to its model as [`LearnedFriction`]. [`Carrying`] also learns a load.
+//! - [`gelenk_adaptation`] documents the estimator, its steps and its limits.
+//! - [`Adaptive`] wraps a controller and passes the acting friction laws to its model ([`LearnedFriction`]).
+//! - [`Carrying`] also learns parameters of a load.
 
 mod carrying;
 mod controller;
@@ -11,6 +12,6 @@ pub use carrying::Carrying;
 pub use controller::{Adaptive, TakesModel, TorqueSource};
 pub use gelenk_adaptation::{
     Adaptation, AdaptationError, AdaptationSettings, DescribedForces, JointScale, JointState, LoadEstimator,
-    LoadState, MOST_DELAY, Magnitudes, Measured, Prediction, TERM_NAMES, TERMS, Trust, terms,
+    LoadState, MOST_DELAY, Magnitudes, Measured, Prediction, TERM_NAMES, TERMS, TermState, Trust, terms,
 };
 pub use model::LearnedFriction;

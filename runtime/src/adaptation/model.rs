@@ -1,26 +1,29 @@
-//! The described robot with its learned friction, for controllers.
+//! Model of a robot with learned friction, for controllers.
 
 use crate::dynamics::{
     Differentiable, Discretizable, Dynamics, ForceDerivatives, ForceDerivativesAndMass, InputLimits,
     LimitRows, Limits, Linearization, PhaseSpace,
 };
+use crate::dynamics::{load, under_load};
 use gelenk_adaptation::{Adaptation, AdaptationError, JointScale, TERMS, input_inverse, terms};
 use gelenk_kernels::math::sqrt;
 
-/// Steps of the numerical derivative of friction, as shares of the velocity, of at least 1.
+/// Step of the numerical derivatives of friction, relative to the position or velocity, or to 1 at smaller values.
 const STEP: f64 = 1e-6;
 
-/// A robot with a learned friction of its drives in addition to the described one.
+/// Model of a robot whose joints have a learned friction in addition to the described friction.
 ///
-/// The learned friction `τ_δ(v)` of [`terms`] acts like an input,
+/// The equations of motion of the described robot are `M ÿ + k = q + B u` with inputs u and input matrix B.
+/// The learned friction torques τ_δ, see [`terms`], act like an input:
 ///
 /// ```text
 ///     M ÿ + k = q − τ_δ + B u = q + B (u − B⁺ τ_δ)
 /// ```
 ///
-/// so forward dynamics and linearization are those of the described robot at the input u − B⁺ τ_δ, with
-/// `∂ÿ/∂ẏ − B_x B⁺ ∂τ_δ/∂ẏ`. Inputs must load the learned joints separately, which [`Adaptation`] requires.
-/// The offset is part of τ_δ.
+/// Therefore forward dynamics and linearization are those of the described robot at the input `u − B⁺ τ_δ`.
+/// Derivatives of τ_δ are difference quotients. Load-dependent friction per unit of load is `s₁ (1 + δ₅)`, but at most
+/// `(1 + |s₁|)/2`, so that the load is unique for given inputs. The inputs must be able to load each learned joint without loading
+/// other joints.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LearnedFriction<D, const N: usize, const M: usize> {
     robot: D,
@@ -28,28 +31,75 @@ pub struct LearnedFriction<D, const N: usize, const M: usize> {
     rests: [f64; N],
     /// δ of each joint.
     deltas: [[f64; TERMS]; N],
-    /// Mean of the products of their errors.
+    /// Covariance of the errors of `deltas` for each joint.
     errors: [[[f64; TERMS]; TERMS]; N],
-    /// B⁺ of the drives.
+    /// B of the drives, and B⁺.
+    matrix: [[f64; M]; N],
     inverse: [[f64; N]; M],
+    /// Whether the friction of a joint depends on the motion of others, as friction of coupled drives does.
+    is_coupled: bool,
+}
+
+/// Described and learned friction of a joint at a state.
+#[derive(Debug, Clone, Copy)]
+struct JointLaw {
+    described: f64,
+    /// τ_δ without load-dependent friction.
+    learned: f64,
+    /// Load-dependent friction per unit of load.
+    described_share: f64,
+    learned_share: f64,
+}
+
+/// Learned friction τ_δ, and its derivative by the force that determines the load.
+type Learned = (f64, f64);
+
+impl JointLaw {
+    /// - `gain`: derivative of the load by the force
+    fn at(&self, load: f64, gain: f64) -> Learned {
+        let change = under_load(load, self.learned_share) - under_load(load, self.described_share);
+        let slope = self.learned_share - self.described_share;
+        (self.learned + change, gain * if load < 0.0 { -slope } else { slope })
+    }
+
+    /// - `force`: inverse dynamics of the described robot
+    fn of_described_force(&self, force: f64) -> Learned {
+        self.of_load(force - self.described, self.described_share)
+    }
+
+    /// - `force`: force of the drive
+    fn of_drive_force(&self, force: f64) -> Learned {
+        self.of_load(force - self.described - self.learned, self.learned_share)
+    }
+
+    fn of_load(&self, exerted: f64, share: f64) -> Learned {
+        let gain = if exerted < 0.0 { 1.0 / (1.0 - share) } else { 1.0 / (1.0 + share) };
+        self.at(load(exerted, share), gain)
+    }
+}
+
+/// Derivatives of τ_δ by positions and velocities at constant forces. Row i belongs to joint i.
+struct Slopes<const N: usize> {
+    by_coordinates: [[f64; N]; N],
+    by_velocities: [[f64; N]; N],
 }
 
 impl<D: Dynamics<N, M>, const N: usize, const M: usize> LearnedFriction<D, N, M> {
-    /// The robot with its described friction.
-    ///
-    /// - `adaptation`: estimator whose laws it will use
+    /// The model of `robot` with the laws that currently act in `adaptation`.
     ///
     /// # Errors
     /// [`AdaptationError::Inputs`] for robots with inputs at frames or driven joints, and if the inputs
-    /// cannot load a learned joint separately.
+    /// cannot load a learned joint without loading other joints.
     pub fn new(robot: D, adaptation: &Adaptation<N>) -> Result<Self, AdaptationError> {
-        let inverse = input_inverse(&robot.drive_matrix(), |joint| adaptation.scales()[joint].is_some())?;
+        let matrix = robot.drive_matrix();
+        let inverse = input_inverse(&matrix, |joint| adaptation.scales()[joint].is_some())?;
         if robot.drives() != M || !robot.driven_motion().is_empty() {
             return Err(AdaptationError::Inputs);
         }
         let rests = core::array::from_fn(|i| adaptation.rest(i));
         let (deltas, errors) = (adaptation.acting(), adaptation.acting_errors());
-        Ok(Self { robot, scales: *adaptation.scales(), rests, deltas, errors, inverse })
+        let is_coupled = (0..N).any(|k| moves_others(&robot, k));
+        Ok(Self { robot, scales: *adaptation.scales(), rests, deltas, errors, matrix, inverse, is_coupled })
     }
 
     /// The described robot.
@@ -61,43 +111,75 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> LearnedFriction<D, N, M>
         self.robot = robot;
     }
 
-    /// The robot with the currently acting laws.
+    /// Returns the model with the laws that currently act in `adaptation`.
     #[must_use]
     pub fn with_laws(mut self, adaptation: &Adaptation<N>) -> Self {
         (self.deltas, self.errors) = (adaptation.acting(), adaptation.acting_errors());
         self
     }
 
-    /// τ_δ at velocities v, for the described friction there.
-    fn learned(&self, described: &[f64; N], v: &[f64; N]) -> [f64; N] {
-        core::array::from_fn(|i| dot(&self.terms(i, described[i], v[i]), &self.deltas[i]))
+    /// Laws at a state, from the described friction and load-dependent friction there.
+    fn laws_of(&self, described: &[f64; N], shares: &[f64; N], v: &[f64; N]) -> [JointLaw; N] {
+        core::array::from_fn(|i| {
+            let share = shares[i];
+            let most = 0.5 * (1.0 + share.abs());
+            JointLaw {
+                described: described[i],
+                learned: dot(&self.terms(i, described[i], v[i], 0.0), &self.deltas[i]),
+                described_share: share,
+                learned_share: (share * (1.0 + self.deltas[i][TERMS - 1])).clamp(-most, most),
+            }
+        })
+    }
+
+    fn laws(&self, y: &[f64; N], v: &[f64; N]) -> [JointLaw; N] {
+        self.laws_of(&self.robot.friction_torques(y, v), &self.robot.load_friction(y, v), v)
     }
 
     /// Terms of a joint; zero if it is not learned.
-    fn terms(&self, joint: usize, described: f64, v: f64) -> [f64; TERMS] {
-        let terms = |scale: &JointScale| terms(scale.shape(described, v, self.rests[joint]), v);
+    fn terms(&self, joint: usize, described: f64, v: f64, load: f64) -> [f64; TERMS] {
+        let terms = |scale: &JointScale| terms(scale.shape(described, v, self.rests[joint]), v, load);
         self.scales[joint].as_ref().map_or([0.0; TERMS], terms)
     }
 
-    /// τ_δ and its derivative by the velocity of its joint. Differences are taken on the side of the velocity, so a jump of the
-    /// described friction at rest is not part of it.
-    fn learned_slopes(&self, y: &[f64; N], v: &[f64; N]) -> ([f64; N], [f64; N]) {
-        let at = |steps: f64| -> [f64; N] {
-            let moved: [f64; N] = core::array::from_fn(|i| {
-                let side = if v[i] < 0.0 { -1.0 } else { 1.0 };
-                v[i] + side * steps * STEP * v[i].abs().max(1.0)
-            });
-            self.learned(&self.robot.friction_torques(y, &moved), &moved)
-        };
-        let (near, far) = (at(1.0), at(2.0));
-        let slope = |i: usize| {
-            let side = if v[i] < 0.0 { -1.0 } else { 1.0 };
-            side * (far[i] - near[i]) / (STEP * v[i].abs().max(1.0))
-        };
-        (self.learned(&self.robot.friction_torques(y, v), v), core::array::from_fn(slope))
+    /// Laws just before and just after rest.
+    fn laws_at_rest(&self, y: &[f64; N]) -> [[JointLaw; N]; 2] {
+        let (described, shares) = (self.robot.friction_at_rest(y), self.robot.load_friction_at_rest(y));
+        core::array::from_fn(|k| {
+            self.laws_of(&described.map(|sides| sides[k]), &shares.map(|sides| sides[k]), &[0.0; N])
+        })
     }
 
-    /// B⁺ τ_δ, subtracted from u.
+    /// B u
+    fn drive_forces(&self, u: &[f64; M]) -> [f64; N] {
+        self.matrix.each_ref().map(|row| row.iter().zip(u).map(|(b, u)| b * u).sum())
+    }
+
+    /// - `of`: τ_δ of a joint at constant forces
+    fn slopes(&self, y: &[f64; N], v: &[f64; N], of: impl Fn(usize, &JointLaw) -> f64) -> Slopes<N> {
+        let mut slopes = Slopes { by_coordinates: [[0.0; N]; N], by_velocities: [[0.0; N]; N] };
+        let step = |x: f64| STEP * x.abs().max(1.0);
+        let moved = |x: &[f64; N], k: usize, steps: f64| -> [f64; N] {
+            core::array::from_fn(|i| if self.is_coupled && i != k { x[i] } else { x[i] + steps * step(x[i]) })
+        };
+        for k in 0..if self.is_coupled { N } else { 1 } {
+            let [low, high] = [-1.0, 1.0].map(|side| self.laws(&moved(y, k, side), v));
+            // These quotients use only velocities of one sign, so they do not contain a jump of the described friction at rest.
+            let away = |steps: f64| -> [f64; N] {
+                core::array::from_fn(|i| moved(v, k, if v[i] < 0.0 { -steps } else { steps })[i])
+            };
+            let [near, far] = [1.0, 2.0].map(|steps| self.laws(y, &away(steps)));
+            for i in 0..N {
+                let j = if self.is_coupled { k } else { i };
+                let side = if v[j] < 0.0 { -1.0 } else { 1.0 };
+                slopes.by_coordinates[i][j] = (of(i, &high[i]) - of(i, &low[i])) / (2.0 * step(y[j]));
+                slopes.by_velocities[i][j] = side * (of(i, &far[i]) - of(i, &near[i])) / step(v[j]);
+            }
+        }
+        slopes
+    }
+
+    /// The input `u − B⁺ τ_δ`.
     fn relieved(&self, u: &[f64; M], learned: &[f64; N]) -> [f64; M] {
         core::array::from_fn(|j| {
             u[j] - self.inverse[j].iter().zip(learned).map(|(b, torque)| b * torque).sum::<f64>()
@@ -105,11 +187,21 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> LearnedFriction<D, N, M>
     }
 }
 
+/// Whether the friction of a joint depends on the velocity of joint k.
+fn moves_others<D: Dynamics<N, M>, const N: usize, const M: usize>(robot: &D, k: usize) -> bool {
+    let friction = |speed: f64| {
+        let v = core::array::from_fn(|i| if i == k { speed } else { 0.0 });
+        robot.friction_torques(&robot.neutral(), &v)
+    };
+    let (at_rest, moving) = (friction(0.0), friction(1.0));
+    (0..N).any(|i| i != k && at_rest[i] != moving[i])
+}
+
 fn dot(a: &[f64; TERMS], b: &[f64; TERMS]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Methods that call those of the described robot.
+/// Implements methods by calls of the same methods of the described robot.
 macro_rules! of_the_robot {
     ($(fn $name:ident($($argument:ident: $type:ty),*) -> $result:ty;)*) => {
         $(
@@ -133,23 +225,28 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Dynamics<N, M> for Learn
         fn coriolis_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N];
         fn gravity_forces(y: &[f64; N]) -> [f64; N];
         fn spring_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N];
-        fn load_friction(y: &[f64; N], v: &[f64; N]) -> [f64; N];
         fn friction_jumps() -> &'static [[usize; 2]];
-        fn load_friction_at_rest(y: &[f64; N]) -> [[f64; 2]; N];
         fn input_matrix(y: &[f64; N]) -> [[f64; M]; N];
         fn kinetic_energy(y: &[f64; N], v: &[f64; N]) -> f64;
     }
 
     fn friction_torques(&self, y: &[f64; N], v: &[f64; N]) -> [f64; N] {
-        let described = self.robot.friction_torques(y, v);
-        let learned = self.learned(&described, v);
-        core::array::from_fn(|i| described[i] + learned[i])
+        self.laws(y, v).map(|law| law.described + law.learned)
     }
 
+    fn load_friction(&self, y: &[f64; N], v: &[f64; N]) -> [f64; N] {
+        self.laws(y, v).map(|law| law.learned_share)
+    }
+
+    /// With the load at zero acceleration.
     fn friction_uncertainty(&self, y: &[f64; N], v: &[f64; N]) -> [[f64; N]; M] {
         let described = self.robot.friction_torques(y, v);
+        let shares = self.robot.load_friction(y, v);
+        let forces =
+            if shares == [0.0; N] { described } else { self.robot.inverse_dynamics(y, v, &[0.0; N]) };
         let deviation = |i: usize| {
-            let phi = self.terms(i, described[i], v[i]);
+            let load = under_load(load(forces[i] - described[i], shares[i]), shares[i]);
+            let phi = self.terms(i, described[i], v[i], load);
             let square = dot(&phi, &self.errors[i].each_ref().map(|row| dot(row, &phi)));
             sqrt(square.max(0.0))
         };
@@ -158,23 +255,23 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Dynamics<N, M> for Learn
     }
 
     fn friction_at_rest(&self, y: &[f64; N]) -> [[f64; 2]; N] {
-        let described = self.robot.friction_at_rest(y);
-        let side = |k: usize| {
-            let sided: [f64; N] = core::array::from_fn(|i| described[i][k]);
-            self.learned(&sided, &[0.0; N])
-        };
-        let [before, after] = [side(0), side(1)];
-        core::array::from_fn(|i| [described[i][0] + before[i], described[i][1] + after[i]])
+        let laws = self.laws_at_rest(y);
+        core::array::from_fn(|i| laws.map(|side| side[i].described + side[i].learned))
+    }
+
+    fn load_friction_at_rest(&self, y: &[f64; N]) -> [[f64; 2]; N] {
+        let laws = self.laws_at_rest(y);
+        core::array::from_fn(|i| laws.map(|side| side[i].learned_share))
     }
 
     fn inverse_dynamics(&self, y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [f64; N] {
-        let forces = self.robot.inverse_dynamics(y, v, a);
-        let learned = self.learned(&self.robot.friction_torques(y, v), v);
-        core::array::from_fn(|i| forces[i] + learned[i])
+        let (forces, laws) = (self.robot.inverse_dynamics(y, v, a), self.laws(y, v));
+        core::array::from_fn(|i| forces[i] + laws[i].of_described_force(forces[i]).0)
     }
 
     fn forward_dynamics(&self, y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
-        let learned = self.learned(&self.robot.friction_torques(y, v), v);
+        let (forces, laws) = (self.drive_forces(u), self.laws(y, v));
+        let learned = core::array::from_fn(|i| laws[i].of_drive_force(forces[i]).0);
         self.robot.forward_dynamics(y, v, &self.relieved(u, &learned))
     }
 }
@@ -194,8 +291,11 @@ impl<D: Differentiable<N, M>, const N: usize, const M: usize> Differentiable<N, 
         v: &[f64; N],
         a: &[f64; N],
     ) -> ForceDerivativesAndMass<N> {
-        let (mut derivatives, mass) = self.robot.inverse_dynamics_derivatives_and_mass_matrix(y, v, a);
-        self.add_learned(&mut derivatives, y, v);
+        let (mut derivatives, mut mass) = self.robot.inverse_dynamics_derivatives_and_mass_matrix(y, v, a);
+        let gains = self.add_learned(&mut derivatives, y, v);
+        for (row, gain) in mass.iter_mut().zip(gains) {
+            *row = row.map(|entry| entry + gain * entry);
+        }
         (derivatives, mass)
     }
 
@@ -204,18 +304,27 @@ impl<D: Differentiable<N, M>, const N: usize, const M: usize> Differentiable<N, 
     }
 
     fn linearize(&self, y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> Linearization<N, M> {
-        let (learned, slopes) = self.learned_slopes(y, v);
-        let relieved = self.relieved(u, &learned);
-        let mut linear = self.robot.linearize(y, v, &relieved);
+        let (forces, laws) = (self.drive_forces(u), self.laws(y, v));
+        let learned: [Learned; N] = core::array::from_fn(|i| laws[i].of_drive_force(forces[i]));
+        let slopes = self.slopes(y, v, |i, law| law.of_drive_force(forces[i]).0);
+        let mut linear = self.robot.linearize(y, v, &self.relieved(u, &learned.map(|(torque, _)| torque)));
+        // ÿ = A_y y + A_v v + B_x (u − B⁺ τ_δ) + c, and τ_δ is linearized about ȳ, v̄ and ū.
         for i in 0..N {
-            // ÿ = A_y y + A_v v + B_x (u − B⁺ τ_δ(v)) + c, and τ_δ(v) is linearized about v̄.
-            for j in 0..M {
-                linear.affine[i] += linear.by_inputs[i][j] * (relieved[j] - u[j]);
-            }
-            for k in 0..N {
-                let by_torque: f64 = (0..M).map(|j| linear.by_inputs[i][j] * self.inverse[j][k]).sum();
-                linear.by_velocities[i][k] -= by_torque * slopes[k];
-                linear.affine[i] += by_torque * slopes[k] * v[k];
+            let by_torque: [f64; N] =
+                core::array::from_fn(|k| (0..M).map(|j| linear.by_inputs[i][j] * self.inverse[j][k]).sum());
+            for (k, by_torque) in by_torque.iter().enumerate() {
+                let (torque, gain) = learned[k];
+                linear.affine[i] += by_torque * (gain * forces[k] - torque);
+                for j in 0..N {
+                    let [by_y, by_v] =
+                        [&slopes.by_coordinates, &slopes.by_velocities].map(|d| by_torque * d[k][j]);
+                    linear.by_coordinates[i][j] -= by_y;
+                    linear.by_velocities[i][j] -= by_v;
+                    linear.affine[i] += by_y * y[j] + by_v * v[j];
+                }
+                for j in 0..M {
+                    linear.by_inputs[i][j] -= by_torque * gain * self.matrix[k][j];
+                }
             }
         }
         linear
@@ -223,16 +332,25 @@ impl<D: Differentiable<N, M>, const N: usize, const M: usize> Differentiable<N, 
 }
 
 impl<D: Differentiable<N, M>, const N: usize, const M: usize> LearnedFriction<D, N, M> {
-    fn add_learned(&self, derivatives: &mut ForceDerivatives<N>, y: &[f64; N], v: &[f64; N]) {
-        let (learned, slopes) = self.learned_slopes(y, v);
-        for i in 0..N {
-            derivatives.forces[i] += learned[i];
-            derivatives.by_velocities[i][i] += slopes[i];
-        }
+    /// Adds τ_δ. Returns its derivatives by the forces of the described robot.
+    fn add_learned(&self, derivatives: &mut ForceDerivatives<N>, y: &[f64; N], v: &[f64; N]) -> [f64; N] {
+        let (forces, laws) = (derivatives.forces, self.laws(y, v));
+        let slopes = self.slopes(y, v, |i, law| law.of_described_force(forces[i]).0);
+        core::array::from_fn(|i| {
+            let (torque, gain) = laws[i].of_described_force(forces[i]);
+            derivatives.forces[i] += torque;
+            for j in 0..N {
+                let by_y = &mut derivatives.by_coordinates[i][j];
+                *by_y += gain * *by_y + slopes.by_coordinates[i][j];
+                let by_v = &mut derivatives.by_velocities[i][j];
+                *by_v += gain * *by_v + slopes.by_velocities[i][j];
+            }
+            gain
+        })
     }
 }
 
-/// The methods of discrete time are those of the traits, on the functions above.
+/// The discrete-time methods are the default methods of the trait. They use the functions above.
 impl<D: Discretizable<N, M>, const N: usize, const M: usize> Discretizable<N, M>
     for LearnedFriction<D, N, M>
 {

@@ -9,8 +9,8 @@ use crate::feed_forward::{FeedForward, FeedForwardError, closest_to_neutral};
 use crate::trajectory::Sample;
 use thiserror::Error;
 
-/// Gains of [`ComputedTorque`], one for each coordinate. The gains produce accelerations, so they do not
-/// depend on the masses of the robot.
+/// Gains of [`ComputedTorque`], one for each coordinate. The gains map errors to accelerations, so suitable
+/// gains do not depend on the masses of the robot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AccelerationGains<const N: usize> {
     /// Position gains K_p [1/s²].
@@ -20,8 +20,8 @@ pub struct AccelerationGains<const N: usize> {
 }
 
 impl<const N: usize> AccelerationGains<N> {
-    /// Gains with which every error decays like an oscillator with the natural frequency `omega` (ω) [rad/s]
-    /// and the damping ratio `damping` (ζ): `K_p = ω²`, `K_d = 2 ζ ω`.
+    /// Gains `K_p = ω²` and `K_d = 2 ζ ω` for the natural frequency `omega` (ω) [rad/s] and the damping ratio
+    /// `damping` (ζ) of every error.
     #[must_use]
     pub fn from_bandwidth(omega: f64, damping: f64) -> Self {
         Self { position: [omega * omega; N], velocity: [2.0 * damping * omega; N] }
@@ -37,8 +37,8 @@ pub enum ComputedTorqueError {
     /// The feed-forward of the model cannot be computed.
     #[error(transparent)]
     FeedForward(#[from] FeedForwardError),
-    /// The inputs cannot produce an arbitrary acceleration of this joint. Computed torque needs a drive for
-    /// every coordinate.
+    /// The inputs cannot produce an arbitrary force at this joint. Computed torque needs a drive for every
+    /// coordinate.
     #[error(
         "the inputs cannot produce an arbitrary force at joint {}: computed torque needs a drive for every \
          coordinate; use `JointPd`",
@@ -52,7 +52,7 @@ pub enum ComputedTorqueError {
     },
 }
 
-/// Computed-torque law, which has no internal state:
+/// Computed-torque law, a feedback law without internal state:
 ///
 /// ```text
 ///     u = B⁻¹ (M(y) (ÿ_d + K_d (ẏ_d − ẏ) + K_p (y_d − y)) + k(y, ẏ) − q(y, ẏ))
@@ -63,13 +63,15 @@ pub enum ComputedTorqueError {
 /// satisfies `ë + K_d ė + K_p e = 0` everywhere (Siciliano, Sciavicco, Villani, Oriolo, *Robotics*, 2009,
 /// section 8.5.2; Craig, *Introduction to Robotics*, 2005, chapter 10).
 ///
-/// Compared with [`JointPd`](super::JointPd), large errors decay like small ones, and gains need no tuning to
-/// the masses. However, measurement noise of positions and velocities passes through M, k and q, and noise of
-/// the velocity switches the sign of a friction law that is steep at rest. Use a model with smooth friction,
-/// and measured velocities if available. `JointPd` is the quieter fallback of a loop.
+/// Compared with [`JointPd`](super::JointPd), large errors decay like small errors, and gains need not be tuned
+/// to the masses. However, measurement noise of positions and velocities passes through M, k and q. If the
+/// friction law is steep at rest, noise of the velocity switches the sign of the friction torque. Use a model
+/// with smooth friction, and measured velocities if available. `JointPd` amplifies noise less and is therefore
+/// the better fallback of a loop.
 ///
-/// For robots with quaternions the error is e = y_d ⊖ y, and the desired velocities are transformed to the
-/// frames of the measured bodies, `w = Ad v_d` with the adjoint Ad of exp(e). The acceleration
+/// For robots with quaternions the error is e = y_d ⊖ y. Measured and desired velocities v and v_d are
+/// expressed in the frames of the bodies. The desired velocities are transformed to the frames of the measured
+/// bodies, `w = Ad v_d` with the adjoint Ad of exp(e). The acceleration
 ///
 /// ```text
 ///     v̇ = Ad v̇_d − ad_v w + K_d (w − v) + K_p e
@@ -99,15 +101,15 @@ pub struct ComputedTorque<D, const N: usize, const M: usize, const NY: usize = N
     gains: AccelerationGains<N>,
 }
 
-/// Tolerance for the rounding of B⁺: largest part of a unit force that the inputs may fail to produce.
+/// Largest part of a unit force that the inputs may fail to produce because of rounding of B⁺.
 const MISSED: f64 = 1e-9;
 
 impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> ComputedTorque<D, N, M, NY> {
     /// The law for a model.
     ///
     /// # Errors
-    /// [`ComputedTorqueError`] for gains out of range, a model without feed-forward, or a coordinate without
-    /// a drive.
+    /// [`ComputedTorqueError`] if a gain is negative or not finite, if the feed-forward of the model cannot be
+    /// computed, or if a coordinate has no drive.
     pub fn new(model: D, gains: AccelerationGains<N>) -> Result<Self, ComputedTorqueError> {
         let names = model.joint_names();
         require_gains("gains.position", &names, &gains.position)?;
@@ -126,8 +128,8 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Com
         Ok(Self { feed_forward, gains })
     }
 
-    /// The acceleration `ÿ_d + K_d (ẏ_d − ẏ) + K_p (y_d − y)`. For quaternions it is the one in the
-    /// documentation of [`ComputedTorque`].
+    /// The acceleration `ÿ_d + K_d (ẏ_d − ẏ) + K_p (y_d − y)`. For quaternions, [`ComputedTorque`] documents the
+    /// acceleration.
     fn accelerations(
         &self,
         desired: &Sample<N, NY>,
@@ -149,7 +151,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Com
     }
 }
 
-/// `w = Ad v_d` and its rate `Ad v̇_d − ad_v w`.
+/// Desired velocities in the frames of the measured bodies, `w = Ad v_d`, and their rate `Ad v̇_d − ad_v w`.
 fn seen_from_the_body<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize>(
     model: &D,
     desired: &Sample<N, NY>,

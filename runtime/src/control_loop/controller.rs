@@ -4,16 +4,15 @@ use crate::dynamics::{AttitudeError, Named};
 use gelenk_adaptation::JointState;
 use thiserror::Error;
 
-/// State of the loop at the start of a period, as input of a controller.
+/// Time, measurement and last inputs at the start of a period, as input of a controller.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cycle<const N: usize, const M: usize, const NY: usize = N> {
     /// Time on the trajectory at the start of this period (s). The trajectory begins at 0.
     pub time: f64,
-    /// Periods since the previous call, more than 1 if the loop was stalled. The input was constant during
-    /// these periods.
+    /// Number of periods since the previous call of the controller. The number exceeds 1 if the loop was
+    /// stalled. The input was constant during these periods.
     pub periods: u32,
-    /// Positions measured at `time` [rad or m], finite and plausible; `None` if there is no plausible
-    /// measurement.
+    /// Positions measured at `time` [rad or m], finite and plausible; `None` without a plausible measurement.
     pub positions: Option<[f64; NY]>,
     /// Velocities measured with these positions [rad/s or m/s], finite and consistent with them; `None` if
     /// velocities are not measured or `positions` is `None`.
@@ -21,8 +20,9 @@ pub struct Cycle<const N: usize, const M: usize, const NY: usize = N> {
     /// Drive forces at the joints measured with these positions [N m or N], finite; `None` if forces are not
     /// measured or `positions` is `None`.
     pub torques: Option<[f64; N]>,
-    /// Input that the loop wrote last, after limiting [N m, N or A]. Without delay it acted until now. With a
-    /// delay of one period it acts from now on, and the input computed now acts from `time + period` on.
+    /// Inputs that the loop wrote last, after limiting [N m, N or A]. If inputs act without delay, these inputs
+    /// acted until now. If inputs act one period late, these inputs act from now on, and the inputs that are
+    /// computed now act from `time` plus one period on.
     pub last_inputs: [f64; M],
 }
 
@@ -40,7 +40,7 @@ impl<const N: usize, const M: usize, const NY: usize> Default for Cycle<N, M, NY
     }
 }
 
-/// Proposed inputs of a controller. The loop checks them before writing.
+/// Inputs that a controller proposes. The loop checks the inputs before it writes them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Command<const M: usize> {
     /// Inputs u [N m, N or A].
@@ -49,11 +49,12 @@ pub struct Command<const M: usize> {
     pub iterations: u32,
 }
 
-/// Reason for which a controller proposes no input in a period. The loop then uses its fallbacks.
+/// Reason why a controller proposes no input in a period. The loop then uses the shifted plan or the fallback
+/// law.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum ControllerFault {
     /// The measurement is missing, and this controller cannot predict the state without it.
-    #[error("there is no measurement to control the robot with")]
+    #[error("the measurement is missing, and this controller cannot compute an input without it")]
     NoMeasurement,
     /// The optimizer ended without a usable input.
     #[error("the solver found no usable input after {iterations} iterations")]
@@ -64,13 +65,13 @@ pub enum ControllerFault {
     /// The state or the model's equations are not finite.
     #[error("the state or the equations of motion are not finite")]
     NotFinite,
-    /// A joint of the model is too fast for a prediction over a period.
+    /// A joint of the model is too fast for the prediction over one period.
     #[error("{0}")]
     TooFast(TooFast),
     /// A measured quaternion is not an attitude.
-    #[error("a measurement cannot be: {0}")]
+    #[error("the measurement is invalid: {0}")]
     Attitude(AttitudeError),
-    /// Too many periods have passed since the last step for a prediction.
+    /// Too many periods passed since the last step, so the controller cannot predict the state.
     #[error("{periods} periods passed since the last step, which is too many to predict over")]
     Stalled {
         /// Number of periods since the last step.
@@ -78,8 +79,8 @@ pub enum ControllerFault {
     },
 }
 
-/// A joint that is too fast for the zero-order hold over a period: its rate times the period exceeds 2e7, see
-/// [`Discretizable::discretize`](crate::dynamics::Discretizable::discretize).
+/// A joint that is too fast for the zero-order hold over a period. The product of the joint's rate ν and the
+/// period exceeds 2e7, see [`Discretizable::discretize`](crate::dynamics::Discretizable::discretize).
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[error(
     "joint {} is too fast to predict over a period of {period} s: its force has a slope of {slope:.3e} N m \
@@ -91,7 +92,8 @@ pub struct TooFast {
     pub joint: usize,
     /// Name of the coordinate.
     pub name: &'static str,
-    /// Slope of the force of the coordinate over its speed [N m s/rad or N s/m], mainly from friction.
+    /// Slope of the force of the coordinate over its speed [N m s/rad or N s/m]. Friction is usually the main
+    /// part.
     pub slope: f64,
     /// Rate ν of the coordinate [1/s].
     pub rate: f64,
@@ -111,31 +113,32 @@ pub struct Estimate<const N: usize, const NY: usize = N> {
 /// Learned friction of a joint, for log and report.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LearnedJoint {
-    /// Learned friction at a velocity, and half of its 90 % interval [N m or N].
+    /// Learned friction at the given velocity, and half of its 90 % confidence interval [N m or N].
     pub friction: [f64; 2],
-    /// Learned terms with their intervals, and the acting law.
+    /// Learned terms with their confidence intervals, and the acting law.
     pub state: JointState,
 }
 
-/// A controller of a robot with `N` coordinates and `M` inputs. The controller has the model and the
+/// A controller of a robot with `N` coordinates and `M` inputs. The controller contains the model and the
 /// trajectory. The loop handles clock, transport, limits and faults.
 ///
-/// A real-time thread calls the methods: they must not allocate, block or exceed their time budget.
+/// A real-time thread calls the methods. Therefore the methods must not allocate, block or exceed their time
+/// budget.
 pub trait Controller<const N: usize, const M: usize, const NY: usize = N> {
-    /// Starts at rest at `positions` and time 0 of the trajectory. The controller must forget earlier runs.
-    /// The loop writes `inputs` until the first step.
+    /// Resets the controller to rest at `positions` [rad or m] and time 0 of the trajectory. The controller must
+    /// forget earlier runs. The loop writes `inputs` [N m, N or A] until the first step.
     fn reset(&mut self, positions: &[f64; NY], inputs: &[f64; M]);
 
-    /// Processes the events since the last call and proposes the input of this period. The loop calls it in
-    /// every period, also if the measurement is missing or an earlier proposal was not used.
+    /// Processes the events since the last call and proposes the inputs of this period. The loop calls this
+    /// method in every period, also if the measurement is missing or an earlier proposal was not used.
     ///
     /// # Errors
     /// [`ControllerFault`] if no input can be proposed. The controller must be able to continue in the next
     /// period.
     fn step(&mut self, cycle: &Cycle<N, M, NY>) -> Result<Command<M>, ControllerFault>;
 
-    /// Input that the last successful step planned for `periods` ≥ 1 periods after it; `None` beyond the end
-    /// of the plan, and for controllers without a plan.
+    /// Inputs that the last successful step planned for `periods` ≥ 1 periods after that step; `None` beyond the
+    /// end of the plan, and for controllers without a plan.
     fn planned(&self, periods: u32) -> Option<[f64; M]> {
         let _ = periods;
         None
@@ -146,19 +149,19 @@ pub trait Controller<const N: usize, const M: usize, const NY: usize = N> {
         None
     }
 
-    /// Learned friction at positions `y` and velocities `v`, for log and report; `None` for joints whose friction is not
-    /// learned.
+    /// Learned friction at positions `y` [rad or m] and velocities `v` [rad/s or m/s], for log and report; `None`
+    /// for joints whose friction is not learned.
     fn learned(&self, y: &[f64; NY], v: &[f64; N]) -> [Option<LearnedJoint>; N] {
         let _ = (y, v);
         [None; N]
     }
 
-    /// Warms up the caches: computes the next step at the expected state `next`, and discards the result. The
-    /// loop calls this method at most once while it waits for the next period, and only if there is time (see
-    /// [`LoopSettings::warm_up`](super::LoopSettings::warm_up)).
+    /// Warms up the processor caches. The method computes the next step at the expected state `next` and discards
+    /// the result. The loop calls this method at most once while it waits for the next period, and only if the
+    /// remaining time is long enough (see [`LoopSettings::warm_up`](super::LoopSettings::warm_up)).
     ///
-    /// The call must not change the results of later calls in any bit: it may only change scratch memory. To
-    /// test this, compare a controller with and without these calls. The default does nothing.
+    /// The call must not change the results of later calls in any bit. It may only change scratch memory. To
+    /// test this rule, compare a controller with and without warm-ups. The default does nothing.
     fn warm_up(&mut self, next: &Cycle<N, M, NY>) {
         let _ = next;
     }

@@ -106,7 +106,7 @@ where
     /// after the last ones.
     fn estimate_velocities(&mut self, reading: &Reading<N, NY>, age: f64) {
         let (filter, coordinates) = (&mut self.state.filter, &self.state.believed.coordinates);
-        // Both take what the guard believes: finite numbers, and differences that do not overflow.
+        // Both updates get values that passed the guard, so numbers are finite and differences do not overflow.
         let _ = match &reading.velocities {
             Some(velocities) => filter.update_measured(coordinates, velocities),
             None => filter.update(coordinates, age),
@@ -160,7 +160,7 @@ where
             Ok(_) => ControllerFault::NotFinite,
             Err(fault) => fault,
         };
-        // A lost reading is not a fault of the controller, and has its own limit.
+        // A lost reading is not a fault of the controller. Another setting limits the number of lost readings.
         let lost = measured.is_none() && fault == ControllerFault::NoMeasurement;
         self.state.counts.controller_faults += u64::from(!lost);
         self.state.failures = self.state.failures.saturating_add(periods);
@@ -223,8 +223,8 @@ where
         inputs
     }
 
-    /// End of the motion, if the reference is at rest and the robot is at rest or its time to settle has
-    /// passed; `None` before.
+    /// End of the run, if the reference has stopped and the robot is at rest; `None` before. The wait for the robot
+    /// takes at most `stop_time`. After a complete trajectory, the wait begins after `settling_time`.
     fn end_of_motion(&self) -> Option<End> {
         let (standing, end) = match self.state.phase {
             Phase::Running => {

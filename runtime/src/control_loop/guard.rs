@@ -7,7 +7,7 @@ use thiserror::Error;
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum EncoderFault {
     /// The position is NaN or infinite.
-    #[error("encoder of joint {} is not finite", Named(.name))]
+    #[error("the measured position of joint {} is not finite: check its encoder", Named(.name))]
     NotFinite {
         /// Index of the coordinate.
         joint: usize,
@@ -15,12 +15,12 @@ pub enum EncoderFault {
         name: &'static str,
     },
     /// The quaternion of a joint is not an attitude.
-    #[error("a reading cannot be: {0}")]
+    #[error("the measurement is invalid: {0}")]
     Attitude(AttitudeError),
     /// The position is further from the last accepted position than the joint can have moved.
     #[error(
-        "encoder of joint {} jumped by {distance:.4} rad (or m); `guard.jump_speed` and `guard.jump_margin` \
-         allow {possible:.4} in this time",
+        "the measured position of joint {} jumped by {distance:.4} rad (or m), but `guard.jump_speed` and \
+         `guard.jump_margin` allow {possible:.4} in this time: check its encoder",
         Named(.name)
     )]
     Jump {
@@ -33,12 +33,12 @@ pub enum EncoderFault {
         /// Largest distance that would have been accepted [rad or m].
         possible: f64,
     },
-    /// The reading remained constant while the desired position moved: the joint sticks, or the encoder
-    /// fails.
+    /// The measured position remained constant while the desired position moved. Either the joint sticks, or the
+    /// encoder fails.
     #[error(
-        "the reading of joint {} did not change during {desired:.4} rad (or m) of desired motion, above the \
-         limit `guard.frozen_motion`: the joint sticks (friction, a brake, an input without effect), or its \
-         encoder fails",
+        "the measured position of joint {} did not change during {desired:.4} rad (or m) of desired motion, \
+         above the limit `guard.frozen_motion`: the joint sticks (friction, a brake, an input without effect), \
+         or its encoder fails",
         Named(.name)
     )]
     Frozen {
@@ -49,8 +49,8 @@ pub enum EncoderFault {
         /// Distance that the desired position has moved in this time [rad or m].
         desired: f64,
     },
-    /// The measured velocity is not finite, or differs from the rate of the positions. Possible reasons are a
-    /// wrong sign, unit or gear ratio, or a sensor that fails.
+    /// The measured velocity is not finite, or differs too much from the rate of change of the positions.
+    /// Possible reasons are a wrong sign, unit or gear ratio, or a sensor that fails.
     #[error(
         "the measured velocity {measured:.4} rad/s (or m/s) of joint {} differs by {mismatch:.4} from the \
          change of its position, above the limit {possible:.4} of `guard.velocity_mismatch`: check its sign \
@@ -64,57 +64,60 @@ pub enum EncoderFault {
         name: &'static str,
         /// Measured velocity [rad/s or m/s].
         measured: f64,
-        /// Measured velocity minus the rate of the positions, both low-pass filtered over a tenth of a second
-        /// [rad/s or m/s].
+        /// Measured velocity minus rate of change of the positions, low-pass filtered with a time constant of
+        /// 0.1 s [rad/s or m/s].
         mismatch: f64,
         /// Largest magnitude of the mismatch that would have been accepted [rad/s or m/s].
         possible: f64,
     },
 }
 
-/// Tolerances of the guard, one for each coordinate.
+/// Tolerances of [`EncoderGuard`], one for each coordinate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GuardSettings<const N: usize> {
     /// Speed above which a change of position counts as a jump [rad/s or m/s].
     pub jump_speed: [f64; N],
-    /// Change of position that is always accepted [rad or m], for noise and a few encoder steps.
+    /// Change of position that is always accepted [rad or m]. The margin must cover noise and a few encoder
+    /// steps.
     pub jump_margin: [f64; N],
-    /// Desired motion during which a reading may remain constant [rad or m], for stiction, backlash and
-    /// following error.
+    /// Distance that the desired position may move while the measured position remains constant [rad or m]. The
+    /// distance must cover stiction, backlash and following error.
     pub frozen_motion: [f64; N],
-    /// Accepted difference between the measured velocity and the rate of the positions [rad/s or m/s], for
-    /// noise, and for the delay of the drive's filter times the acceleration. If it is infinite, velocities
-    /// are not compared.
+    /// Accepted difference between the measured velocity and the rate of change of the positions [rad/s or m/s].
+    /// The difference must cover noise, and the acceleration times the delay of the drive's velocity filter. If
+    /// the value is infinite, velocities are not compared.
     pub velocity_mismatch: [f64; N],
 }
 
-/// Distance that counts as a jump even without a limit [rad or m], so that velocities do not overflow.
+/// Distance that counts as a jump even if the settings are infinite [rad or m], so that velocities do not
+/// overflow.
 const NO_DISTANCE: f64 = 1e100;
-/// Time constant with which measured velocities are compared with the rate of the positions (s). Differences
-/// of positions are noisy.
+/// Time constant of the low-pass filter for the difference of measured velocity and rate of change of the
+/// positions (s). Without the filter, differences of positions are too noisy.
 const MISMATCH_TIME: f64 = 0.1;
 
-/// Compares measurements with earlier measurements.
+/// Plausibility check that compares each measurement with earlier measurements and with the desired motion.
 ///
-/// A sticking joint cannot be distinguished from a frozen encoder. Both are reasons to stop.
+/// The guard cannot distinguish a sticking joint from a frozen encoder. The loop stops in both cases.
 #[derive(Debug, Clone)]
 pub struct EncoderGuard<const N: usize> {
     settings: GuardSettings<N>,
     names: [&'static str; N],
     believed: [f64; N],
-    /// Velocities measured with `believed`; `None` if they are not measured.
+    /// Velocities measured with `believed`; `None` if velocities are not measured.
     velocities: Option<[f64; N]>,
     /// Time since `believed` was measured (s).
     age: f64,
     last_reading: [f64; N],
     /// Desired position at the last change of the reading.
     desired_at_change: [f64; N],
-    /// Measured velocity minus the rate of the positions, low-pass filtered.
+    /// Measured velocity minus rate of change of the positions, low-pass filtered.
     mismatch: [f64; N],
 }
 
 impl<const N: usize> EncoderGuard<N> {
-    /// A guard with an accepted position. The names of the joints are numbers until they are set.
+    /// A guard whose last accepted positions are `positions`. `desired` are the desired positions at the same time
+    /// [rad or m]. Messages number the joints from 1 unless [`with_names`](Self::with_names) sets their names.
     #[must_use]
     pub fn new(settings: GuardSettings<N>, positions: [f64; N], desired: [f64; N]) -> Self {
         Self {
@@ -136,7 +139,7 @@ impl<const N: usize> EncoderGuard<N> {
         self
     }
 
-    /// Advances the time by `span` seconds; values that are not positive count as 0.
+    /// Advances the time by `span` seconds. Negative values and NaN count as 0.
     pub fn elapse(&mut self, span: f64) {
         self.age += span.max(0.0);
     }
@@ -147,11 +150,11 @@ impl<const N: usize> EncoderGuard<N> {
         (self.believed, self.age)
     }
 
-    /// Checks a reading [rad or m] against earlier readings and against the desired position at the same
-    /// time. `velocities` are the measured velocities [rad/s or m/s], `None` if they are not measured.
+    /// Checks measured positions [rad or m] against earlier ones and against the desired positions at the same
+    /// time. `velocities` are the measured velocities [rad/s or m/s]; `None` if velocities are not measured.
     ///
     /// # Errors
-    /// The first [`EncoderFault`]. The reading is then not accepted.
+    /// [`EncoderFault`] for the first fault. The measurement is then not accepted.
     pub fn check(
         &mut self,
         reading: &[f64; N],
@@ -159,7 +162,7 @@ impl<const N: usize> EncoderGuard<N> {
         desired: &[f64; N],
     ) -> Result<(), EncoderFault> {
         for i in 0..N {
-            // NaN differs from itself and so counts as a change, as it should: it is not a frozen encoder.
+            // NaN differs from itself and so counts as a change. This is correct: NaN does not show a frozen encoder.
             if reading[i] != self.last_reading[i] {
                 self.last_reading[i] = reading[i];
                 self.desired_at_change[i] = desired[i];
@@ -189,7 +192,7 @@ impl<const N: usize> EncoderGuard<N> {
         let distance = (reading - self.believed[joint]).abs();
         let margin = settings.jump_margin[joint];
         let possible = settings.jump_speed[joint] * self.age + margin;
-        // Written so that NaN is a jump. No time and no limit of the speed: 0 · ∞.
+        // NaN counts as a jump. If the age is 0 and the speed is unlimited, `possible` is 0 · ∞ = NaN.
         let near = distance <= possible || (self.age == 0.0 && distance <= margin);
         if !(near && distance < NO_DISTANCE) {
             return Err(EncoderFault::Jump { joint, name, distance, possible });
@@ -201,8 +204,8 @@ impl<const N: usize> EncoderGuard<N> {
         Ok(())
     }
 
-    /// Updates the filtered difference between the mean measured velocity (trapezoidal rule) and the mean
-    /// rate of the positions since the last accepted reading.
+    /// Updates the filtered difference between the mean measured velocity (trapezoidal rule) and the mean rate of
+    /// change of the positions since the last accepted reading.
     fn compare(&mut self, reading: &[f64; N], velocities: &[f64; N]) {
         let Some(before) = self.velocities.filter(|_| self.age > 0.0) else {
             return;
@@ -212,7 +215,7 @@ impl<const N: usize> EncoderGuard<N> {
             let slope = (reading[i] - self.believed[i]) / self.age;
             let difference = 0.5 * (before[i] + velocities[i]) - slope;
             let change = weight * (difference - self.mismatch[i]);
-            // A sensor's NaN is reported at once; it must not stay.
+            // NaN of a sensor is reported immediately. It must not enter the filter state.
             if change.is_finite() {
                 self.mismatch[i] += change;
             }
@@ -268,7 +271,7 @@ mod tests {
         let fault = guard.check(&[1.0, 0.05], None, &[1.0, 0.0]).unwrap_err();
         assert!(matches!(fault, EncoderFault::Jump { joint: 1, .. }));
         assert_eq!(guard.believed(), ([1.0, 0.0], 0.02));
-        // After a longer silence the same distance is possible.
+        // After a longer time without a reading, the same distance is possible.
         guard.elapse(0.02);
         assert_eq!(guard.check(&[1.0, 0.05], None, &[1.0, 0.0]), Ok(()));
     }
@@ -280,7 +283,7 @@ mod tests {
         let fault = guard.check(&[1.0, 0.02], None, &[1.06, 0.02]).unwrap_err();
         assert!(matches!(fault, EncoderFault::Frozen { joint: 0, .. }));
         assert!(fault.to_string().contains("the joint sticks"));
-        // A new reading counts from where it changed.
+        // The desired motion is counted from the last change of the reading.
         guard.elapse(0.02);
         assert_eq!(guard.check(&[1.001, 0.03], None, &[1.07, 0.03]), Ok(()));
     }
@@ -294,7 +297,7 @@ mod tests {
         }
     }
 
-    /// Joint 0 moves at 1 rad/s; what is measured is `factor` times that. Periods until a fault.
+    /// Number of periods until a fault if joint 0 moves at 1 rad/s and the measured velocity is `factor` times 1 rad/s.
     fn periods_believed(factor: f64, period: f64, noise: f64) -> Option<u32> {
         let mut guard = EncoderGuard::new(SETTINGS, [0.0; 2], [0.0; 2]);
         (1..=(2.0 / period) as u32).find(|k| {
@@ -312,10 +315,10 @@ mod tests {
     #[test]
     fn velocities_of_another_sign_or_unit_are_not_believed() {
         for period in [0.02, 0.001] {
-            // Encoder noise of 0.1 mrad, which makes 0.2 rad/s of differences at 1 kHz.
+            // Encoder noise of 0.1 mrad causes differences of 0.2 rad/s at 1 kHz.
             assert_eq!(periods_believed(1.0, period, 1e-4), None);
             assert_eq!(periods_believed(1.15, period, 1e-4), None);
-            // A turned sign, the motor's side of a gear, degrees.
+            // Wrong sign, speed of the motor instead of the joint, degrees, and a dead sensor.
             for factor in [-1.0, 161.0, 57.3, 0.0] {
                 let periods = periods_believed(factor, period, 1e-4).unwrap();
                 assert!(f64::from(periods) * period < 0.1, "{factor}: {periods}");
@@ -334,7 +337,7 @@ mod tests {
         assert_eq!(good, Ok(()));
     }
 
-    /// Settings of the caller's own, without the checks of the loop: no number counts as no allowance.
+    /// The loop would reject these settings. A direct caller of the guard can use NaN, which counts as no tolerance.
     #[test]
     fn no_numbers_among_settings_and_times_let_nothing_through() {
         let settings = GuardSettings { jump_speed: [f64::INFINITY; 2], ..SETTINGS };

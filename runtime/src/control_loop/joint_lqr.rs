@@ -1,4 +1,4 @@
-//! LQR as a law of the control loop: feed-forward, and the regulator of the robot that is linearized at rest.
+//! LQR law of the control loop: feed-forward plus the linear-quadratic regulator of the robot linearized at rest.
 
 use super::controller::ControllerFault;
 use super::joint_pd::{require_gains, sum};
@@ -24,7 +24,8 @@ pub struct LqrWeights<const N: usize, const M: usize> {
 
 impl<const N: usize, const M: usize> LqrWeights<N, M> {
     /// Weights `1/x²` for deviations x of positions [rad or m], velocities [rad/s or m/s] and inputs [N m, N
-    /// or A] that shall cost the same (Bryson, Ho, *Applied Optimal Control*, 1975, section 5.2).
+    /// or A]. All given deviations then have the same cost (Bryson, Ho, *Applied Optimal Control*, 1975,
+    /// section 5.2).
     #[must_use]
     pub fn from_deviations(position: [f64; N], velocity: [f64; N], input: [f64; M]) -> Self {
         let weight = |x: f64| 1.0 / (x * x);
@@ -52,21 +53,21 @@ pub enum JointLqrError {
     Regulator(#[from] LqrError),
 }
 
-/// LQR law, which has no internal state:
+/// LQR law, a feedback law without internal state:
 ///
 /// ```text
 ///     u = u_ff(y_d, ẏ_d, ÿ_d) + K x        x = (y − y_d, ẏ − ẏ_d)
 /// ```
 ///
-/// with the [`FeedForward`] u_ff for the desired motion y_d, ẏ_d, ÿ_d, and the gain K of [`Lqr`] for the
-/// zero-order hold of the robot at rest. For robots with quaternions y − y_d is `y ⊖ y_d`, and v replaces ẏ.
-/// K is constant, and optimal near the positions at which the robot was linearized. Far from these positions,
-/// or at limits of inputs, use [`LtvMpc`](crate::mpc).
+/// Here u_ff is the [`FeedForward`] for the desired motion y_d, ẏ_d, ÿ_d, and K is the gain of [`Lqr`] for the
+/// discrete-time model (zero-order hold) of the robot at rest. For robots with quaternions the difference is
+/// `y ⊖ y_d`, and body velocities v replace ẏ. K is constant. It is optimal only near the positions at which
+/// the robot was linearized. Far from these positions, or at limits of inputs, use [`LtvMpc`](crate::mpc).
 ///
 /// The [margins](crate::lqr::Lqr::margins) are valid for the linearized robot with an exact state. A filter
 /// of velocities and a delay reduce the margins.
 ///
-/// The axis α of the PowerCube, at 50 Hz:
+/// Example for the axis α of the PowerCube at 50 Hz:
 ///
 /// ```
 /// use gelenk_runtime::control_loop::{JointLqr, LqrWeights};
@@ -90,8 +91,8 @@ impl<D, const N: usize, const M: usize, const NX: usize, const NY: usize> JointL
 where
     D: Discretizable<N, M, NY>,
 {
-    /// The law for a model that is linearized at rest at `positions` [rad or m] and time 0, with inputs that
-    /// are held for `period` (s).
+    /// The law for a model that is linearized at rest at `positions` [rad or m] and time 0. Inputs are constant
+    /// during each `period` (s).
     ///
     /// # Errors
     /// [`JointLqrError`] for weights or a period out of range, quaternions that are not attitudes, a model

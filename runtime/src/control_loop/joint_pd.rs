@@ -1,4 +1,4 @@
-//! Feed-forward with joint PD: the simplest law, and the usual fallback of the control loop.
+//! Joint PD law with feed-forward, the usual fallback of the control loop.
 
 use super::controller::ControllerFault;
 use super::law::{JointLaw, finite, of_the_model};
@@ -18,10 +18,10 @@ pub struct JointGains<const N: usize> {
 }
 
 impl<const N: usize> JointGains<N> {
-    /// Gains with which each joint, with the other joints at rest, is an oscillator with the natural
-    /// frequency `omega` (ω) [rad/s] and the damping ratio `damping` (ζ): `K_p = M_ii ω²`,
-    /// `K_d = 2 ζ M_ii ω`. M is the mass matrix at `positions` and time 0 (Siciliano, Sciavicco, Villani,
-    /// Oriolo, *Robotics*, 2009, section 8.3). Joint friction adds damping.
+    /// Gains `K_p = M_ii ω²` and `K_d = 2 ζ M_ii ω` with the mass matrix M at `positions` and time 0 (Siciliano,
+    /// Sciavicco, Villani, Oriolo, *Robotics*, 2009, section 8.3). If the other joints are at rest, the error of
+    /// each joint is an oscillator with the natural frequency `omega` (ω) [rad/s] and the damping ratio
+    /// `damping` (ζ). Joint friction adds damping.
     #[must_use]
     pub fn from_bandwidth<const M: usize, const NY: usize>(
         model: &impl Dynamics<N, M, NY>,
@@ -48,16 +48,16 @@ pub enum JointPdError {
     FeedForward(#[from] FeedForwardError),
 }
 
-/// Joint PD law, which has no internal state:
+/// Joint PD law with feed-forward, a feedback law without internal state:
 ///
 /// ```text
 ///     u = u_ff(y_d, ẏ_d, ÿ_d) + B⁺ (K_p (y_d − y) + K_d (ẏ_d − ẏ))
 /// ```
 ///
-/// with the [`FeedForward`] u_ff and its pseudo-inverse B⁺ of the input matrix, for the desired motion y_d,
-/// ẏ_d, ÿ_d. The model is evaluated along the desired motion, so measurement noise reaches the inputs only
+/// Here u_ff is the [`FeedForward`] for the desired motion y_d, ẏ_d, ÿ_d, and B⁺ is the pseudo-inverse of the
+/// input matrix. The model is evaluated along the desired motion, so measurement noise reaches the inputs only
 /// through the gains. [`ComputedTorque`](super::ComputedTorque) evaluates the model at the measured state
-/// instead. For robots with quaternions y_d − y is `y_d ⊖ y`, and v replaces ẏ.
+/// instead. For robots with quaternions the difference is `y_d ⊖ y`, and body velocities v replace ẏ.
 #[derive(Debug, Clone)]
 pub struct JointPd<D, const N: usize, const M: usize, const NY: usize = N> {
     feed_forward: FeedForward<D, N, M, NY>,
@@ -68,7 +68,8 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Joi
     /// The law for a model.
     ///
     /// # Errors
-    /// [`JointPdError`] for gains out of range, or a model without feed-forward.
+    /// [`JointPdError`] if a gain is negative or not finite, or if the feed-forward of the model cannot be
+    /// computed.
     pub fn new(model: D, gains: JointGains<N>) -> Result<Self, JointPdError> {
         let names = model.joint_names();
         require_gains("gains.position", &names, &gains.position)?;
@@ -76,7 +77,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Joi
         Ok(Self { feed_forward: FeedForward::new(model)?, gains })
     }
 
-    /// Replaces the model. The gains are kept. Allocates nothing if the input matrix is the same.
+    /// Replaces the model. The gains are kept. Does not allocate if the input matrix is unchanged.
     ///
     /// # Errors
     /// [`FeedForwardError::InputMatrix`] if the input matrix cannot be used. The old model is then kept.

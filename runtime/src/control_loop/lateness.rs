@@ -3,15 +3,14 @@
 use std::fmt;
 use std::time::Duration;
 
-/// Number of intervals. The last interval begins at 0.26 s, which exceeds the period of every loop
-/// ([`RATES`](super::RATES)).
+/// Number of intervals. The last interval begins at 0.26 s. Every period is shorter, see [`RATES`](super::RATES).
 const INTERVALS: usize = 20;
 /// Length of the longest bar in characters.
 const LONGEST_BAR: u64 = 40;
 
-/// Histogram of the lateness of the loop's wake-ups, which is the jitter of its periods. The intervals are
-/// [0, 1) µs and [2ᵏ⁻¹, 2ᵏ) µs for k = 1, 2, …. The last interval has no upper end. [`fmt::Display`] plots
-/// the histogram, with one line for each interval between the first and the last one with a wake-up.
+/// Histogram of the delays with which the loop wakes up at the start of its periods (jitter). The intervals are
+/// [0, 1) µs and [2ᵏ⁻¹, 2ᵏ) µs for k = 1, 2, …. The last interval has no upper end. [`fmt::Display`] plots the
+/// histogram. The plot has one line for each interval from the first to the last interval with a wake-up.
 ///
 /// ```
 /// use gelenk_runtime::control_loop::Lateness;
@@ -58,7 +57,7 @@ impl fmt::Display for Lateness {
         };
         let most = self.counts.iter().max().copied().unwrap_or(0).max(1);
         for (index, count) in self.counts.iter().enumerate().take(last + 1).skip(first) {
-            // A wake-up is seen in a plot of millions.
+            // Rounding up makes a single wake-up visible in a plot of millions.
             let bar = (u128::from(*count) * u128::from(LONGEST_BAR)).div_ceil(u128::from(most)) as usize;
             let end = if index + 1 < INTERVALS { 1_u64 << index } else { 1 << (index - 1) };
             let side = if index + 1 < INTERVALS { "below" } else { "from " };

@@ -4,9 +4,9 @@ use super::controller::ControllerFault;
 use crate::dynamics::{AttitudeError, DependentJoint, QuaternionJoint, numbered};
 use crate::trajectory::Sample;
 
-/// A feedback law without internal state, which maps desired and measured state to inputs. The control loop
-/// uses a law as fallback and for the controlled stop. [`LawController`](super::LawController) follows a
-/// trajectory with a law.
+/// A feedback law without internal state. It maps desired and measured state to inputs. The control loop uses a
+/// law as fallback and for the controlled stop. [`LawController`](super::LawController) makes a controller of a
+/// law and a trajectory.
 ///
 /// [`JointPd`](super::JointPd) and [`JointLqr`](super::JointLqr) evaluate the model along the desired motion,
 /// [`ComputedTorque`](super::ComputedTorque) at the measured state.
@@ -23,10 +23,10 @@ pub trait JointLaw<const N: usize, const M: usize, const NY: usize = N> {
         velocities: &[f64; N],
     ) -> Result<[f64; M], ControllerFault>;
 
-    /// Inputs at `time` (s) of the loop, in which the trajectory starts at 0. The control loop calls this
-    /// method. Only laws for robots with driven joints depend on the time
-    /// ([`Dynamics::at_time`](crate::dynamics::Dynamics::at_time)). The default ignores the time. While the
-    /// loop slows down along the path, `desired` belongs to an earlier time.
+    /// Inputs [N m, N or A] at `time` (s) after the start of the trajectory. The control loop calls this method.
+    /// Only laws for robots with driven joints depend on the time
+    /// ([`Dynamics::at_time`](crate::dynamics::Dynamics::at_time)). The default ignores the time. During a
+    /// controlled stop, `desired` is the desired state of an earlier time, because the trajectory slows down.
     ///
     /// # Errors
     /// The errors of [`Self::inputs`].
@@ -41,10 +41,10 @@ pub trait JointLaw<const N: usize, const M: usize, const NY: usize = N> {
         self.inputs(desired, positions, velocities)
     }
 
-    /// Position and velocity of a joint that follows others, at `time` (s), for the given positions and
-    /// velocities of the coordinates. The loop keeps the limits of this joint. Laws for robots with driven
-    /// joints use the driven motion. The default gives NaN for joints that follow driven joints, so the loop
-    /// brakes if they have limits.
+    /// Position [rad or m] and velocity [rad/s or m/s] of a joint that follows other joints, at `time` (s) and for
+    /// the given positions and velocities of the coordinates. The loop uses the result to check the limits of
+    /// this joint. Laws for robots with driven joints must include the driven motion. The default returns NaN
+    /// for a joint that follows driven joints. The loop then brakes if this joint has limits.
     fn dependent_motion_at_time(
         &self,
         time: f64,
@@ -65,20 +65,23 @@ pub trait JointLaw<const N: usize, const M: usize, const NY: usize = N> {
         numbered()
     }
 
-    /// Joints of the model with quaternions; empty for arms. For other robots the defaults of this method,
-    /// [`Self::difference`] and [`Self::check_attitudes`] do not compile.
+    /// Joints with quaternions. The list is empty for robots without quaternions, for example arms. Laws for
+    /// robots with quaternions must implement this method, [`Self::difference`] and [`Self::check_attitudes`],
+    /// because the defaults do not compile for these robots.
     fn quaternion_joints(&self) -> &'static [QuaternionJoint] {
         const { assert!(NY == N, "a law for a robot with quaternions must list its joints with quaternions") }
         &[]
     }
 
-    /// The difference `to ⊖ from` of the model, which the loop uses for distances.
+    /// The difference `to ⊖ from` of two positions, one entry for each velocity [rad or m]. The loop uses the
+    /// difference for distances.
     fn difference(&self, from: &[f64; NY], to: &[f64; NY]) -> [f64; N] {
         const { assert!(NY == N, "a law for a robot with quaternions must compute their differences") }
         core::array::from_fn(|i| to[i] - from[i])
     }
 
-    /// Checks that all quaternions in `positions` are attitudes, as the model does.
+    /// Checks that all quaternions in `positions` are attitudes. The check is the one of the model
+    /// ([`Dynamics::check_attitudes`](crate::dynamics::Dynamics::check_attitudes)).
     ///
     /// # Errors
     /// [`AttitudeError`] for the first quaternion that is not an attitude.
@@ -89,7 +92,7 @@ pub trait JointLaw<const N: usize, const M: usize, const NY: usize = N> {
     }
 }
 
-/// Implements the methods of a law that call the model of its `feed_forward`.
+/// Implements methods of a law by calls of the model in its `feed_forward`.
 macro_rules! of_the_model {
     () => {
         fn dependent_motion_at_time(

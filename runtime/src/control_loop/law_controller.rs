@@ -9,8 +9,9 @@ use super::velocity_filter::VelocityFilter;
 use crate::trajectory::Trajectory;
 use core::hint::black_box;
 
-/// A [`JointLaw`] along a trajectory. Velocities are measured velocities, or filtered differences of
-/// positions if velocities are not measured ([`VelocityFilter`]). A step without a measurement fails.
+/// Controller that follows a trajectory with a [`JointLaw`]. The law gets the measured velocities. If velocities
+/// are not measured, it gets filtered differences of positions ([`VelocityFilter`]). A step without a
+/// measurement fails.
 #[derive(Debug, Clone)]
 pub struct LawController<L, R, const N: usize, const M: usize, const NY: usize = N> {
     law: L,
@@ -33,8 +34,8 @@ where
     L: JointLaw<N, M, NY>,
     R: Trajectory<N, NY>,
 {
-    /// A controller with this period (s). If velocities are not measured, they are estimated with the
-    /// filter's `time_constant` (s).
+    /// A controller with this period (s). If velocities are not measured, they are estimated by a filter with the
+    /// time constant `time_constant` (s).
     ///
     /// # Errors
     /// [`SettingError`] for a period that is not positive and finite, or a time constant outside 0 to 60 s.
@@ -154,7 +155,7 @@ mod tests {
         }
     }
 
-    /// A reading that overflows is a fault of that period, not of all that follow.
+    /// A reading that overflows is a fault of its period, and not of later periods.
     #[test]
     fn an_overflow_passes() {
         let mut pd = controller(0.02, 0.01).unwrap();

@@ -19,18 +19,18 @@ const IDLE: Duration = Duration::from_millis(5);
 /// Record of one period.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LogRecord<const N: usize, const M: usize, const NY: usize = N> {
-    /// Time since the start of the trajectory (s). It follows the clock, also while a stop slows the
-    /// trajectory down.
+    /// Time since the start of the trajectory (s) on the clock of the loop. A controlled stop, which slows the
+    /// trajectory down, does not change this time.
     pub time: f64,
-    /// Positions as read [rad or m], also implausible positions; NaN if no reading arrived.
+    /// Measured positions [rad or m], also if they are implausible; NaN if no reading arrived.
     pub positions: [f64; NY],
-    /// Velocities [rad/s or m/s], estimated by the controller, or by the loop if the controller has no
+    /// Estimated velocities [rad/s or m/s]. The source is the controller, or the loop if the controller has no
     /// estimator.
     pub velocities: [f64; N],
-    /// Velocities as read [rad/s or m/s]; NaN if no reading arrived; `None` in all records if the robot does
+    /// Measured velocities [rad/s or m/s]; NaN if no reading arrived; `None` in all records if the robot does
     /// not measure velocities.
     pub measured_velocities: Option<[f64; N]>,
-    /// Drive forces at the joints as read [N m or N]; NaN if no reading arrived; `None` in all records if the
+    /// Measured drive forces at the joints [N m or N]; NaN if no reading arrived; `None` in all records if the
     /// robot does not measure forces.
     pub measured_torques: Option<[f64; N]>,
     /// Desired positions [rad or m].
@@ -47,8 +47,8 @@ pub struct LogRecord<const N: usize, const M: usize, const NY: usize = N> {
     pub lateness: u64,
     /// Times for reading, control, check and writing (ns).
     pub stages: [u64; 4],
-    /// Learned friction at `velocities` with half of its 90 % interval [N m or N], and the acting law; `None` for joints whose friction is
-    /// not learned.
+    /// Learned friction at `velocities`, half of its 90 % confidence interval [N m or N], and the acting law; `None`
+    /// for joints whose friction is not learned.
     pub learned: [Option<([f64; 2], Trust)>; N],
 }
 
@@ -68,7 +68,7 @@ impl<const N: usize, const M: usize, const NY: usize> LogSink<N, M, NY> {
     }
 }
 
-/// Numbers of records of a complete log.
+/// Number of written and dropped records of a complete log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LogSummary {
     /// Number of records in the file.
@@ -98,24 +98,24 @@ impl LogWriter {
 /// Largest capacity of the queue. Its memory is allocated at the start.
 pub const MAX_LOG_CAPACITY: usize = 1 << 20;
 
-/// A log in a CSV file, with a queue of `capacity` records. The writer empties the queue every 5 ms, so 1000
-/// records are enough. Call this function before requesting real-time scheduling, so that the writer does not
-/// inherit it.
+/// Creates a log in a CSV file and starts the thread that writes it. The queue holds `capacity` records. The
+/// thread empties the queue every 5 ms, so 1000 records are enough. Call this function before you request
+/// real-time scheduling, so that the thread does not inherit the priority.
 ///
-/// The columns are, with the name `NAME` of a joint or input in `model`:
+/// `NAME` is the name of a joint or input of `model`. The columns are:
 ///
 /// - `time`
-/// - `q_NAME` …: positions as read, NaN without a reading
+/// - `q_NAME` …: measured positions, NaN without a reading
 /// - `dq_NAME` …: estimated velocities
-/// - `measured_dq_NAME` …, `measured_tau_NAME` …: velocities and forces that the drives measure, if they do
+/// - `measured_dq_NAME` …, `measured_tau_NAME` …: measured velocities and forces, if the robot measures them
 /// - `desired_NAME` …: desired positions
 /// - `u_NAME` …: inputs
-/// - `learned_NAME` …, `half_width_NAME` …, `trust_NAME` …: learned friction at the estimated velocity, half of its 90 % interval, and the
-///   acting law, if any friction is learned
+/// - `learned_NAME` …, `half_width_NAME` …, `trust_NAME` …: learned friction at the estimated velocity, half of
+///   its 90 % confidence interval, and the acting law, if any friction is learned
 /// - `source`, `believed`, `iterations`, `lateness_ns`, `read_ns`, `control_ns`, `check_ns`, `write_ns`
 ///
-/// `q` and `desired` have one column for each position entry. Robots with quaternions have more positions
-/// than velocities. Names with commas or quotation marks are quoted.
+/// [`LogRecord`] has the units. `q` and `desired` have one column for each position entry. Robots with
+/// quaternions have more positions than velocities. Names with commas or quotation marks are quoted.
 ///
 /// # Errors
 /// [`io::Error`] if the file cannot be created or no thread can be started, or if the capacity is 0 or above
@@ -129,7 +129,7 @@ pub fn log_to_file<const N: usize, const M: usize, const NY: usize>(
     log_to(BufWriter::new(File::create(path)?), model, capacity)
 }
 
-/// A log like that of [`log_to_file`], for any writer.
+/// Creates a log like [`log_to_file`], but for any writer instead of a file.
 ///
 /// # Errors
 /// [`io::Error`] if no thread can be started, or if the capacity is 0 or above [`MAX_LOG_CAPACITY`].
@@ -176,10 +176,10 @@ fn write_all<const N: usize, const M: usize, const NY: usize>(
     mut output: csv::Writer<impl Write>,
 ) -> io::Result<u64> {
     let mut written = 0;
-    // The first record shows which columns there are.
+    // The first record determines the columns.
     let mut measures = None;
     loop {
-        // Asked before the queue is emptied: what was pushed before the sink was dropped is then still found.
+        // Checked before the queue is emptied, so records that were pushed before the sink was dropped are written.
         let last = records.is_abandoned();
         while let Ok(record) = records.pop() {
             let shown = Measures::of(&record);
@@ -250,7 +250,7 @@ fn fields<const N: usize, const M: usize, const NY: usize>(
     record: &LogRecord<N, M, NY>,
     measures: Measures,
 ) -> impl Iterator<Item = String> {
-    // As many fields as the header has, whatever the record holds.
+    // The number of fields is that of the header, for every record.
     let column = |measured: bool, values: Option<[f64; N]>| {
         measured.then(|| values.unwrap_or([f64::NAN; N])).into_iter().flatten()
     };
@@ -296,7 +296,7 @@ mod tests {
         }
     }
 
-    /// Two joints, one with a name that no description forbids, and one input.
+    /// Names of two joints and one input. One name contains quotation marks and a comma.
     const NAMES: Names<2, 1, 2> = (["beta", "left \"arm\", upper"], ["beta", "left \"arm\", upper"], ["1"]);
 
     fn record(time: f64) -> LogRecord<2, 1> {
@@ -350,7 +350,7 @@ mod tests {
             measured_torques: Some([3.0, f64::NAN]),
             ..record(0.0)
         };
-        // A record that differs from the first keeps its columns.
+        // A record with other measured quantities than the first has the same columns.
         let text = written(&[measured, record(0.02)]);
         let rows: Vec<&str> = text.lines().collect();
         assert!(rows[0].contains(",measured_dq_beta,"), "{text}");

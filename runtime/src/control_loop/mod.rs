@@ -1,27 +1,30 @@
-//! The loop that drives a robot at a fixed rate, 50 Hz to 1 kHz.
+//! Control loop that drives a robot at a fixed rate between 50 Hz and 1 kHz.
+//!
+//! Each period k has these stages (T is the period, n is [`LoopSettings::hold_periods`]):
 //!
 //! ```text
-//!        sleep until t_k = t_0 + k T, absolute; shortly before, the controller is computed once for the caches
+//!        sleep until t_k = t_0 + k T (absolute time); shortly before, warm up the caches with a controller step
 //!          │
-//!        read ── missing, NaN, jump, frozen, velocity unlike position ──► n periods bridged, then brakes
+//!        read ── missing, NaN, jump, frozen, velocity contradicts position ──► tolerated for n periods, then brakes
 //!          │
 //!        control ── fails ──► shifted plan ──► fallback law (joint PD) ──► controlled stop
 //!          │
-//!        check: inputs cut off; position, braking distance, speed, following error ──► brakes
+//!        check ── position, braking distance, speed or following error beyond its limit ──► brakes
+//!          │      (inputs are clamped to their limits)
 //!          │
-//!        write, unless t_{k+1} has come ──► deadline missed: n periods held, then brakes
+//!        write ── t_{k+1} is past, so the deadline is missed ──► inputs held for n periods, then brakes
 //!          │
-//!        log: a queue without locks, a thread that writes CSV
+//!        log: lock-free queue to a thread that writes CSV
 //! ```
 //!
 //! [`ControlLoop`] connects a [`Controller`], a [`Transport`](crate::transport::Transport) and a [`Clock`].
-//! [`write_a_controller`] is the guide for own controllers. The loop checks limits and measurements itself
+//! [`write_a_controller`] is the guide for writing a controller. The loop itself checks limits and measurements
 //! and does not rely on the controller. [`attaching_hardware`](crate::transport::attaching_hardware) lists
 //! the reaction to each fault. The [`LoopReport`] counts the faults of a run.
 //!
-//! Speed limit, braking distance, fallback and log use velocities that the robot measures, after the guard
-//! has compared them with the positions. If the robot does not measure velocities, low-pass filtered
-//! differences of positions are used ([`VelocityFilter`]).
+//! Speed limit, braking distance, fallback law and log use the velocities that the robot measures. The
+//! [`EncoderGuard`] first compares these velocities with the positions. If the robot does not measure
+//! velocities, low-pass filtered differences of positions are used ([`VelocityFilter`]).
 //!
 //! For real time, call [`RealtimeRequest::apply`] in the thread of the loop after all objects are
 //! constructed. In tests, a [`VirtualClock`] makes a run deterministic and fast:

@@ -1,4 +1,4 @@
-//! Limits of the loop: of the written inputs, and of positions, speeds and following errors.
+//! Checks of the limits of inputs, positions, speeds and following errors.
 
 use super::settings::{LoopSettings, SPEED_MARGIN};
 use crate::dynamics::{DependentJoint, Named};
@@ -9,8 +9,8 @@ use std::fmt;
 pub enum LimitFault {
     /// The position is outside its limits, or would be outside after braking.
     Position {
-        /// Index of the coordinate. From N on, the index minus N is that of a joint in
-        /// [`LoopSettings::dependent_joints`](super::LoopSettings).
+        /// Index of the coordinate. An index i ≥ N stands for the joint i − N in
+        /// [`LoopSettings::dependent_joints`](super::LoopSettings::dependent_joints).
         joint: usize,
         /// Name of the joint.
         name: &'static str,
@@ -25,8 +25,8 @@ pub enum LimitFault {
     },
     /// The speed is above its limit.
     Speed {
-        /// Index of the coordinate. From N on, the index minus N is that of a joint in
-        /// [`LoopSettings::dependent_joints`](super::LoopSettings).
+        /// Index of the coordinate. An index i ≥ N stands for the joint i − N in
+        /// [`LoopSettings::dependent_joints`](super::LoopSettings::dependent_joints).
         joint: usize,
         /// Name of the joint.
         name: &'static str,
@@ -55,7 +55,7 @@ impl fmt::Display for LimitFault {
         match self {
             Self::Position { name, position, stopping, limits: [low, high], setting, .. } => write!(
                 f,
-                "joint {} at {position:.4} would stop at {stopping:.4}, outside {low:.4} to {high:.4} rad (or m) of `{setting}`",
+                "joint {} at {position:.4} would stop at {stopping:.4}, outside the range {low:.4} to {high:.4} rad (or m) of `{setting}`",
                 Named(name)
             ),
             Self::Speed { name, speed, limit, setting, .. } => write!(
@@ -87,7 +87,7 @@ pub(super) fn limit_inputs<const M: usize>(inputs: &mut [f64; M], limits: &[[f64
     limited
 }
 
-/// Checks position limits without braking distance. `names` are the names of the joints.
+/// Checks position limits without braking distance. `names` are the names of the coordinates.
 ///
 /// # Errors
 /// [`LimitFault::Position`] for the first position outside its limits.
@@ -101,8 +101,8 @@ pub(super) fn check_positions<const N: usize, const M: usize>(
     check_dependent(settings.dependent_joints, [positions, positions], &[0.0; N], dependent)
 }
 
-/// Position and velocity of a joint that follows others, for given positions and velocities of the
-/// coordinates.
+/// Function that returns position and velocity of a joint that follows other joints, for given positions and
+/// velocities of the coordinates.
 pub(super) type DependentMotion<'a, const N: usize> =
     &'a dyn Fn(&DependentJoint<N>, (&[f64; N], &[f64; N])) -> [f64; 2];
 
@@ -141,7 +141,7 @@ pub(super) fn check_state<const N: usize, const M: usize>(
         }
     }
     check_dependent(settings.dependent_joints, [positions, &stopping], velocities, situation.dependent)?;
-    // An old position is not a measure of the error.
+    // An old position does not show the present following error.
     for joint in (0..N).filter(|_| situation.age == 0.0) {
         let (error, limit) = (situation.error[joint], settings.following_error[joint]);
         let within = error.abs() <= limit;
@@ -238,19 +238,19 @@ mod tests {
 
     #[test]
     fn the_braking_distance_counts() {
-        // 2 rad/s and 10 rad/s²: 0.2 rad.
+        // The braking distance at 2 rad/s with 10 rad/s² is 0.2 rad.
         let at = |y: f64, v: f64| check(y, v, 0.0, y);
         assert_eq!(at(0.79, 2.0), Ok(()));
         let fault = at(0.81, 2.0).unwrap_err();
         assert!(matches!(fault, LimitFault::Position { .. }));
         assert_eq!(
             fault.to_string(),
-            "joint \"upper arm\" at 0.8100 would stop at 1.0100, outside -1.0000 to 1.0000 rad (or m) of `position_limits`"
+            "joint \"upper arm\" at 0.8100 would stop at 1.0100, outside the range -1.0000 to 1.0000 rad (or m) of `position_limits`"
         );
         assert_eq!(at(0.81, -2.0), Ok(()), "it moves away");
         assert!(matches!(at(-0.81, -2.0), Err(LimitFault::Position { .. })));
         assert!(matches!(at(1.01, 0.0), Err(LimitFault::Position { .. })));
-        // A tenth above the described 2 rad/s, on which predictive controllers ride.
+        // Predictive controllers reach the described limit of 2 rad/s. The loop brakes 10 % above it.
         assert_eq!(at(0.0, 2.19), Ok(()));
         let fault = at(0.0, 2.21).unwrap_err();
         assert_eq!(
@@ -266,7 +266,7 @@ mod tests {
         assert!(matches!(at(0.06), Err(LimitFault::Position { .. })));
     }
 
-    /// One that goes the other way at twice the speed.
+    /// A dependent joint that moves in the opposite direction at twice the speed.
     const ROD: DependentJoint<1> = DependentJoint {
         name: "rod",
         ratios: [-2.0],
@@ -284,22 +284,22 @@ mod tests {
                 Situation { positions: &[y], velocities: &[v], age: 0.0, error: &[0.0], dependent: NONE };
             check_state(&settings, &["upper arm"], &situation)
         };
-        // Its own limits are reached at 0.55 and −0.7 rad of the coordinate, and at 1.5 rad/s, with the margin 1.65.
+        // The limits of the rod correspond to 0.55 and −0.7 rad of the coordinate and to 1.5 rad/s (1.65 with the margin).
         assert_eq!(check(0.54, 0.0), Ok(()));
         assert_eq!(check(-0.69, 0.0), Ok(()));
         let fault = check(0.56, 0.0).unwrap_err();
         assert!(matches!(fault, LimitFault::Position { joint: 1, name: "rod", .. }), "{fault}");
         assert!(matches!(check(-0.71, 0.0), Err(LimitFault::Position { joint: 1, .. })));
-        // 1 rad/s and 10 rad/s²: 0.05 rad, twice as much at the rod.
+        // The braking distance at 1 rad/s with 10 rad/s² is 0.05 rad, and 0.1 rad at the rod.
         assert_eq!(check(0.49, 1.0), Ok(()));
         let fault = check(0.51, 1.0).unwrap_err();
-        let text = "joint rod at -0.9200 would stop at -1.0200, outside -1.0000 to 1.5000 rad (or m) of `dependent_joints`";
+        let text = "joint rod at -0.9200 would stop at -1.0200, outside the range -1.0000 to 1.5000 rad (or m) of `dependent_joints`";
         assert_eq!(fault.to_string(), text);
         assert_eq!(check(0.0, -1.64), Ok(()));
         assert!(matches!(check(0.0, -1.66), Err(LimitFault::Speed { joint: 1, .. })));
     }
 
-    /// Braked rather than believed: a law that does not know the driven joints leaves it without a number.
+    /// A law that does not know the driven joints returns NaN. The loop then brakes.
     #[test]
     fn a_joint_that_follows_something_unknown_is_beyond_its_limits() {
         let follower = DependentJoint { driven_ratios: &[1.0], ..ROD };
@@ -321,7 +321,7 @@ mod tests {
         assert!(fault.to_string().contains("check signs"), "{fault}");
     }
 
-    /// Also where the limits are infinite, which nothing finite exceeds.
+    /// NaN violates every limit, also infinite limits.
     #[test]
     fn what_is_no_number_is_beyond_every_limit() {
         let unlimited = LoopSettings {

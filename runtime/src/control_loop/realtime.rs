@@ -1,16 +1,16 @@
-//! Real-time scheduling and locked memory, if the system permits them.
+//! Requests for real-time scheduling and locked memory.
 
 use std::fmt;
 use thread_priority::{
     RealtimeThreadSchedulePolicy, ThreadPriority, ThreadPriorityValue, ThreadSchedulePolicy,
 };
 
-/// Answer of the system to a request.
+/// Answer of the operating system to a request.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Grant {
     /// The request was granted.
     Granted,
-    /// There was no request.
+    /// No request was made.
     NotRequested,
     /// The system rejected the request for this reason.
     Refused(String),
@@ -26,10 +26,10 @@ impl fmt::Display for Grant {
     }
 }
 
-/// Requests of the loop's thread to the operating system.
+/// Real-time requests to the operating system for the thread of the loop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RealtimeRequest {
-    /// Priority 1 to 98 of `SCHED_FIFO`; `None` for the usual scheduling.
+    /// Priority 1 to 98 of the real-time scheduler `SCHED_FIFO`; `None` for the usual scheduling.
     pub priority: Option<u8>,
     /// Whether all memory of the process is kept in RAM.
     pub lock_memory: bool,
@@ -43,7 +43,7 @@ impl Default for RealtimeRequest {
     }
 }
 
-/// Results of the requests. Show them to the operator, because a loop without real-time scheduling runs but
+/// Results of the requests. Show this report to the operator: without real-time scheduling the loop runs, but
 /// misses deadlines on a busy machine.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RealtimeReport {
@@ -60,12 +60,12 @@ impl fmt::Display for RealtimeReport {
 }
 
 impl RealtimeRequest {
-    /// Makes both requests for the calling thread. Call this method in the thread of the loop after all
-    /// objects are constructed: threads that are started later would inherit the priority, and only existing
-    /// memory is locked. The loop only uses existing memory.
+    /// Makes both requests for the calling thread. Call this method in the thread of the loop after all objects
+    /// are constructed and all threads are started. Threads that are started later inherit the priority. Only
+    /// memory that is already allocated is locked, and the loop allocates no other memory.
     ///
-    /// The requests need the capabilities `CAP_SYS_NICE` and `CAP_IPC_LOCK`, or limits (`rtprio`, `memlock`
-    /// in `/etc/security/limits.conf`).
+    /// The process needs the capabilities `CAP_SYS_NICE` and `CAP_IPC_LOCK`, or sufficient limits `rtprio` and
+    /// `memlock` in `/etc/security/limits.conf`.
     #[must_use]
     pub fn apply(&self) -> RealtimeReport {
         RealtimeReport {
@@ -77,7 +77,7 @@ impl RealtimeRequest {
 
 #[cfg(target_os = "linux")]
 fn request_scheduling(priority: u8) -> Grant {
-    // The crate counts 99 as an error, and 99 belongs to the kernel's watchdogs anyway.
+    // The crate rejects 99, which the kernel uses for its watchdogs.
     let Ok(value) = ThreadPriorityValue::try_from(priority) else {
         return Grant::Refused(format!("priority {priority} is not 1 to 98"));
     };
@@ -103,8 +103,8 @@ fn request_scheduling(_: u8) -> Grant {
     Grant::Refused("available only on Linux".into())
 }
 
-/// Locks the present memory with `MCL_CURRENT`. With `MCL_FUTURE` and a small limit, the first allocation of
-/// another thread would end the process.
+/// Locks the allocated memory with `MCL_CURRENT`. If `MCL_FUTURE` were used and the limit were small, the first
+/// allocation of another thread would end the process.
 #[cfg(target_os = "linux")]
 fn lock_memory() -> Grant {
     match rustix::mm::mlockall(rustix::mm::MlockAllFlags::CURRENT) {
@@ -128,7 +128,7 @@ mod tests {
         assert_eq!(request.apply().to_string(), "SCHED_FIFO not requested; locked memory not requested");
     }
 
-    /// In a thread of its own, so that no other test inherits what is granted.
+    /// Runs in a separate thread, so that other tests do not inherit the priority.
     #[test]
     fn a_request_ends_in_a_grant_or_a_reason() {
         let report = std::thread::spawn(|| {

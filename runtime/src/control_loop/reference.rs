@@ -1,9 +1,9 @@
-//! Time of the loop on the trajectory, and the controlled stop.
+//! Time on the trajectory and controlled stop.
 
 use crate::trajectory::{Sample, Trajectory};
 
-/// Time on the trajectory. It follows the clock until a controlled stop. During the stop of duration T_s,
-/// which begins at the time s_0, it slows down to standstill:
+/// Time s on the trajectory. The time follows the clock until a controlled stop begins at s_0. During the stop of
+/// duration T_s, with the time t since its beginning, the time slows down to standstill:
 ///
 /// ```text
 ///     s(t) = s_0 + t − t²/(2 T_s)        0 ≤ t ≤ T_s
@@ -14,7 +14,7 @@ use crate::trajectory::{Sample, Trajectory};
 /// trajectory time scaling*, IEEE Trans. Robotics and Automation 6 (1990)).
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Reference {
-    /// The trajectory is at this time (s).
+    /// The trajectory runs. `time` is the present time on the trajectory (s).
     Running { time: f64 },
     /// The trajectory stops from the time `since` (s) on. `elapsed` of `span` seconds have passed.
     Stopping { since: f64, elapsed: f64, span: f64 },
@@ -28,7 +28,7 @@ impl Reference {
         }
     }
 
-    /// Advances a stop by `step` seconds, or sets the time to `time` if there is no stop.
+    /// Advances a stop by `step` seconds. If no stop has begun, sets the time to `time` (s).
     pub fn advance(&mut self, time: f64, step: f64) {
         match self {
             Self::Running { time: now } => *now = time,
@@ -42,13 +42,13 @@ impl Reference {
             Self::Running { time } => time,
             Self::Stopping { since, elapsed, span } => {
                 let t = elapsed.min(span);
-                // span = 0 stops at once; 0/0 must not get into the time.
+                // A stop with `span` = 0 is immediate. The condition avoids 0/0.
                 since + if span > 0.0 { t - t * t / (2.0 * span) } else { 0.0 }
             }
         }
     }
 
-    /// Time since the trajectory has stopped (s); `None` before.
+    /// Time since the end of the stop (s); `None` before the end of a stop.
     pub fn standing(&self) -> Option<f64> {
         match *self {
             Self::Stopping { elapsed, span, .. } if elapsed >= span => Some(elapsed - span),

@@ -7,7 +7,7 @@ use super::monitor::LimitFault;
 use super::stage::STAGES;
 use crate::dynamics::Named;
 use crate::transport::{Brakes, TransportError};
-use gelenk_adaptation::{JointState, TERM_NAMES};
+use gelenk_adaptation::JointState;
 use std::fmt;
 use std::time::Duration;
 use thiserror::Error;
@@ -44,14 +44,14 @@ impl Source {
     }
 }
 
-/// Reason for which the loop stopped the robot.
+/// Reason why the loop stopped the robot.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum StopReason {
     /// A signal or another thread requested the stop.
-    #[error("asked to stop")]
+    #[error("a stop was requested")]
     Requested,
     /// The controller failed for too many periods.
-    #[error("controller: {0}")]
+    #[error("the controller failed: {0}")]
     Controller(ControllerFault),
     /// No reading arrived for too many consecutive periods.
     #[error("no measurement arrived for more than `hold_periods` periods")]
@@ -68,7 +68,7 @@ pub enum StopReason {
     /// The robot violated a limit.
     #[error("{0}")]
     Limit(LimitFault),
-    /// The program on the robot's side has restarted.
+    /// The program on the robot's side has restarted, or another controller is connected.
     #[error("the robot's side restarted during the motion, or another controller is connected")]
     Restarted,
     /// The brakes were engaged, but not by this loop.
@@ -76,7 +76,7 @@ pub enum StopReason {
     BrakedByRobot,
 }
 
-/// Reason for which the loop did not start. The brakes remain engaged.
+/// Reason why the loop did not start. The loop commands the brakes in this case.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum Refusal {
     /// No measurement arrived.
@@ -93,7 +93,7 @@ pub enum Refusal {
     Limit(LimitFault),
     /// The robot is too far from the start of the trajectory.
     #[error(
-        "joint {} is at {position:.4}, but the trajectory begins at {start:.4}: move the robot there first",
+        "joint {} is at {position:.4} rad (or m), but the trajectory begins at {start:.4}: move the robot there first",
         Named(.name)
     )]
     Start {
@@ -108,7 +108,7 @@ pub enum Refusal {
     },
     /// The inputs cannot hold the robot at its present position within their limits.
     #[error(
-        "input {} needs {needed:.4} to hold the robot, above its limit {limit:.4}",
+        "input {} would need {needed:.4} to hold the robot at its present position, beyond its limit {limit:.4}",
         Named(.name)
     )]
     Torque {
@@ -116,12 +116,12 @@ pub enum Refusal {
         input: usize,
         /// Name of the input.
         name: &'static str,
-        /// Input that would hold the robot [N m, N or A]; NaN if the fallback law gives no input.
+        /// Value of the input that would hold the robot [N m, N or A]; NaN if the fallback law returns an error.
         needed: f64,
         /// Violated limit of the input [N m, N or A].
         limit: f64,
     },
-    /// The robot was not reachable.
+    /// The transport failed.
     #[error("{0}")]
     Transport(TransportError),
 }
@@ -150,7 +150,7 @@ impl fmt::Display for End {
     }
 }
 
-/// Counts of one run.
+/// Numbers of periods, faults and other events of one run.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Counts {
     /// Periods of the loop, including braking.
@@ -163,8 +163,8 @@ pub struct Counts {
     pub fallback: u64,
     /// Periods with the previous inputs.
     pub held: u64,
-    /// Missed deadlines: periods whose inputs were not written before the next period, including skipped
-    /// periods.
+    /// Number of missed deadlines. A deadline is missed if the inputs of a period were not written before the
+    /// next period. Skipped periods are included.
     pub deadline_misses: u64,
     /// Largest number of consecutive missed deadlines.
     pub longest_miss: u64,
@@ -180,10 +180,10 @@ pub struct Counts {
     pub velocity_faults: u64,
     /// Inputs that were clamped to a limit.
     pub limited_inputs: u64,
-    /// Controller steps that failed or gave numbers that are not finite, except for steps without a
-    /// measurement.
+    /// Controller steps that failed or returned numbers that are not finite. Steps that failed because the
+    /// measurement was missing are not included.
     pub controller_faults: u64,
-    /// Failed writes, readings and brake commands of the transport.
+    /// Failed reads, writes and brake commands of the transport.
     pub transport_errors: u64,
     /// Stages that exceeded their time budget, indexed by [`Stage`](super::Stage).
     pub budget_overruns: [u64; STAGES],
@@ -195,12 +195,12 @@ pub struct Counts {
     pub lateness: Lateness,
     /// Number of warm-ups of the controller.
     pub warm_ups: u64,
-    /// Warm-ups that exceeded their time ([`LoopSettings::warm_up`](super::LoopSettings::warm_up)). There is
-    /// at most one, because the loop then omits later warm-ups.
+    /// Number of warm-ups that exceeded their time ([`LoopSettings::warm_up`](super::LoopSettings::warm_up)). The
+    /// number is at most 1, because the loop then disables later warm-ups.
     pub late_warm_ups: u64,
 }
 
-/// Result of [`ControlLoop::run`](super::ControlLoop::run), or the counts so far.
+/// Report of a run, also during the run ([`ControlLoop::report`](super::ControlLoop::report)).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoopReport<const N: usize> {
     /// End of the run.
@@ -229,7 +229,7 @@ impl<const N: usize> fmt::Display for LoopReport<N> {
         )?;
         write!(
             f,
-            "{} readings missing, {} not finite, {} jumped, {} unchanged, {} contradicted by their velocities; \
+            "{} readings missing, {} not finite, {} jumped, {} unchanged, {} with implausible velocities; \
              {} inputs limited; {} controller faults; {} transport errors",
             c.missing,
             c.not_finite,
@@ -241,16 +241,17 @@ impl<const N: usize> fmt::Display for LoopReport<N> {
             c.transport_errors
         )?;
         for (name, state) in self.joints.iter().zip(&self.learned) {
-            let Some(JointState { learned, half_widths, trust, since, .. }) = state else { continue };
-            write!(f, "\nfriction of joint {}: {} since {since:.2} s; learned:", Named(name), trust.name())?;
-            for (k, term) in TERM_NAMES.iter().enumerate() {
-                write!(f, " {term} {:.3} ± {:.3}", learned[k], half_widths[k])?;
+            let Some(state) = state else { continue };
+            let (name, trust) = (Named(name), state.trust.name());
+            write!(f, "\nfriction of joint {name}: {trust} since {:.2} s; learned:", state.since)?;
+            for term in state.terms() {
+                write!(f, " {} {:.3} ± {:.3}", term.name, term.learned, term.half_width)?;
             }
         }
         if c.late_warm_ups > 0 {
             write!(
                 f,
-                "\nwarm-ups of the controller's caches took too long and were skipped after {}",
+                "\nwarm-ups of the processor caches exceeded the time `warm_up` and were disabled after warm-up {}",
                 c.warm_ups
             )?;
         }

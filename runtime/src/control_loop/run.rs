@@ -25,7 +25,7 @@ pub(super) enum Phase {
     Running,
     /// The robot slows down along the path, and then brakes for this reason.
     Stopping(StopReason),
-    /// The loop commands the brakes for at most `left` more periods.
+    /// The loop repeats the brake command for at most `left` more periods.
     Braking { end: End, left: u32 },
     /// The run has ended.
     Ended(End),
@@ -54,18 +54,19 @@ pub(super) struct State<const N: usize, const M: usize, const NY: usize> {
     /// Consecutive periods without a write.
     pub unwritten: u64,
     pub brakes: Brakes,
-    /// Whether velocities and torques were measured at the start. Measured quantities have columns in the
-    /// log.
+    /// Whether velocities (0) and torques (1) were measured at the start. Only measured quantities have columns in
+    /// the log.
     pub(super) measures: [bool; 2],
-    /// Whether warm-ups are made; false after a warm-up that exceeded its time.
+    /// Whether warm-ups are enabled; false after a warm-up that exceeded its time.
     pub(super) warms_up: bool,
     pub counts: Counts,
 }
 
-/// The loop that drives a robot along a trajectory at a fixed rate. The [module](super) documents the
+/// Control loop that drives a robot along a trajectory at a fixed rate. The [module](super) documents the
 /// reaction to each fault.
 ///
-/// The loop owns its parts. To keep a transport or controller, pass a `&mut` reference to it.
+/// The type parameters are the fallback law `L`, the trajectory `R`, the controller `C`, the transport `T` and
+/// the clock `K`. The loop owns these objects. To keep a transport or controller, pass a `&mut` reference.
 pub struct ControlLoop<L, R, C, T, K, const N: usize, const M: usize, const NY: usize = N>
 where
     L: JointLaw<N, M, NY>,
@@ -99,12 +100,12 @@ where
     T: Transport<N, M, NY>,
     K: Clock,
 {
-    /// A loop that has not accessed the robot yet. `fallback` is used for the controlled stop, and if the
-    /// controller fails. It is usually a [`JointPd`](super::JointPd).
+    /// Constructs a loop without accessing the robot. The law `fallback` is used for the controlled stop, and if
+    /// the controller fails. It is usually a [`JointPd`](super::JointPd). If the duration of the trajectory is
+    /// infinite, the loop runs until a stop is requested.
     ///
     /// # Errors
-    /// [`SettingError`] for settings out of range, and for a trajectory whose duration is NaN. The duration
-    /// may be infinite. The loop then runs until a stop is requested.
+    /// [`SettingError`] for settings out of range, and for a trajectory whose duration is NaN.
     pub fn new(
         settings: LoopSettings<N, M>,
         fallback: L,
@@ -179,7 +180,7 @@ where
         &self.controller
     }
 
-    /// Starts, runs all periods, brakes, and reports the run.
+    /// Starts the robot, runs all periods, brakes, and returns the report of the run.
     pub fn run(&mut self) -> LoopReport<N> {
         if self.start().is_ok() {
             while self.period() {}
@@ -209,7 +210,7 @@ where
         self.clock.sleep_until(wake);
         let begin = self.clock.now();
         let lateness = begin.saturating_sub(wake);
-        // A sleep that lasted beyond whole periods: they are gone, and the grid of times stays.
+        // Whole periods that the sleep missed are skipped. The times of later periods do not change.
         let skipped = (lateness.as_nanos() / self.period.as_nanos()) as u64;
         self.state.index += skipped;
         let counts = &mut self.state.counts;
@@ -237,7 +238,7 @@ where
         !matches!(self.state.phase, Phase::Ended(_))
     }
 
-    /// One period of control. Its deadline is the beginning of the next period.
+    /// Runs one period of control. The deadline is the beginning of the next period.
     fn drive(&mut self, skipped: u64, watch: &mut Stopwatch) -> LogRecord<N, M, NY> {
         let deadline = self.beginning_of(self.state.index + 1);
         let periods = u32::try_from(skipped).unwrap_or(u32::MAX).saturating_add(1);
@@ -249,7 +250,7 @@ where
         if self.stop.is_raised() && self.state.phase == Phase::Running {
             self.slow_down(StopReason::Requested);
         }
-        // A stop stays on the path that it began on.
+        // During a stop, the motion stays on the path on which the stop began.
         if self.state.phase == Phase::Running {
             self.trajectory.begin_period(self.state.reference.time());
         }
@@ -347,7 +348,7 @@ where
             self.state.counts.transport_errors += 1;
             None
         });
-        // What the robot said before the command says nothing of its brakes now.
+        // A brake state that was read before the brake command does not show the present state.
         let reading = arrived.unwrap_or(Reading::of([f64::NAN; NY], Brakes::Unknown));
         self.state.brakes = reading.brakes;
         self.state.phase = if self.state.brakes == Brakes::Engaged || left == 0 {
@@ -377,13 +378,13 @@ where
         self.controller.learned(&self.state.believed.positions, &self.velocities())
     }
 
-    /// Logged value of quantity 0 (velocities) or 1 (torques), in every period if the robot measures the
-    /// quantity.
+    /// Value of quantity 0 (velocities) or 1 (torques) for the log; `None` if the robot does not measure this
+    /// quantity, NaN if the value is missing in this period.
     fn logged(&self, quantity: usize, values: Option<[f64; N]>) -> Option<[f64; N]> {
         self.state.measures[quantity].then(|| values.unwrap_or([f64::NAN; N]))
     }
 
-    /// Whether inputs are written, so the brakes are not commanded.
+    /// Whether the loop writes inputs and does not command the brakes.
     pub(super) fn is_driving(&self) -> bool {
         matches!(self.state.phase, Phase::Running | Phase::Stopping(_))
     }
@@ -398,7 +399,7 @@ where
         self.state.index as f64 * self.seconds - self.release_time()
     }
 
-    /// Release time in whole periods, so that the trajectory starts at the beginning of a period (s).
+    /// Release time (s), rounded to whole periods so that the trajectory starts at the beginning of a period.
     pub(super) fn release_time(&self) -> f64 {
         (self.settings.release_time / self.seconds).ceil() * self.seconds
     }

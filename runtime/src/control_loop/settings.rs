@@ -9,78 +9,81 @@ use crate::no_std::*;
 use core::fmt;
 use core::time::Duration;
 
-/// Factor of the speed limits of the description at which the loop brakes. Predictive controllers use the
-/// speed limit itself as a soft limit.
+/// Ratio of the speed at which the loop brakes to the speed limit of the description. Predictive controllers use
+/// the speed limit itself as a soft limit, and may exceed it slightly.
 pub const SPEED_MARGIN: f64 = 1.1;
 
 /// Allowed rates of the loop (Hz).
 pub const RATES: core::ops::RangeInclusive<f64> = 50.0..=1000.0;
 
-/// Settings of a [`ControlLoop`](super::ControlLoop). Start with [`for_robot`](Self::for_robot) and change
-/// single settings.
+/// Settings of a [`ControlLoop`](super::ControlLoop). Begin with [`for_robot`](Self::for_robot), and change the
+/// settings that differ.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoopSettings<const N: usize, const M: usize> {
-    /// Periods per second, 50 to 1000 (Hz).
+    /// Rate of the loop, 50 to 1000 Hz.
     pub rate: f64,
-    /// Number of consecutive periods without a plausible measurement, or with a missed deadline, that the
-    /// loop tolerates. In these periods the robot holds its inputs or follows the controller's prediction. In
-    /// the next such period the loop brakes.
+    /// Largest number of consecutive periods without a plausible measurement, and of consecutive missed deadlines.
+    /// In these periods the robot holds its inputs or follows the controller's prediction. After one more period
+    /// without a plausible measurement, or one more missed deadline, the loop engages the brakes.
     pub hold_periods: u32,
-    /// Number of consecutive periods for which the plan of the last successful step is used if the controller
+    /// Number of consecutive periods in which the loop uses the plan of the last successful step if the controller
     /// fails.
     pub plan_periods: u32,
-    /// Number of consecutive periods without a successful controller step, on the plan or the fallback, after
-    /// which the loop makes a controlled stop.
+    /// Number of consecutive periods without a successful controller step after which the loop makes a controlled
+    /// stop. In these periods the loop uses the plan or the fallback law.
     pub fallback_periods: u32,
-    /// Allowed positions of the robot [rad or m].
+    /// Lower and upper limit of the position of each coordinate [rad or m].
     pub position_limits: [[f64; 2]; N],
     /// Speeds at which the loop brakes [rad/s or m/s].
     pub speed_limit: [f64; N],
-    /// Joints that follow others. Their limits apply in addition to `position_limits` and `speed_limit`.
-    /// Their speed limits are multiplied by [`SPEED_MARGIN`].
+    /// Joints that follow other joints. The loop also checks the limits of these joints. Their speed limits are
+    /// multiplied by [`SPEED_MARGIN`].
     pub dependent_joints: &'static [DependentJoint<N>],
-    /// Deceleration that the brakes guarantee [rad/s² or m/s²]. The loop brakes if the robot would otherwise
-    /// stop outside `position_limits`. If the deceleration is infinite, the braking distance is 0.
+    /// Deceleration that the brakes guarantee [rad/s² or m/s²]. The loop brakes as soon as the braking distance
+    /// would end outside `position_limits`. If the deceleration is infinite, the braking distance is 0.
     pub braking_deceleration: [f64; N],
-    /// Distance from the desired position at which the loop brakes [rad or m]. This limit stops a drive with
-    /// the wrong sign.
+    /// Largest distance from the desired position [rad or m]. The loop brakes beyond this distance, for example if
+    /// a drive has the wrong sign.
     pub following_error: [f64; N],
     /// Largest distance from the start of the trajectory at which the loop starts [rad or m].
     pub start_tolerance: [f64; N],
-    /// Lowest and highest value of each input [N m, N or A]. The inputs of every controller are clamped to
-    /// these values. 0 must be between them.
+    /// Lowest and highest value of each input [N m, N or A], with 0 between the two values. The loop clamps all
+    /// inputs to this range.
     pub input_limits: [[f64; 2]; M],
-    /// Torque–speed lines of motors. Inputs beyond a line are clamped, because the motor cannot produce them.
-    /// The speed is the estimate of the controller, or of the loop if the controller has no estimator.
+    /// Torque–speed lines of motors, which limit the torque at high speed. The loop clamps inputs beyond a line,
+    /// because the motor cannot produce them. The speed is the estimate of the controller, or of the loop if the
+    /// controller has no estimator.
     pub torque_speed: &'static [TorqueSpeedLine<N>],
     /// Tolerances of the encoder guard.
     pub guard: GuardSettings<N>,
-    /// Time constant of the velocity estimate from positions (s), for speed check, fallback and log. It has
-    /// no effect if the robot measures velocities.
+    /// Time constant of the velocity estimate from positions (s), for speed check, fallback law and log. The
+    /// setting has no effect if the robot measures velocities.
     pub velocity_time_constant: f64,
-    /// Speed below which a robot is at rest [rad/s or m/s].
+    /// Speed below which a coordinate counts as at rest [rad/s or m/s].
     pub standstill_speed: [f64; N],
     /// Duration of a controlled stop of the trajectory (s).
     pub stop_time: f64,
-    /// Time between the end of the trajectory and the engagement of the brakes (s).
+    /// Time between the end of the trajectory and the brake command (s). If the robot is not at rest after this
+    /// time, the loop waits for at most `stop_time` longer.
     pub settling_time: f64,
-    /// Release time of the brakes (s), in which the inputs hold the start position.
+    /// Time that the brakes need to release (s). During this time the inputs hold the start position.
     pub release_time: f64,
-    /// Number of periods without a plausible reading after which the loop refuses to start.
+    /// Number of periods without a valid reading after which the loop refuses to start.
     pub start_periods: u32,
-    /// Largest number of periods in which the loop repeats the brake command until the brakes are engaged.
+    /// Largest number of periods in which the loop repeats the brake command while the brakes are not engaged.
     pub brake_periods: u32,
-    /// Time before each period (s), at most half a period, in which controller and fallback compute a step to
-    /// warm up the caches. 0 disables warm-ups. Without warm-up, the first step after a pause waits for
-    /// memory. The first warm-up is made before the brakes are released. A warm-up that takes longer than
-    /// this time disables all later ones. Warm-ups cost one more step and one more wake-up of the thread in
-    /// each period.
+    /// Time before each period (s), at most half a period, in which controller and fallback law compute a step to
+    /// warm up the processor caches. 0 disables warm-ups. Without a warm-up, each step after the sleep waits for
+    /// memory. The first warm-up is made before the brakes are released. A warm-up that takes longer than this
+    /// time disables all later warm-ups. Warm-ups cost one more step and one more wake-up of the thread in each
+    /// period.
     ///
-    /// Measured at 50 Hz (`benches/warm_up.rs`): with warm-up, the first step of joint PD or computed torque
-    /// for six joints is 2 times as fast, and an LTV-MPC step 1.2 to 1.7 times as fast. An NMPC step is long
-    /// and gains nothing.
+    /// Warm-ups were measured at 50 Hz (`benches/warm_up.rs`). They make a step of joint PD or computed torque for
+    /// six joints 2 times as fast, and an LTV-MPC step 1.2 to 1.7 times as fast. They do not help an NMPC step,
+    /// which takes much longer.
     pub warm_up: f64,
-    /// Time budget of each stage. Exceeded budgets are only counted. The loop reacts to missed deadlines.
+    /// Time budget of each stage, indexed by [`Stage`](super::Stage). The loop only counts exceeded budgets. It
+    /// reacts to missed deadlines.
     pub budgets: [Duration; STAGES],
 }
 
@@ -104,8 +107,7 @@ impl<const N: usize, const M: usize> LoopSettings<N, M> {
     /// | `start_periods`, `brake_periods` | 50, 10 |
     /// | `warm_up` | 0.1 T |
     ///
-    /// Set your own values for joints in metres, and for robots without speed limits.
-    /// speed limits, set your own values.
+    /// Change these values for prismatic joints, and for joints without speed limits.
     #[must_use]
     pub fn for_robot<const NY: usize>(rate: f64, model: &impl Dynamics<N, M, NY>) -> Self {
         Self::within(rate, &model.limits(), model.input_limits().peak)
@@ -113,7 +115,7 @@ impl<const N: usize, const M: usize> LoopSettings<N, M> {
 
     pub(super) fn within(rate: f64, limits: &Limits<N, M>, input_limits: [[f64; 2]; M]) -> Self {
         let fastest = limits.narrowed().velocity;
-        // A rate out of range is refused when the loop is made, not here.
+        // `ControlLoop::new` rejects a rate out of range, not this function.
         let period = 1.0 / if RATES.contains(&rate) { rate } else { *RATES.start() };
         let share = |part: f64| Duration::from_secs_f64(part * period);
         let mut budgets = [share(0.05); STAGES];
@@ -156,7 +158,7 @@ impl<const N: usize, const M: usize> LoopSettings<N, M> {
         Duration::from_nanos((1e9 / self.rate).round() as u64)
     }
 
-    /// Checks that positions of joints with quaternions have no limits.
+    /// Checks that the settings contain no position limits for joints with quaternions.
     ///
     /// - `joints`: the joints with quaternions
     ///

@@ -1,9 +1,9 @@
-//! Parts of a period.
+//! Stages of a period.
 
-/// Parts of a period in order.
+/// Stages of a period, in order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
-    /// Reading of positions and plausibility check.
+    /// Reading of the measurement and plausibility check.
     Read,
     /// Controller and its fallback.
     Control,

@@ -27,7 +27,7 @@ where
     /// yourself.
     ///
     /// # Errors
-    /// [`Refusal`] with the reason for which the loop does not start. The brakes are then engaged.
+    /// [`Refusal`] with the reason why the loop does not start. The loop then commands the brakes.
     pub fn start(&mut self) -> Result<(), Refusal> {
         let started = self.try_start();
         if let Err(refusal) = started {
@@ -47,11 +47,11 @@ where
             .map_err(Refusal::Limit)?;
         let start = Unwrapped::at(self.trajectory.sample(0.0).positions, &self.fallback);
         let way = self.fallback.difference(&start.positions, &positions);
-        // The report on a joint with a quaternion has its distance from the start.
+        // For a joint with a quaternion, the report shows the distance from the start.
         let told = start.moved_to(&positions, &self.fallback).coordinates;
         for joint in 0..N {
             let distance = way[joint].abs();
-            // Written so that a trajectory of NaN is refused.
+            // This form rejects a trajectory with NaN.
             let near = distance <= self.settings.start_tolerance[joint];
             if !near {
                 return Err(Refusal::Start {
@@ -89,7 +89,7 @@ where
             if self.stop.is_raised() {
                 return Err(Refusal::Requested);
             }
-            // Errors too are waited out: a robot that was just switched on reports its restart here.
+            // The loop also waits after errors. For example, a robot that was just switched on reports its restart here.
             refusal = match self.transport.brake().and_then(|()| self.transport.read()) {
                 Ok(Some(reading)) => match self.judge_first(&reading) {
                     Ok(()) => return Ok(reading.positions),

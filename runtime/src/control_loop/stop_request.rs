@@ -15,9 +15,8 @@ impl StopRequest {
         Self::default()
     }
 
-    /// A request that is raised by SIGINT (Ctrl-C) and SIGTERM. These signals then no longer end the process.
-    /// Instead the loop ends after the robot is at rest and its brakes are engaged. Further signals have no
-    /// effect.
+    /// A request that the signals SIGINT (Ctrl-C) and SIGTERM raise. These signals then no longer end the process.
+    /// Instead, the loop makes a controlled stop and engages the brakes. Further signals have no effect.
     ///
     /// # Errors
     /// [`io::Error`] if the system rejects the signal handlers.

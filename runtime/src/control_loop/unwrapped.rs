@@ -1,4 +1,4 @@
-//! Unwrapped positions, one entry for each velocity, which guard, filter and limits can subtract.
+//! Unwrapped coordinates with one entry for each velocity. Guard, filter and limits can subtract them.
 
 use super::law::JointLaw;
 use crate::dynamics::plain_positions;
@@ -15,12 +15,12 @@ pub(super) struct Unwrapped<const N: usize, const NY: usize> {
 }
 
 impl<const N: usize, const NY: usize> Unwrapped<N, NY> {
-    /// Value at the start, at which the coordinates of joints with quaternions are 0.
+    /// Returns the coordinates at the start of the loop. They are 0 for joints with quaternions.
     pub fn at<const M: usize>(positions: [f64; NY], law: &impl JointLaw<N, M, NY>) -> Self {
         Self { positions, coordinates: plain_positions(law.quaternion_joints(), &positions) }
     }
 
-    /// Value after a motion from the present positions to `positions`.
+    /// Returns the coordinates after a motion from the present positions to `positions`.
     pub fn moved_to<const M: usize>(&self, positions: &[f64; NY], law: &impl JointLaw<N, M, NY>) -> Self {
         let mut coordinates: [f64; N] = plain_positions(law.quaternion_joints(), positions);
         if N != NY {

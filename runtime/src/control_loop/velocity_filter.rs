@@ -1,14 +1,14 @@
-//! Velocities that are measured or estimated from positions.
+//! Measured velocities, or velocities estimated from positions.
 
-/// Velocities of joints: measured velocities, or low-pass filtered differences of positions with the time
-/// constant T_v and the time Δt between two positions,
+/// Filter for the velocities of joints. If velocities are measured, it returns them. Otherwise it estimates them
+/// by low-pass filtered differences of positions,
 ///
 /// ```text
 ///     v̂ += Δt/(Δt + T_v) ((y − y_before)/Δt − v̂)
 /// ```
 ///
-/// The delay of a difference is Δt/2. The delay of the filter is T_v. With T_v = 0 the velocity is the
-/// unfiltered difference.
+/// with the time constant T_v and the time Δt between two positions. The delay of a difference is Δt/2. The
+/// filter adds the delay T_v. If T_v = 0, the velocity is the unfiltered difference.
 ///
 /// ```
 /// use gelenk_runtime::control_loop::VelocityFilter;
@@ -27,8 +27,7 @@ pub struct VelocityFilter<const N: usize> {
 }
 
 impl<const N: usize> VelocityFilter<N> {
-    /// A filter at rest at `positions` [rad or m]. `time_constant` is T_v (s); values that are not positive
-    /// count as 0.
+    /// A filter at rest at `positions` [rad or m]. `time_constant` is T_v (s). Negative values and NaN count as 0.
     #[must_use]
     pub fn new(time_constant: f64, positions: [f64; N]) -> Self {
         Self { time_constant: time_constant.max(0.0), positions, velocities: [0.0; N] }
@@ -50,8 +49,8 @@ impl<const N: usize> VelocityFilter<N> {
         possible
     }
 
-    /// Updates the filter with positions [rad or m] and measured velocities [rad/s or m/s], which are not
-    /// filtered. Returns false and changes nothing if a number is not finite.
+    /// Updates the filter with positions [rad or m] and measured velocities [rad/s or m/s]. The measured velocities
+    /// are not filtered. Returns false and changes nothing if a number is not finite.
     pub fn update_measured(&mut self, positions: &[f64; N], velocities: &[f64; N]) -> bool {
         let possible = positions.iter().chain(velocities).all(|x| x.is_finite());
         if possible {

@@ -17,8 +17,8 @@ where
     T: Transport<N, M, NY>,
     K: Clock,
 {
-    /// First warm-up, while the brakes are engaged and the duration has no effect. If it exceeds its time,
-    /// later warm-ups are disabled.
+    /// Makes the first warm-up while the brakes are engaged, so its duration does not delay a period. If the warm-up
+    /// exceeds its time, later warm-ups are disabled.
     pub(super) fn first_warm_up(&mut self, positions: &[f64; NY]) {
         if self.state.warms_up {
             let begin = self.clock.now();
@@ -38,7 +38,7 @@ where
         }
         self.clock.sleep_until(begin);
         let woken = self.clock.now();
-        // A wake-up this late has used up the time.
+        // After a wake-up this late, the remaining time is too short.
         if woken.saturating_sub(begin) > wake.saturating_sub(begin) / 2 {
             return;
         }

@@ -5,11 +5,11 @@ use crate::dynamics::{Discretizable, Discretization};
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
 
-/// Zero-order hold at a state.
+/// Discrete-time linear model (zero-order hold) at a state.
 ///
 /// # Errors
-/// [`ControllerFault::TooFast`] with the joint that is too fast for it. [`ControllerFault::NotFinite`] if
-/// state or model are not finite.
+/// - [`ControllerFault::TooFast`] if a joint is too fast for the zero-order hold.
+/// - [`ControllerFault::NotFinite`] if state or model are not finite.
 pub(crate) fn discretize<const N: usize, const M: usize, const NY: usize>(
     model: &impl Discretizable<N, M, NY>,
     y: &[f64; NY],
@@ -46,12 +46,13 @@ pub(crate) fn too_fast<const N: usize, const M: usize, const NY: usize>(
     })
 }
 
-/// Upper bound of the rates of `ÿ = A y + B ẏ` for the row sums a and b of A and B.
+/// Upper bound of the rates (magnitudes of the eigenvalues) of `ÿ = A y + B ẏ`, for the largest row sums a of A and
+/// b of B.
 pub(crate) fn rate(a: f64, b: f64) -> f64 {
     0.5 * (b + (b * b + 4.0 * a).sqrt())
 }
 
-/// Sum of the magnitudes of a row.
+/// Sum of the magnitudes of the entries of a row.
 pub(crate) fn magnitude<const N: usize>(row: &[f64; N]) -> f64 {
     row.iter().map(|x| x.abs()).sum()
 }

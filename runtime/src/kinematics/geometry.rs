@@ -1,56 +1,61 @@
-//! Joint axes of a serial arm, which are computed from its pose function.
+//! Joint axes of a serial arm, computed from its pose function.
 
 use super::{Pose, matrix, rotation, rows, skew, vector};
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 use thiserror::Error;
 
-/// Largest difference of a pose function from the computed geometry [m, 1].
+/// Largest accepted difference between the pose function and the computed geometry (m for positions, 1 for
+/// rotation matrices).
 const TOLERANCE: f64 = 1e-9;
 /// Rotation of one joint from which its axis is computed (rad).
 const PROBE: f64 = 1.0;
 
-/// Reason for which a pose function does not belong to a supported arm.
+/// Reason why a pose function does not belong to a supported arm.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum GeometryError {
-    /// A joint does not rotate its frame about an axis by its coordinate.
-    #[error("joint {} is not a revolute joint whose frame turns with its coordinate", .joint + 1)]
+    /// A joint does not rotate the frame about an axis by the angle of its coordinate.
+    #[error("joint {} is not a revolute joint that rotates the frame by its coordinate (rad)", .joint + 1)]
     NotRevolute {
         /// Index of the joint, from 0. Messages count from 1.
         joint: usize,
     },
     /// The pose is not a product of rotations about six axes.
     #[error(
-        "the pose function differs by {error} from six revolute joints in series with the frame on the last"
+        "the pose function is not that of six revolute joints in series with the frame on the last link: poses \
+         differ by up to {error} (m, or entries of the rotation matrix)"
     )]
     NotSerial {
-        /// Largest difference [m, 1].
+        /// Largest difference of positions (m) or of entries of the rotation matrix.
         error: f64,
     },
     /// The last three axes do not meet in one point.
     #[error(
-        "the axes of the last three joints miss a common point by {distance} m, so there is no spherical wrist"
+        "the arm has no spherical wrist: the axes of the last three joints miss a common point by {distance} m"
     )]
     NoSphericalWrist {
         /// Largest distance of an axis from the common point (m).
         distance: f64,
     },
-    /// The arm before the wrist has an unsupported geometry: its second and third axes are not parallel, its
-    /// first axis is parallel to the second one, an axis of the wrist is parallel to the next one, or a link
-    /// has no length.
-    #[error("the arm before the wrist has an unsupported geometry: {condition}")]
+    /// The arm has an unsupported geometry for one of these reasons:
+    ///
+    /// - the second and third axes are not parallel
+    /// - the first axis is parallel to the second axis
+    /// - an axis of the wrist is parallel to the next axis
+    /// - the upper arm or the forearm has the length 0
+    #[error("the geometry of the arm is not supported: {condition}")]
     NotSolved {
         /// The condition that is not satisfied.
         condition: &'static str,
     },
 }
 
-/// An arm as a product of exponentials:
+/// Joint axes (screws) of a six-axis arm at y = 0, for the product of exponentials
 ///
 /// ```text
 ///     T(y) = exp(ξ_1 y_1) … exp(ξ_6 y_6) T(0)
 /// ```
 ///
-/// The axis ξ_i of joint i is given at y = 0, and T is the pose of the frame (Murray, Li, Sastry, *A
+/// with the pose T of the frame, the joint angles y (rad) and the screw ξ_i of joint i (Murray, Li, Sastry, *A
 /// Mathematical Introduction to Robotic Manipulation*, 1994, section 3.2).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Screws {
@@ -64,12 +69,12 @@ pub struct Screws {
 }
 
 impl Screws {
-    /// Computes the axes from a pose function. The pose with one joint rotated, relative to the pose at y =
-    /// 0, is a rotation about the axis of this joint.
+    /// Computes the axes from a pose function. Each joint is rotated separately from y = 0. The change of the pose
+    /// is a rotation about the axis of this joint.
     ///
     /// # Errors
-    /// [`GeometryError::NotRevolute`] for a joint that does not rotate about an axis.
-    /// [`GeometryError::NotSerial`] if poses at other positions are not the product of these rotations.
+    /// - [`GeometryError::NotRevolute`] for a joint that does not rotate the frame about an axis.
+    /// - [`GeometryError::NotSerial`] if poses at other positions are not the product of these rotations.
     pub fn from_poses(pose: impl Fn(&[f64; 6]) -> Pose) -> Result<Self, GeometryError> {
         let (home_position, home_rotation) = pose(&[0.0; 6]);
         let mut screws = Self {
@@ -86,12 +91,12 @@ impl Screws {
             screws.points[joint] = point;
         }
         let error = screws.largest_error(pose);
-        // Written so that NaN counts as a difference.
+        // This form counts NaN as a difference.
         if error <= TOLERANCE { Ok(screws) } else { Err(GeometryError::NotSerial { error }) }
     }
 
-    /// Axis of the rotation by [`PROBE`] from the home pose to `turned`, and the point on it that is closest
-    /// to the origin. `None` if this motion is not a rotation by [`PROBE`].
+    /// Axis of the rotation by [`PROBE`] from the home pose to `turned`, and the point on the axis that is closest
+    /// to the origin; `None` if this motion is not a rotation by [`PROBE`].
     fn axis(&self, turned: &Pose) -> Option<(Vector3<f64>, Vector3<f64>)> {
         let turn = matrix(&turned.1) * self.home_rotation.transpose();
         let antisymmetric = (turn - turn.transpose()) * 0.5;
@@ -100,12 +105,12 @@ impl Screws {
         let shift = vector(&turned.0) - turn * self.home_position;
         let unit = (axis.norm() - 1.0).abs() <= TOLERANCE;
         let no_slide = axis.dot(&shift).abs() <= TOLERANCE;
-        // (I − R) p = shift, for p across the axis.
+        // This is the solution p of (I − R) p = shift that is perpendicular to the axis.
         let point = (shift + axis.cross(&shift) / (0.5 * PROBE).tan()) * 0.5;
         (unit && no_slide).then_some((axis.normalize(), point))
     }
 
-    /// Largest difference from the pose function in five configurations with irregular angles of all joints.
+    /// Largest difference from the pose function at five configurations with irregular joint angles.
     fn largest_error(&self, pose: impl Fn(&[f64; 6]) -> Pose) -> f64 {
         (1..=5).fold(0.0_f64, |largest, k| {
             let y = core::array::from_fn(|j| (f64::from(k) * (2.7 + j as f64 * 1.9)).sin() * 3.0);
@@ -124,7 +129,7 @@ impl Screws {
         (position.into(), rows(&(r * self.home_rotation)))
     }
 
-    /// Displacement and rotation of the product exp(ξ_i y_i) … over a range of joints.
+    /// Displacement and rotation of the product of exp(ξ_i y_i) over a range of joints.
     pub(super) fn transform(
         &self,
         y: &[f64; 6],
@@ -139,9 +144,10 @@ impl Screws {
         (p, r)
     }
 
-    /// Joint velocities and accelerations for a velocity V and an acceleration A of the frame at its origin:
-    /// `ẏ = J⁻¹ V`, `ÿ = J⁻¹ (A − J̇ ẏ)`. V and A are in the base frame, with the linear part first [m/s,
-    /// rad/s; m/s², rad/s²]. `None` if J is singular.
+    /// Joint velocities `ẏ = J⁻¹ V` (rad/s) and accelerations `ÿ = J⁻¹ (A − J̇ ẏ)` (rad/s²) at joint angles `y`, with
+    /// the Jacobian J; `None` if J is singular. V is the velocity of the frame and A its acceleration, at the
+    /// origin of the frame and in base coordinates. The three linear entries (m/s, m/s²) come before the three
+    /// angular entries (rad/s, rad/s²).
     #[must_use]
     pub fn rates(
         &self,
@@ -170,19 +176,19 @@ impl Screws {
     }
 }
 
-/// The acceleration J̇ ẏ of the frame if the joints do not accelerate, computed from link to link (Craig,
-/// *Introduction to Robotics*, 2005, section 6.2).
+/// The acceleration J̇ ẏ that the frame has at constant joint velocities (Craig, *Introduction to Robotics*, 2005,
+/// section 6.2).
 fn bias(axes: &[Vector3<f64>; 6], arms: &[Vector3<f64>; 6], rates: &Vector6<f64>) -> Vector6<f64> {
     let (mut linear, mut angular, mut omega) = (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
     for j in 0..6 {
-        // The axis turns with all joints before it.
+        // The axis rotates with all joints before it.
         let spin = axes[j] * rates[j];
         let change = skew(&omega) * spin;
         linear += change.cross(&arms[j]);
         angular += change;
         omega += spin;
     }
-    // Centripetal parts: each arm turns with its axis' link and all after it.
+    // These are the centripetal parts. The vector from joint j to joint j + 1 rotates with the link of joint j.
     for j in 0..6 {
         let spin = axes[j] * rates[j];
         let end_velocity: Vector3<f64> =

@@ -1,9 +1,9 @@
-//! Poses, rotations and matrices of three rows.
+//! Poses, rotations and 3 × 3 matrices.
 
 use nalgebra::{Matrix3, Vector3};
 
-/// Pose of a frame in the base frame: position (m), and rotation matrix whose columns are the axes of the
-/// frame. Generated pose functions return this type.
+/// Pose of a frame in the base frame, as returned by generated pose functions. The first entry is the position
+/// (m). The second entry is the rotation matrix, row by row; its columns are the axes of the frame.
 pub type Pose = ([f64; 3], [[f64; 3]; 3]);
 
 pub(super) fn vector(p: &[f64; 3]) -> Vector3<f64> {
@@ -18,7 +18,7 @@ pub(super) fn rows(m: &Matrix3<f64>) -> [[f64; 3]; 3] {
     core::array::from_fn(|i| core::array::from_fn(|j| m[(i, j)]))
 }
 
-/// Matrix of the cross product with `w`.
+/// Matrix W of the cross product, `W x = w × x`.
 pub(super) fn skew(w: &Vector3<f64>) -> Matrix3<f64> {
     w.cross_matrix()
 }

@@ -1,8 +1,7 @@
-//! Kinematics of six-axis arms with a spherical wrist: their geometry from a pose function, and analytic
-//! inverse kinematics.
+//! Analytic inverse kinematics of six-axis arms with a spherical wrist.
 //!
-//! A generated module has a pose function for each frame, for example `frame_tool_pose(y)`. The geometry is
-//! computed from calls of this function.
+//! A generated module has a pose function for each frame, for example `frame_tool_pose(y)`. The geometry of the
+//! arm is computed from values of this function.
 
 mod geometry;
 mod matrices;

@@ -1,10 +1,10 @@
 //! Analytic inverse kinematics of six-axis arms with a spherical wrist.
 //!
-//! The wrist's centre does not depend on the last three joints, and the rotation of the wrist does not depend
-//! on its position. If the second and third axes are parallel, each part leads to a sequence of equations
-//! `a cos y + b sin y = c` (Pieper, *The Kinematics of Manipulators under Computer Control*, 1968; the
-//! subproblems of Paden and Kahan in Murray, Li, Sastry, *A Mathematical Introduction to Robotic
-//! Manipulation*, 1994, section 3.3).
+//! The position of the wrist's centre depends only on the first three joints. The last three joints then
+//! complete the orientation. If the second and third axes are parallel, both parts are sequences of equations
+//! `a cos y + b sin y = c` for one joint angle y (Pieper, *The Kinematics of Manipulators under Computer
+//! Control*, 1968; the subproblems of Paden and Kahan in Murray, Li, Sastry, *A Mathematical Introduction to
+//! Robotic Manipulation*, 1994, section 3.3).
 
 use super::geometry::{GeometryError, Screws};
 use super::{Pose, matrix, rotation, vector};
@@ -14,17 +14,17 @@ use thiserror::Error;
 
 /// Distances (m) and deviations of directions below this value count as zero.
 const GEOMETRY: f64 = 1e-8;
-/// Share of its largest value below which the lever of a joint counts as zero. Two solutions then coincide,
-/// or a joint is free.
+/// Relative lever arm of a joint below which the arm counts as singular. The lever arm is relative to its largest
+/// value. In a singular configuration two solutions coincide, or a joint is free.
 const SINGULAR: f64 = 1e-6;
-/// Relative distance by which a target may be out of reach because of rounding. The arm is then fully
+/// Relative distance by which a target may be out of reach because of rounding. For such a target the arm is fully
 /// stretched or folded.
 const REACH: f64 = 1e-12;
 
 /// A configuration in which the frame cannot move in every direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Singularity {
-    /// The wrist's centre is on the first axis, so the first joint is free.
+    /// The wrist's centre is on the first axis, so the angle of the first joint is free.
     Shoulder,
     /// The arm is stretched or folded, so its two elbow solutions coincide.
     Elbow,
@@ -33,26 +33,27 @@ pub enum Singularity {
     Wrist,
 }
 
-/// One of the eight solution branches of a pose.
+/// One of the up to eight solutions for a pose. Each flag selects one of two angles of a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Branch {
-    /// Which of both solutions of the first joint.
+    /// Selects one of the two angles of the first joint.
     pub shoulder: bool,
-    /// Which of both solutions of the third joint.
+    /// Selects one of the two angles of the third joint.
     pub elbow: bool,
-    /// Which of both solutions of the fifth joint.
+    /// Selects one of the two angles of the fifth joint.
     pub wrist: bool,
 }
 
 /// Joint angles for a pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Solution {
-    /// Joint angles (rad). Of the angles that differ by full turns, the ones closest to the given angles are
-    /// taken.
+    /// Joint angles (rad). Full turns are added so that the angles are closest to the angles given to
+    /// [`SphericalWrist::solve`].
     pub positions: [f64; 6],
     /// Branch of the solution.
     pub branch: Branch,
-    /// Whether shoulder, elbow and wrist are singular. A free joint has the given angle.
+    /// Whether shoulder, elbow and wrist are singular. If a joint is free, its angle is the angle given to
+    /// [`SphericalWrist::solve`].
     pub singular: [bool; 3],
 }
 
@@ -64,25 +65,26 @@ impl Solution {
     }
 }
 
-/// Largest angle (rad). Larger angles have lost the digits that a pose needs.
+/// Largest accepted angle (rad). The rounding error of larger angles is too large for an accurate pose.
 const FARTHEST: f64 = 1e6;
 
-/// Reason for which a pose cannot be reached.
+/// Reason why the inverse kinematics has no solution.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum KinematicsError {
     /// The wrist's centre would be too close to the first axis.
     #[error(
-        "the wrist's centre would be {distance} m from the first axis; the arm requires at least {least} m"
+        "the wrist's centre would be {distance} m from the first axis, but its smallest possible distance is \
+         {least} m"
     )]
     TooCloseToFirstAxis {
         /// Distance of the wrist's centre from the first axis (m).
         distance: f64,
-        /// Least distance of the wrist's centre (m), which is the lateral offset of the arm.
+        /// Smallest possible distance (m), which is the lateral offset of the arm.
         least: f64,
     },
     /// The wrist's centre would be too far from, or too close to, the second axis.
     #[error(
-        "the wrist's centre would be {distance} m from the second axis; the arm reaches {least} to {most} m"
+        "the wrist's centre would be {distance} m from the second axis, but the arm reaches {least} to {most} m"
     )]
     OutOfReach {
         /// Distance of the wrist's centre from the second axis, perpendicular to it (m).
@@ -92,33 +94,36 @@ pub enum KinematicsError {
         /// Longest distance that the arm reaches (m).
         most: f64,
     },
-    /// The fifth joint has no angle for the orientation. A wrist whose axes are not perpendicular does not
-    /// reach every orientation.
-    #[error("the wrist cannot turn to this orientation")]
+    /// No angle of the fifth joint leads to the orientation. A wrist whose axes are not perpendicular cannot reach
+    /// every orientation.
+    #[error("no angle of the fifth joint leads to the orientation")]
     Orientation,
-    /// The pose or the given angles are not finite, an angle exceeds 1e6 rad, or the matrix is not a
-    /// rotation. The number is the deviation of the matrix from a rotation.
+    /// The pose or the given angles are not finite, a given angle exceeds 1e6 rad, or the matrix is not a rotation
+    /// matrix. The number is the deviation of the matrix from a rotation matrix.
     #[error(
-        "the pose is not valid: it has non-finite numbers, angles beyond 1e6 rad, or a matrix that is not a \
-         rotation (error {0})"
+        "the pose or the given angles are not valid: numbers are not finite, a given angle exceeds 1e6 rad, or \
+         the matrix is not a rotation (error {0})"
     )]
     NotAPose(f64),
     /// All solutions violate the limits.
     #[error(
-        "no solution is within the joint limits; the closest exceeds the limit of joint {} by {excess} rad",
+        "no solution is within the joint limits; the closest solution exceeds the limit of joint {} by {excess} \
+         rad",
         .joint + 1
     )]
     Limits {
-        /// Index of the joint with the largest violation in the best solution, from 0. Messages count from 1.
+        /// Index of the joint with the largest violation in the closest solution, from 0. Messages count from 1.
         joint: usize,
-        /// Amount of this violation (rad).
+        /// Angle beyond the limit of this joint (rad).
         excess: f64,
     },
 }
 
-/// An arm whose inverse kinematics is supported: the second and third axes are parallel, the first axis is
-/// not parallel to them, and the last three axes meet in one point. Most industrial arms have this geometry,
-/// for example the six-axis PowerCube and the Puma 560.
+/// Analytic inverse kinematics of a six-axis arm with a spherical wrist.
+///
+/// The second and third axes must be parallel, the first axis must not be parallel to them, and the last three
+/// axes must meet in one point. Most industrial arms have this geometry, for example the six-axis PowerCube and
+/// the Puma 560.
 ///
 /// ```
 /// use gelenk_generated::puma560;
@@ -139,7 +144,7 @@ pub struct SphericalWrist {
     center: Vector3<f64>,
 }
 
-/// Solutions for a pose. There is at least one.
+/// All solutions for a pose. There is at least one solution.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InverseKinematics {
     solutions: [Option<Solution>; 8],
@@ -147,12 +152,12 @@ pub struct InverseKinematics {
 }
 
 impl InverseKinematics {
-    /// All solutions in the order of their branches. There are up to eight different ones.
+    /// All different solutions in the order of their branches; one to eight.
     pub fn all(&self) -> impl Iterator<Item = &Solution> {
         self.solutions.iter().flatten()
     }
 
-    /// The solution whose largest joint distance from `positions` (rad) is smallest.
+    /// The solution that is closest to `positions` (rad). The distance is the largest difference of a joint angle.
     #[must_use]
     pub fn closest(&self, positions: &[f64; 6]) -> Solution {
         let mut best = self.first;
@@ -164,11 +169,11 @@ impl InverseKinematics {
         best
     }
 
-    /// The solution within `limits` (rad) that is closest to `positions` (rad). Angles may be changed by full
-    /// turns.
+    /// The solution within `limits` (rad) that is closest to `positions` (rad). Full turns are added to angles if
+    /// necessary.
     ///
     /// # Errors
-    /// [`KinematicsError::Limits`] if no solution is within the limits. A NaN limit is never satisfied.
+    /// [`KinematicsError::Limits`] if no solution is within the limits. No angle satisfies a NaN limit.
     pub fn within(&self, limits: &[[f64; 2]; 6], positions: &[f64; 6]) -> Result<Solution, KinematicsError> {
         let no_number = |limits: &[f64; 2]| limits.iter().any(|l| l.is_nan());
         if let Some(joint) = limits.iter().position(no_number) {
@@ -188,7 +193,7 @@ impl InverseKinematics {
                     *y += ((low - *y) / TAU).ceil() * TAU;
                 }
                 let beyond = (low - *y).max(*y - high);
-                // Full turns that would cost the angle its digits do not reach a limit.
+                // Angles beyond `FARTHEST` are too inaccurate and count as outside the limits.
                 let beyond = beyond.max(y.abs() - FARTHEST);
                 if beyond > excess.0 {
                     excess = (beyond, j);
@@ -211,20 +216,19 @@ impl InverseKinematics {
 }
 
 impl SphericalWrist {
-    /// Computes the geometry from a pose function, at y = 0 and with single joints rotated, and checks it in
-    /// other configurations.
+    /// Computes the geometry of the arm from a pose function, see [`Screws::from_poses`].
     ///
     /// # Errors
-    /// [`GeometryError`] if the arm has another geometry.
+    /// [`GeometryError`] if the geometry of the arm is not supported.
     pub fn from_poses(pose: impl Fn(&[f64; 6]) -> Pose) -> Result<Self, GeometryError> {
         Self::new(Screws::from_poses(pose)?)
     }
 
-    /// Checks that the axes have the supported geometry.
+    /// The inverse kinematics of an arm with these joint axes.
     ///
     /// # Errors
-    /// [`GeometryError::NoSphericalWrist`] if the last three axes do not meet, [`GeometryError::NotSolved`]
-    /// for another unsupported geometry.
+    /// - [`GeometryError::NoSphericalWrist`] if the last three axes do not meet in one point.
+    /// - [`GeometryError::NotSolved`] for another unsupported geometry.
     pub fn new(screws: Screws) -> Result<Self, GeometryError> {
         let axes = &screws.axes;
         let across = |i: usize, j: usize| axes[i].cross(&axes[j]).norm();
@@ -233,12 +237,12 @@ impl SphericalWrist {
         }
         if across(0, 1) < SINGULAR {
             return Err(GeometryError::NotSolved {
-                condition: "its first axis must not be parallel to the second",
+                condition: "its first axis must not be parallel to the second axis",
             });
         }
         if across(3, 4) < SINGULAR || across(4, 5) < SINGULAR {
             return Err(GeometryError::NotSolved {
-                condition: "its fifth axis must not be parallel to the fourth or sixth",
+                condition: "its fifth axis must not be parallel to the fourth or sixth axis",
             });
         }
         let center = meeting_point(&screws, 3, 4);
@@ -250,7 +254,7 @@ impl SphericalWrist {
         let lengths = [arm.upper_arm().norm(), arm.forearm().norm()];
         if lengths.iter().any(|l| *l < SINGULAR) {
             return Err(GeometryError::NotSolved {
-                condition: "its third axis must be apart from the second, and the wrist's centre apart from the third",
+                condition: "its third axis must not coincide with the second, and the wrist's centre must not be on the third",
             });
         }
         Ok(arm)
@@ -267,13 +271,13 @@ impl SphericalWrist {
         off_axis(&self.screws, 1, &self.screws.points[2])
     }
 
-    /// Vector from the third axis to the wrist's centre at y = 0, perpendicular to the axis.
+    /// Vector from the third axis to the wrist's centre at y = 0, perpendicular to the third axis.
     fn forearm(&self) -> Vector3<f64> {
         off_axis(&self.screws, 2, &self.center)
     }
 
-    /// All joint angles for `pose`. Angles are chosen close to `near` (rad) by full turns. Joints that a
-    /// singularity leaves free have their angle in `near`.
+    /// All solutions for `pose`. Full turns are added so that the angles are closest to `near` (rad). If a
+    /// singularity leaves a joint free, its angle is the one in `near`.
     ///
     /// # Errors
     /// [`KinematicsError`] if there is no solution, or if the pose or the angles are not valid.
@@ -283,7 +287,7 @@ impl SphericalWrist {
             (target.transpose() * target - Matrix3::identity()).amax() + (target.determinant() - 1.0).abs();
         let finite = pose.0.iter().all(|x| x.is_finite());
         let finite = finite && near.iter().all(|y| y.abs() <= FARTHEST);
-        // Written so that NaN is refused.
+        // This form rejects NaN.
         if !(finite && off <= 1e-6) {
             return Err(KinematicsError::NotAPose(off));
         }
@@ -310,8 +314,8 @@ impl SphericalWrist {
         }
     }
 
-    /// Angles of joint 1. The other joints cannot change the coordinate of the wrist's centre along the
-    /// second axis.
+    /// Angles of joint 1. They follow from the coordinate of the wrist's centre along the second axis, which joints
+    /// 2 and 3 cannot change.
     fn first(&self, center: &Vector3<f64>, near: f64) -> Result<Pair, KinematicsError> {
         let (axes, points) = (&self.screws.axes, &self.screws.points);
         let r = center - points[0];
@@ -328,8 +332,8 @@ impl SphericalWrist {
         })
     }
 
-    /// Angles of joint 3 from the distance of the wrist's centre from the second axis, and the wrist's centre
-    /// before the rotation of joint 1.
+    /// Angles of joint 3, and the wrist's centre before the rotation of joint 1. The angles follow from the distance
+    /// of the wrist's centre from the second axis.
     fn elbow(&self, center: &Vector3<f64>, y1: f64) -> Result<(Pair, Vector3<f64>), KinematicsError> {
         let (axes, points) = (&self.screws.axes, &self.screws.points);
         let p = points[0] + rotation(&axes[0], -y1) * (center - points[0]);
@@ -348,7 +352,7 @@ impl SphericalWrist {
         Ok((pair, p))
     }
 
-    /// Angle of joint 2, which rotates the bent arm to the wrist's centre.
+    /// Angle of joint 2, which rotates the arm with the angle `y3` of joint 3 to the wrist's centre.
     fn second(&self, p: &Vector3<f64>, y3: f64) -> f64 {
         let bent = self.upper_arm() + rotation(&self.screws.axes[2], y3) * self.forearm();
         angle_about(&self.screws.axes[1], &bent, &off_axis(&self.screws, 1, p))
@@ -380,8 +384,8 @@ impl SphericalWrist {
         };
         for (wrist, y5) in fifth.angles() {
             let sixth_axis = rotation(&axes[4], y5) * axes[5];
-            // The fifth solutions fall together where axes 4, 5, 6 lie in a plane; only axes 4 and 6 in line
-            // free a joint.
+            // The two solutions of joint 5 coincide if axes 4, 5 and 6 are in one plane. A joint is free only if axes 4
+            // and 6 are aligned.
             let aligned = axes[3].cross(&sixth_axis).norm() < SINGULAR;
             let y4 = if aligned { near[3] } else { angle_about(&axes[3], &sixth_axis, &goal) };
             let last = (rotation(&axes[3], y4) * rotation(&axes[4], y5)).transpose() * rest;
@@ -416,7 +420,7 @@ impl Found {
     }
 }
 
-/// Two angles, or one angle if both coincide.
+/// Two angles, or one angle if the two coincide.
 struct Pair {
     first: f64,
     second: Option<f64>,
@@ -429,8 +433,8 @@ impl Pair {
     }
 }
 
-/// Solutions of `a cos y + b sin y = c`. |(a, b)| is at most `size` in some configuration. If a, b and c are
-/// zero, every y is a solution, and `free` is taken. `None` if |c| is too large.
+/// Solutions y of `a cos y + b sin y = c`; `None` if |c| is too large. `size` is the largest value of |(a, b)| in any
+/// configuration. If a, b and c are zero, every y is a solution, and the result is `free`.
 fn solve_cos_sin(a: f64, b: f64, c: f64, size: f64, free: f64) -> Option<Pair> {
     let length = a.hypot(b);
     if length < SINGULAR * size && c.abs() < SINGULAR * size {
@@ -441,7 +445,7 @@ fn solve_cos_sin(a: f64, b: f64, c: f64, size: f64, free: f64) -> Option<Pair> {
         return None;
     }
     let (middle, half) = (b.atan2(a), cosine.clamp(-1.0, 1.0).acos());
-    // Half the distance of the solutions is also the lever that is left.
+    // The sine of half the distance of the solutions is the relative lever arm.
     if half.sin() < SINGULAR {
         let first = if cosine > 0.0 { middle } else { middle + PI };
         return Some(Pair { first, second: None, singular: true });
@@ -460,8 +464,8 @@ fn off_axis(screws: &Screws, joint: usize, point: &Vector3<f64>) -> Vector3<f64>
     split(&(point - screws.points[joint]), &screws.axes[joint]).1
 }
 
-/// Angle of a rotation about `axis` that takes the perpendicular part of `from` into the direction of the
-/// perpendicular part of `to`.
+/// Angle of the rotation about `axis` from the direction of `from` to the direction of `to`. Only the parts
+/// perpendicular to the axis count.
 fn angle_about(axis: &Vector3<f64>, from: &Vector3<f64>, to: &Vector3<f64>) -> f64 {
     let (from, to) = (split(from, axis).1, split(to, axis).1);
     axis.dot(&from.cross(&to)).atan2(from.dot(&to))

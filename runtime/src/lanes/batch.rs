@@ -1,4 +1,4 @@
-//! The zero-order hold of a batch of robots, one robot in each lane (number of a vector).
+//! Zero-order holds of several robots at a time. Each number (lane) of a vector belongs to one robot.
 
 use super::packed::{pack, unpack};
 use super::product::{Blocks, Half, Start, sum};
@@ -7,8 +7,8 @@ use crate::no_std::*;
 use crate::qp::lanes::{Vector, WIDTH, flat, flat_mut, largest, vectorized};
 use gelenk_kernels::discrete_time::shared::{COEFFICIENTS, MOST_DOUBLINGS, TERMS, halvings};
 
-/// Largest norm of the system matrix times the time for which two parts of the polynomial are enough. The
-/// remainder of the series is then below `0.34¹²/13! = 4e-16`.
+/// Largest norm of the system matrix times the step length for which the first two of three parts of the Taylor
+/// polynomial are enough. The remainder of the series is then below `0.34¹²/13! = 4e-16`.
 const OF_TWO_PARTS: f64 = 0.34;
 
 /// A linearized robot `v̇ = A_y δ + A_v v + B_x u + c`, `δ̇ = D δ + v`, with its state at the beginning of
@@ -19,14 +19,14 @@ pub(crate) struct Case<const N: usize, const M: usize> {
     pub by_v: [[f64; N]; N],
     pub by_u: [[f64; M]; N],
     pub rest: [f64; N],
-    /// Matrix D, which is not used for arms.
+    /// Matrix D of robots with quaternions. Arms do not use it.
     pub drift: [[f64; N]; N],
     /// δ and v at the beginning of the period.
     pub state: [[f64; N]; 2],
     pub input: [f64; M],
 }
 
-/// Result of the hold of a [`Case`].
+/// Zero-order hold of a [`Case`].
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Held<const N: usize, const M: usize> {
     /// A_d, row by row.
@@ -60,14 +60,13 @@ impl<const N: usize, const M: usize> Held<N, M> {
     };
 }
 
-/// A column of a block, one vector for each entry.
+/// A column with N entries, one vector for each entry.
 type Column<V, const N: usize> = Blocks<V, N, 1, 1>;
 
-/// Memory of the method. It is the method of `discrete_time::zero_order_hold` in gelenk-kernels, whose
-/// comments have the equations, with two differences. Products are fused if the vector instructions have
-/// fused multiply-add. The Taylor polynomial has degree 11 instead of 17 if the norms of the fourth and fifth
-/// power of A prove that this degree is enough (Al-Mohy and Higham, SIAM J. Matrix Anal. Appl. 31, 2009,
-/// theorem 4.2).
+/// Memory of the method. The comments of `discrete_time::zero_order_hold` in gelenk-kernels have the equations of the
+/// method. This version has two differences. First, products are fused if the vector instructions have fused
+/// multiply-add. Second, the Taylor polynomial has degree 11 instead of 17 if the norms of A⁴ and A⁵ prove that this
+/// degree is enough (Al-Mohy and Higham, SIAM J. Matrix Anal. Appl. 31, 2009, theorem 4.2).
 #[derive(Debug, Clone)]
 pub(super) struct Batch<V, const N: usize, const M: usize> {
     by_y: Blocks<V, N, 1, N>,
@@ -77,9 +76,10 @@ pub(super) struct Batch<V, const N: usize, const M: usize> {
     drift: Blocks<V, N, 1, N>,
     from: [Column<V, N>; 2],
     u: [V; M],
-    /// Upper halves of Aᵏ over the short time. The upper half of A⁷ is the lower half of A⁶.
+    /// Upper halves of the powers of A h, with the step length h. The upper half of a power is the lower half of the
+    /// previous power.
     powers: Vec<Half<V, N>>,
-    /// Upper half of Φ.
+    /// Upper half of the integral Φ of the matrix exponential.
     integral: Half<V, N>,
     spare: [Half<V, N>; 3],
     change: [Half<V, N>; 2],
@@ -110,9 +110,9 @@ impl<V: Vector, const N: usize, const M: usize> Batch<V, N, M> {
         }
     }
 
-    /// Computes the holds of up to `WIDTH` cases. Further cases are ignored.
+    /// Computes the holds of up to `WIDTH` cases over `period` (s). Further cases are ignored.
     ///
-    /// - `turns`: whether the robots have drifts D
+    /// - `turns`: whether the robots have matrices D, so they have quaternions
     pub fn hold(&mut self, cases: &[Case<N, M>], turns: bool, period: f64) -> &[Held<N, M>; WIDTH] {
         if let Some(last) = cases.len().min(WIDTH).checked_sub(1) {
             let cases = core::array::from_fn(|lane| &cases[lane.min(last)]);
@@ -162,7 +162,7 @@ impl<V: Vector, const N: usize, const M: usize> Batch<V, N, M> {
         pack(&mut self.u, cases.map(|case| &case.input[..]));
     }
 
-    /// Transforms the robot to the rates `D δ + v` in place of v: `A_y ← A_y − A_v D`, `A_v ← A_v + D`.
+    /// Replaces the velocities v of the robot by the rates `D δ + v`: `A_y ← A_y − A_v D`, `A_v ← A_v + D`.
     #[inline(always)]
     fn turn_rates(&mut self, cases: [&Case<N, M>; WIDTH]) {
         pack(entries_mut(&mut self.drift), cases.map(|case| case.drift.as_flattened()));
@@ -179,7 +179,7 @@ impl<V: Vector, const N: usize, const M: usize> Batch<V, N, M> {
         sum(&mut self.by_y, Start::Scaled(1.0, &start), of_v, &[(1, &negative)]);
     }
 
-    /// Transforms the change from the rates back to velocities v.
+    /// Transforms the result from the rates back to the velocities v.
     #[inline(always)]
     fn turn_back(&mut self) {
         let [by_drift, minus, spare] = &mut self.spare;
@@ -212,7 +212,7 @@ impl<V: Vector, const N: usize, const M: usize> Batch<V, N, M> {
         core::array::from_fn(|lane| halvings(flat(&a)[lane], flat(&b)[lane], period))
     }
 
-    /// Computes Φ over the short time h of each lane. In its units ẏ is h ẏ.
+    /// Computes Φ over the step length h of each lane. Here the second half of the state is h ẏ.
     #[inline(always)]
     fn set_integral(&mut self, h: V) {
         let square = h * h;
@@ -241,7 +241,7 @@ impl<V: Vector, const N: usize, const M: usize> Batch<V, N, M> {
         sum(&mut self.integral, Start::Scaled(1.0, first), second, &[(0, left), (1, right)]);
     }
 
-    /// Computes Φ over 2ᵏ times the time, with k = `counts` for each lane.
+    /// Computes Φ over 2ᵏ times the step length, with k = `counts` for each lane.
     #[inline(always)]
     fn double_integral(&mut self, counts: [u32; WIDTH]) {
         let [change, other, _] = &mut self.spare;
@@ -283,7 +283,7 @@ impl<V: Vector, const N: usize, const M: usize> Batch<V, N, M> {
         }
     }
 
-    /// Computes `A_d − 1`, `B_d` and `c_d` over 2ᵏ times the time, with k = `counts` for each lane.
+    /// Computes `A_d − 1`, `B_d` and `c_d` over 2ᵏ times the step length, with k = `counts` for each lane.
     #[inline(always)]
     fn double_steps(&mut self, counts: [u32; WIDTH]) {
         for done in 0..counts.into_iter().max().unwrap_or(0) {
@@ -303,7 +303,7 @@ impl<V: Vector, const N: usize, const M: usize> Batch<V, N, M> {
         }
     }
 
-    /// Writes the results, with the state at the end in place of c_d.
+    /// Writes the results. They contain the state at the end of the period instead of c_d.
     #[inline(always)]
     fn store(&mut self) {
         for half in 0..2 {
@@ -360,12 +360,12 @@ fn needs_third_part<V: Vector, const N: usize>(powers: &[Half<V, N>]) -> V {
     let (fourth, fifth, sixth) = (norm(&powers[4]), norm(&powers[5]), norm(&powers[6]));
     let square = OF_TWO_PARTS * OF_TWO_PARTS;
     let most = [square * square, square * square * OF_TWO_PARTS].map(V::splat);
-    // The lower half of a power is the upper one of the next.
+    // The lower half of a power is the upper half of the next power.
     let excess = (fourth.fast_max(fifth) - most[0]).fast_max(fifth.fast_max(sixth) - most[1]);
     V::select_positive(excess, V::one(), V::zero())
 }
 
-/// Restores the entries of lanes that have already made all of their steps.
+/// Restores the entries of lanes that have already done all their doublings.
 #[inline(always)]
 fn keep_done<V: Vector>(new: &mut [V], old: &[V], counts: [u32; WIDTH], done: u32) {
     if counts.iter().all(|count| *count > done) {
@@ -377,7 +377,7 @@ fn keep_done<V: Vector>(new: &mut [V], old: &[V], counts: [u32; WIDTH], done: u3
     }
 }
 
-/// A vector of these numbers.
+/// The vector with these numbers.
 #[inline(always)]
 fn of_lanes<V: Vector>(numbers: [f64; WIDTH]) -> V {
     let mut vector = V::zero();
@@ -385,7 +385,7 @@ fn of_lanes<V: Vector>(numbers: [f64; WIDTH]) -> V {
     vector
 }
 
-/// Computes `Σ c_k Aᵏ` over the terms of each part.
+/// Computes the sums `Σ c_k Aᵏ` over the terms of each part of the polynomial.
 #[inline(always)]
 fn combine<V: Vector, const N: usize, const P: usize>(
     powers: &[Half<V, N>],
@@ -413,7 +413,7 @@ fn combine<V: Vector, const N: usize, const P: usize>(
     }
 }
 
-/// Largest sum of magnitudes in a row.
+/// Maximum norm: largest sum of the magnitudes in a row.
 #[inline(always)]
 fn norm<V: Vector, const N: usize, const B: usize>(blocks: &Blocks<V, N, B, N>) -> V {
     let mut largest = V::zero();

@@ -8,7 +8,7 @@ use crate::no_std::*;
 use crate::qp::avx2::{self, Avx2};
 use crate::qp::lanes::{Portable, WIDTH};
 
-/// The vector instructions of this processor, for
+/// Returns the widest vector instructions that this processor supports, for
 /// [`linearize_along`](crate::dynamics::Differentiable::linearize_along).
 pub fn instructions() -> Instructions {
     #[cfg(all(target_arch = "x86_64", feature = "std"))]
@@ -29,15 +29,19 @@ pub fn instructions() -> Instructions {
     Instructions::ANY
 }
 
-/// Exact zero-order holds `x⁺ = A_d x + B_d u + c_d` of many linearized robots, four at a time. Predictive
-/// controllers use them for all stages of a horizon. A value of this type is the memory of the method.
-/// Nothing is allocated after [`Self::new`].
+/// Computes exact zero-order holds `x⁺ = A_d x + B_d u + c_d` of many linearized robots, four at a time.
+/// Predictive controllers use these holds for the stages of a horizon. A value of this type holds the memory of
+/// the method. Nothing is allocated after [`Self::new`].
 ///
-/// The method and the bounds of its errors are those of
-/// [`Discretizable::discretize`](crate::dynamics::Discretizable::discretize). The results differ in the last
-/// digits for two reasons: products are fused if the processor has fused multiply-add, and the Taylor
-/// polynomial is shorter if this is accurate enough. The last digits therefore depend on whether the
-/// processor has AVX2 with fused multiply-add. They do not depend on the other robots.
+/// Method and error bounds are those of
+/// [`Discretizable::discretize`](crate::dynamics::Discretizable::discretize). The results differ from it in the
+/// last digits for two reasons:
+///
+/// - Products are fused if the processor has AVX2 with fused multiply-add. The last digits therefore depend on the
+///   processor.
+/// - The Taylor polynomial is shorter if the shorter polynomial is accurate enough.
+///
+/// The result for one robot does not depend on the other robots.
 ///
 /// ```
 /// use gelenk_runtime::dynamics::Differentiable;
@@ -73,7 +77,7 @@ impl<const N: usize, const M: usize> Default for ZeroOrderHolds<N, M> {
 }
 
 impl<const N: usize, const M: usize> ZeroOrderHolds<N, M> {
-    /// Chooses the vector instructions, and allocates all memory.
+    /// Selects the vector instructions and allocates all memory.
     pub fn new() -> Self {
         #[cfg(all(target_arch = "x86_64", feature = "std"))]
         if avx2::available() {
@@ -85,9 +89,12 @@ impl<const N: usize, const M: usize> ZeroOrderHolds<N, M> {
     /// Computes the hold of each robot over `period` (s). If a robot is too fast or its linearization is not
     /// finite, every entry of its result is +∞.
     ///
-    /// - `drifts`: the [`drift`](crate::dynamics::Differentiable::drift)s of robots with quaternions, as for
-    ///   [`Linearization::discretize_with`]; `None` for arms
-    /// - `linear`, `drifts`, `results`: of equal length; additional elements of a longer slice are ignored
+    /// - `linear`: the linearized robots
+    /// - `drifts`: the matrix [`drift`](crate::dynamics::Differentiable::drift) of each robot with quaternions, see
+    ///   [`Linearization::discretize_with`]; `None` for robots without quaternions
+    /// - `results`: one result for each robot
+    ///
+    /// The three slices should have the same length. Additional elements of a longer slice are ignored.
     pub fn discretize<const NY: usize>(
         &mut self,
         linear: &[Linearization<N, M, NY>],
@@ -112,7 +119,7 @@ impl<const N: usize, const M: usize> ZeroOrderHolds<N, M> {
 
     /// Computes the holds of up to `WIDTH` cases.
     ///
-    /// - `turns`: whether the robots have drifts
+    /// - `turns`: whether the robots have drift matrices
     pub(crate) fn hold(&mut self, cases: &[Case<N, M>], turns: bool, period: f64) -> &[Held<N, M>; WIDTH] {
         match &mut self.0 {
             Engine::Portable(batch) => batch.hold(cases, turns, period),
@@ -132,7 +139,7 @@ impl<const N: usize, const M: usize> Case<N, M> {
 }
 
 impl<const N: usize, const M: usize> Held<N, M> {
-    /// The discretization of a case with a zero initial state, whose final state is c_d.
+    /// The discretization of a case with the initial state 0. The final state of this case is c_d.
     fn discretization<const NY: usize>(&self) -> Discretization<N, M, NY> {
         let infinite = f64::INFINITY;
         if !self.is_finite {

@@ -1,6 +1,8 @@
-//! Computations for many states at once. Generated functions for eight states are called in the version for
-//! the widest registers of this processor ([`widest!`](crate::widest)). Zero-order holds are computed four at
-//! a time ([`ZeroOrderHolds`]).
+//! Computations for several states at once with vector instructions.
+//!
+//! - [`widest!`](crate::widest) calls generated functions for eight states with the widest vector instructions of
+//!   this processor.
+//! - [`ZeroOrderHolds`] computes zero-order holds of four robots at a time.
 
 pub(crate) mod batch;
 mod hold;
@@ -11,12 +13,12 @@ mod tests;
 
 pub use hold::{ZeroOrderHolds, instructions};
 
-/// Calls one of three versions of a generated function for eight states: for any processor, for AVX2, or for
-/// AVX-512.
+/// Calls the fastest version of a generated function for eight states that this processor supports. The three
+/// versions are for any processor, for AVX2, and for AVX-512.
 ///
-/// With `--lanes linearize`, a generated module has `linearize_lanes`, and on x86-64 also
-/// `linearize_lanes_avx2` and `linearize_lanes_avx512`. The results of all versions have the same bits. This
-/// example linearizes along a horizon, eight points at a time:
+/// The option `--lanes linearize` generates `linearize_lanes`, and on x86-64 also `linearize_lanes_avx2` and
+/// `linearize_lanes_avx512`. The results of the three versions are equal bit for bit. This example linearizes
+/// along a horizon, eight points at a time:
 ///
 /// ```
 /// use gelenk_generated::powercube::{self as arm, Lanes, M, N};
@@ -56,10 +58,10 @@ macro_rules! widest {
                 && std::is_x86_feature_detected!("avx512dq")
                 && std::is_x86_feature_detected!("avx512vl")
             {
-                // SAFETY: the processor has what this form was compiled for.
+                // SAFETY: the processor has the instructions for which this version was compiled.
                 unsafe { $avx512($($argument),*) }
             } else if std::is_x86_feature_detected!("avx2") {
-                // SAFETY: as above.
+                // SAFETY: the processor has AVX2.
                 unsafe { $avx2($($argument),*) }
             } else {
                 $any($($argument),*)

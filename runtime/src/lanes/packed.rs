@@ -1,8 +1,8 @@
-//! Conversion between several arrays and vectors that have one entry of each array.
+//! Conversion between several arrays and one array of vectors. Each number of a vector belongs to one array.
 
 use crate::qp::lanes::{Vector, WIDTH, flat, flat_mut};
 
-/// Writes vectors: entry e of vector k is entry k of array e.
+/// Writes entry k of array e to number e of vector k.
 #[inline(always)]
 pub(super) fn pack<V: Vector>(to: &mut [V], from: [&[f64]; WIDTH]) {
     let (fours, rest) = to.as_chunks_mut::<WIDTH>();
@@ -21,7 +21,7 @@ pub(super) fn pack<V: Vector>(to: &mut [V], from: [&[f64]; WIDTH]) {
     }
 }
 
-/// The reverse of [`pack`].
+/// Reverses [`pack`]: writes number e of vector k to entry k of array e.
 #[inline(always)]
 pub(super) fn unpack<V: Vector>(from: &[V], mut to: [&mut [f64]; WIDTH]) {
     let (fours, rest) = from.as_chunks::<WIDTH>();

@@ -1,11 +1,12 @@
-//! Products of matrices whose entries are vectors. One number of each vector (lane) is a matrix of numbers.
+//! Products of matrices whose entries are vectors. The numbers with the same index in all vectors (one lane) form one
+//! matrix.
 
 use crate::qp::lanes::{Vector, vectorized};
 
 /// N rows of B blocks with C columns.
 pub(super) type Blocks<V, const N: usize, const B: usize, const C: usize> = [[[V; C]; B]; N];
 
-/// Upper or lower half of a matrix over the state (y, ẏ), row by row with its left and its right block.
+/// Upper or lower half of a matrix that acts on the state (y, ẏ). Each row has a left and a right block.
 pub(super) type Half<V, const N: usize> = Blocks<V, N, 2, N>;
 
 /// First term of a sum.
@@ -19,8 +20,8 @@ pub(super) enum Start<'a, V, const N: usize, const B: usize, const C: usize> {
 
 /// Arguments of [`sum`].
 ///
-/// `by` is a slice, so that the compiler does not load all entries before the first product, for which the
-/// registers would not suffice.
+/// `by` is a slice so that the compiler does not load all entries before the first product. The registers would not
+/// suffice for all entries.
 #[derive(Clone, Copy)]
 struct Sum<'a, V, const N: usize, const B: usize, const C: usize> {
     start: Start<'a, V, N, B, C>,
@@ -41,7 +42,7 @@ pub(super) fn sum<V: Vector, const N: usize, const B: usize, const C: usize>(
     vectorized!(V, { by_tiles(result, &sum) });
 }
 
-/// Computes the sums in tiles of up to three rows and four columns, whose sums fit in sixteen registers.
+/// Computes the sums in tiles of up to three rows and four columns. The sums of a tile fit in sixteen registers.
 #[inline(always)]
 fn by_tiles<V: Vector, const N: usize, const B: usize, const C: usize>(
     result: &mut Blocks<V, N, B, C>,
@@ -77,7 +78,7 @@ fn rows<V: Vector, const N: usize, const B: usize, const C: usize, const R: usiz
     }
 }
 
-/// Computes R rows and T columns. Returns the number of columns.
+/// Computes a tile of R rows and T columns. Returns the number of columns.
 #[inline(always)]
 fn tile<V: Vector, const N: usize, const B: usize, const C: usize, const R: usize, const T: usize>(
     result: &mut Blocks<V, N, B, C>,

@@ -13,14 +13,14 @@ gelenk_dynamics::dynamics!(struct Panda = gelenk_generated::panda);
 gelenk_dynamics::dynamics!(struct Quadrotor = gelenk_generated::quadrotor);
 gelenk_dynamics::dynamics!(struct Satellite = gelenk_generated::satellite);
 
-/// Twice the bound that the documentation gives for each of the two.
+/// Twice the documented error bound, because both compared results have an error.
 const BOUND: f64 = 2e-12;
 
 fn largest(block: &[f64]) -> f64 {
     block.iter().fold(0.0, |largest, entry| entry.abs().max(largest))
 }
 
-/// Every block differs by less than `BOUND` of its largest entry, which counts as at least `least`.
+/// Asserts that every block differs by less than `BOUND` times its largest entry, or times `least` if that is larger.
 fn assert_blocks_near(found: &[f64], expected: &[f64], least: f64) {
     let scale = largest(expected).max(least);
     for (found, expected) in found.iter().zip(expected) {
@@ -76,10 +76,10 @@ where
         let linear = robots(&model, count);
         for period in [1e-4, 0.005, 0.02, 0.1] {
             let found = held(&linear, period);
-            assert_eq!(found, held(&linear, period), "the same input has the same bits");
+            assert_eq!(found, held(&linear, period), "equal inputs give results that are equal bit for bit");
             for (found, linear) in found.iter().zip(&linear) {
                 assert_near(found, &linear.discretize(period));
-                assert_eq!(*found, held(&[*linear], period)[0], "a batch has the bits of single holds");
+                assert_eq!(*found, held(&[*linear], period)[0], "a batch equals single holds bit for bit");
             }
         }
     }
@@ -135,7 +135,7 @@ fn holds_of_robots_with_quaternions_are_those_of_the_scalar_method() {
     with_drift(&Satellite, 1.0);
 }
 
-/// Matrices of every size have the same tiles in the rows and columns left over.
+/// Tests matrices of one size, which leave different numbers of rows and columns for the last tiles.
 fn of_size<const N: usize, const M: usize>() {
     let mut numbers = ChaCha8Rng::seed_from_u64(N as u64);
     let mut matrix = |size| -> [[f64; N]; N] { core::array::from_fn(|_| random(&mut numbers, size)) };
@@ -164,7 +164,7 @@ fn sizes_need_not_be_multiples_of_the_tiles() {
     of_size::<11, 11>();
 }
 
-/// A robot whose rates are `factor` times those of others.
+/// The robot `linear` with all rates multiplied by `factor`.
 fn faster<const N: usize, const M: usize>(linear: &Linearization<N, M>, factor: f64) -> Linearization<N, M> {
     let mut faster = *linear;
     faster.by_coordinates.as_flattened_mut().iter_mut().for_each(|entry| *entry *= factor * factor);
@@ -172,12 +172,13 @@ fn faster<const N: usize, const M: usize>(linear: &Linearization<N, M>, factor: 
     faster
 }
 
-/// Each robot of a batch is halved as often as it needs, up to 24 times: it has the bits that it has alone.
+/// The step length of each robot of a batch is halved as often as this robot needs, up to 24 times. The result equals
+/// the result of a single robot bit for bit.
 #[test]
 fn robots_of_very_different_rates_share_a_batch() {
     let mut slow = robots(&PowerCube, 4);
     for factor in [1e-3, 1.0, 30.0, 1e3, 1e5] {
-        // Damped, so that the exact result is finite.
+        // The robot is damped, so the exact result is finite.
         slow[2] = Linearization {
             by_coordinates: [[-1.0, 0.0], [0.0, -2.0]],
             by_velocities: [[-3.0, 0.5], [0.5, -4.0]],
@@ -192,7 +193,7 @@ fn robots_of_very_different_rates_share_a_batch() {
                 assert_near(found, &expected);
                 continue;
             }
-            // The motion has died away: its remains have no digits in either method.
+            // The motion has decayed. The small remaining numbers are inaccurate in both methods.
             assert_blocks_near(entries(found), entries(&expected), 1.0);
         }
     }

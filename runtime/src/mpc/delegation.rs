@@ -1,6 +1,6 @@
 //! Methods that predictive controllers delegate to their `horizon`.
 
-/// The methods of the controllers themselves.
+/// Defines methods that both predictive controllers have.
 macro_rules! delegated_methods {
     () => {
         /// The model.
@@ -8,14 +8,13 @@ macro_rules! delegated_methods {
             self.horizon.model()
         }
 
-        /// Notes from the construction of the controller, for example a trajectory beyond the soft limits or
-        /// a row, or terminal weights with few accurate digits. Read them before the robot moves. Empty if
-        /// there are no notes.
+        /// Notes from the construction of the controller, see [`MpcNote`](crate::mpc::MpcNote). For example, a note
+        /// reports that the trajectory exceeds the soft limits. Print the notes before the robot moves.
         pub fn notes(&self) -> &[$crate::mpc::MpcNote] {
             &self.horizon.notes
         }
 
-        /// The observer with its estimates.
+        /// The disturbance observer with its estimates.
         pub fn observer(&self) -> &$crate::mpc::DisturbanceObserver<N, M, NY> {
             &self.horizon.observer
         }
@@ -23,7 +22,7 @@ macro_rules! delegated_methods {
 }
 pub(super) use delegated_methods;
 
-/// The methods of [`Controller`](crate::control_loop::Controller).
+/// Defines the methods of [`Controller`](crate::control_loop::Controller) that both predictive controllers share.
 macro_rules! delegated_controller_methods {
     () => {
         fn planned(&self, periods: u32) -> Option<[f64; M]> {

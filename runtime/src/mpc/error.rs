@@ -8,7 +8,7 @@ use crate::lqr::LqrError;
 use crate::qp::QpError;
 use thiserror::Error;
 
-/// Reason for which a controller cannot be made.
+/// Reason why a predictive controller cannot be constructed.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum MpcError {
     /// An option is out of its range.
@@ -23,45 +23,46 @@ pub enum MpcError {
         /// Allowed range.
         range: &'static str,
     },
-    /// A row cannot be used.
+    /// A row ([`MpcRow`](super::MpcRow)) is not valid.
     #[error("row {row}: {fault}")]
     Row {
         /// Name of the row.
         row: String,
-        /// Fault of the row.
+        /// Reason why the row is not valid.
         fault: RowFault,
     },
-    /// A joint follows several coordinates, and the bounds of these coordinates allow positions or speeds
-    /// beyond the limits of the joint. A row for this joint is missing.
+    /// The limits of a joint that follows several coordinates are not ensured. The limits of the coordinates allow
+    /// positions or speeds beyond the limits of this joint, and a row for this joint is missing.
     #[error(
-        "joint {} follows others and can leave its limits within theirs: give the options rows for it, \
-         `.with_rows(MpcRow::of_limits(&robot))`, or rows of your own that have its name",
+        "joint {} follows several coordinates and can exceed its limits although the coordinates keep theirs: add \
+         `.with_rows(MpcRow::of_limits(&robot))` to the options, or a row with the name of this joint",
         Named(.joint)
     )]
     Dependent {
         /// Name of the joint.
         joint: &'static str,
     },
-    /// The torque of a motor falls with its speed, and a row for its torque–speed line is missing.
+    /// A motor has a torque–speed line, which limits its torque at high speed, but a row for this line is missing.
     #[error(
-        "motor {} gives less torque the faster it turns, and no row keeps its torque–speed line: give the options all rows of the \
-         robot, `.with_rows(MpcRow::of_limits(&robot))`, or rows of your own that have its name",
+        "motor {} has a torque–speed line, but no row keeps it: add `.with_rows(MpcRow::of_limits(&robot))` to the options, or a \
+         row with the name of this motor",
         Named(.motor)
     )]
     TorqueSpeed {
         /// Name of the motor, which is the name of its input.
         motor: &'static str,
     },
-    /// A position of a joint with a quaternion has a limit, which is not allowed.
+    /// `position_limits` has a finite limit for a joint with a quaternion, which is not allowed.
     #[error(
-        "position_limits has a limit of joint {}, whose attitude is a quaternion: leave them infinite there", Named(.joint)
+        "`position_limits` has a limit for joint {}, whose attitude is a quaternion: set the limits of this joint to infinity",
+        Named(.joint)
     )]
     Limit {
         /// Name of the joint.
         joint: &'static str,
     },
     /// A quaternion of the trajectory does not represent an attitude.
-    #[error("at {time} s of the trajectory {error}")]
+    #[error("the trajectory at {time} s is not valid: {error}")]
     Attitude {
         /// Time on the trajectory (s).
         time: f64,
@@ -75,16 +76,16 @@ pub enum MpcError {
     #[error(transparent)]
     FeedForward(#[from] FeedForwardError),
     /// The Riccati equation of the terminal weight has no solution.
-    #[error("no terminal weight at {time} s of the trajectory: {reason}{}", remedy(.reason))]
+    #[error("the terminal weight at {time} s of the trajectory cannot be computed: {reason}{}", remedy(.reason))]
     Terminal {
         /// Time on the trajectory (s).
         time: f64,
         /// Error of the Riccati solver.
         reason: LqrError,
     },
-    /// A joint of the model is too fast for the prediction over a period, at a state of the trajectory or at
-    /// rest at its position.
-    #[error("at {time} s of the trajectory {what}")]
+    /// A joint of the model is too fast for the prediction over one period. This was found at a state of the
+    /// trajectory, or at rest at a position of the trajectory.
+    #[error("at {time} s of the trajectory, {what}")]
     TooFast {
         /// Time on the trajectory (s).
         time: f64,
@@ -92,14 +93,14 @@ pub enum MpcError {
         what: TooFast,
     },
     /// The trajectory or the equations of motion are not finite.
-    #[error("at {time} s trajectory or equations of motion are not finite")]
+    #[error("the trajectory or the equations of motion are not finite at {time} s")]
     NotFinite {
         /// Time on the trajectory (s).
         time: f64,
     },
 }
 
-/// Fails for the first value of an option that is out of its range.
+/// Checks that all values of an option are in range. The error names the first value out of range.
 pub(super) fn require(
     option: &'static str,
     values: &[f64],
@@ -115,7 +116,7 @@ pub(super) fn require(
     }
 }
 
-/// Remedy if the Riccati equation of the terminal weight has no solution.
+/// Advice for the case that the Riccati equation of the terminal weight has no solution.
 fn remedy(reason: &LqrError) -> &'static str {
     match reason {
         LqrError::NotStabilizable(_) => {

@@ -19,13 +19,13 @@ use crate::qp::{QpProblem, QpReport, QpSolver, QpStage, QpStatus};
 use crate::trajectory::{Sample, Trajectory};
 use std::hint::black_box;
 
-/// Largest number of periods over which a step predicts. It bounds the computing time after a stall of the
-/// loop; after more periods the estimate has no value.
+/// Largest number of periods over which a step predicts the state. This bounds the computing time after a stall of
+/// the loop. After a longer stall the predicted state would be useless.
 const MAX_BRIDGED: u32 = 100;
-/// Number of intervals of the trajectory at whose ends terminal weights are computed.
+/// Number of equal time intervals of the trajectory. Terminal weights are computed at their ends.
 const TERMINAL_INTERVALS: usize = 32;
 
-/// The plan, which is the solution of the last QP: states x_0 … x_K and inputs `u + d` of K periods.
+/// The plan: states x_0 … x_K and inputs `u + d` of K periods, from the solution of the last QP.
 #[derive(Debug, Clone)]
 pub(super) struct Plan<const N: usize, const M: usize, const NY: usize> {
     pub states: Vec<Node<N, NY>>,
@@ -63,13 +63,13 @@ pub(super) struct Horizon<
     terminal: Vec<Lqr<NX, M>>,
     /// Index of the regulator of this step.
     regulator: usize,
-    /// Number of standard deviations between the plan and its limits.
+    /// Number of standard deviations by which limits are narrowed because of uncertain friction.
     deviations: f64,
     pub reference: Reference<N, M, NY>,
     pub plan: Plan<N, M, NY>,
     /// Time at which the last solved QP begins (s); NaN if the next QP has a cold start.
     solved: f64,
-    /// The last computed input. It acts from now on if inputs act one period late.
+    /// The last computed input. If inputs act one period late, this input acts from now on.
     under_way: [f64; M],
     /// Time of the last step on the trajectory (s).
     time: f64,
@@ -127,7 +127,7 @@ where
         Ok(horizon)
     }
 
-    /// Adds the notes of joints for which the implicit midpoint rule is not suitable.
+    /// Adds notes for the joints for which the implicit midpoint rule is not suitable.
     pub fn note_alternating(&mut self) {
         let (start, period) = (self.trajectory.sample(0.0).positions, self.options.period);
         let notes = self.model().at_time(0.0, |model| alternating(model, &start, period));
@@ -138,8 +138,8 @@ where
         self.feed_forward.model()
     }
 
-    /// Replaces the model. Estimate, plan and terminal weights are kept. The number of Runge–Kutta steps is
-    /// raised if the friction of the new model is steeper at rest.
+    /// Replaces the model. Estimate, plan and terminal weights are kept. If the friction of the new model is steeper
+    /// at rest, the number of Runge–Kutta steps increases.
     pub fn set_model(&mut self, model: D) -> Result<(), FeedForwardError> {
         self.feed_forward.set_model(model)?;
         self.reference.forget();
@@ -204,8 +204,8 @@ where
         Ok(())
     }
 
-    /// The zero-order hold at a state of the trajectory. Raises `substeps` to the number of steps that a
-    /// period needs there.
+    /// The zero-order hold at a state of the trajectory. Increases `substeps` to the number of Runge–Kutta steps that
+    /// a period needs at this state.
     fn look_at(
         &mut self,
         time: f64,
@@ -219,8 +219,8 @@ where
         };
         let (needed, discrete) = self.model().at_time(time, |model| {
             let needed = substeps(&model.linearize(y, v, inputs), period);
-            // At rest friction is steepest: the robot must be integrated there too, wherever it comes to
-            // stand.
+            // Friction is steepest at rest. The integration must be stable at rest too, because the robot can come to
+            // rest at any position.
             let resting = substeps(&model.linearize(y, rest, inputs), period);
             let at_rest = discretize(model, y, rest, inputs, period);
             (needed.max(resting), at_rest.and_then(|_| discretize(model, y, v, inputs, period)))
@@ -235,13 +235,14 @@ where
         self.drop_plan();
     }
 
-    /// Takes in the measurement. Returns the time on the trajectory at which the horizon begins, and the
-    /// state at this time.
+    /// Updates the state estimate with the measurement. Returns the time on the trajectory at which the horizon
+    /// begins, and the state at this time.
     ///
     /// # Errors
-    /// [`ControllerFault::Stalled`] after more than `MAX_BRIDGED` periods; the next step continues from this
-    /// measurement. [`ControllerFault::Attitude`] for a measured quaternion that is not an attitude.
-    /// [`ControllerFault::NotFinite`] for a time that is not finite.
+    /// - [`ControllerFault::Stalled`] after more than `MAX_BRIDGED` periods. The next step continues from this
+    ///   measurement.
+    /// - [`ControllerFault::Attitude`] for a measured quaternion that is not an attitude.
+    /// - [`ControllerFault::NotFinite`] for a time that is not finite.
     pub fn observe(&mut self, cycle: &Cycle<N, M, NY>) -> Result<(f64, Node<N, NY>), ControllerFault> {
         self.time = cycle.time;
         self.take_in(cycle)?;
@@ -264,12 +265,12 @@ where
         Ok((start, Node { positions: ahead.0, velocities: ahead.1 }))
     }
 
-    /// Predicts the estimate and corrects it by the measurement. If an extreme measurement has made the
-    /// estimate infinite, it starts again at this measurement.
+    /// Predicts the state and corrects it with the measurement. If the estimate is not finite because of an extreme
+    /// measurement, the estimation restarts at the present measurement.
     fn take_in(&mut self, cycle: &Cycle<N, M, NY>) -> Result<(), ControllerFault> {
         let check = |positions| self.model().check_attitudes(positions);
         let attitudes = cycle.positions.as_ref().map_or(Ok(()), check);
-        // What cannot be was not measured: time goes on without it.
+        // An invalid measurement counts as missing. The estimate is still predicted.
         let (measured, velocities) = match attitudes {
             Ok(()) => (cycle.positions.as_ref(), cycle.velocities.as_ref()),
             Err(_) => (None, None),
@@ -306,8 +307,8 @@ where
         if self.options.delay { time + self.options.period } else { time }
     }
 
-    /// Computes what [`observe`](Self::observe) and [`solve`](Self::solve) will compute, only to warm up the
-    /// caches. Estimate, plan and the start of the next QP do not change.
+    /// Repeats the computations of [`observe`](Self::observe) and [`solve`](Self::solve) only to warm up the processor
+    /// caches. The estimate, the plan and the initial guess of the next QP do not change.
     pub fn rehearse(&mut self, next: &Cycle<N, M, NY>) {
         let span = self.span(next.time - self.options.period);
         let (y, v) = (self.observer.positions(), self.observer.velocities());
@@ -315,7 +316,7 @@ where
         self.solver.rehearse(&self.problem);
     }
 
-    /// Computes desired states and feed-forward from `start` (s) on.
+    /// Computes the desired states and the feed-forward of the horizon that begins at `start` (s).
     pub fn look_ahead(&mut self, start: f64) {
         let passed = self.reference.look_ahead(start, &self.trajectory, &self.feed_forward);
         if self.options.linearization == LinearizationPoint::Reference {
@@ -328,12 +329,12 @@ where
         Span { start, period: self.options.period, substeps: self.substeps }
     }
 
-    /// Shifts the plan so that it begins at `start` (s), and fills its end with the feed-forward and the
-    /// reference. If there is no plan, all of it is filled.
+    /// Shifts the plan so that it begins at `start` (s). The end of the plan is filled with the reference and its
+    /// feed-forward. Without an earlier plan, the whole plan is filled.
     pub fn shift_plan(&mut self, start: f64) {
         let stages = self.options.horizon;
         let periods = ((start - self.plan.start) / self.options.period).round();
-        // NaN, a jump back and a gap of a whole horizon leave nothing to keep.
+        // After NaN, a jump back or a gap of a whole horizon, nothing of the old plan is kept.
         let kept = if (0.0..=stages as f64).contains(&periods) { stages - periods as usize } else { 0 };
         let moved = stages - kept;
         self.plan.states.copy_within(moved.., 0);
@@ -360,7 +361,7 @@ where
             flat_state(prediction.state, &mut stage.state_matrix);
             flat_input(prediction.input, &mut stage.input_matrix);
         } else {
-            // The logarithm of the inverse is the negative one.
+            // The logarithm of the inverse rotation is the negative logarithm.
             let deviations = (&core::array::from_fn(|i| -back[i]), &core::array::from_fn(|i| affine[i]));
             let (state, input) = in_deviations(prediction, deviations, (&reference.positions, model));
             flat_state(&state, &mut stage.state_matrix);
@@ -379,7 +380,7 @@ where
         stage.affine = affine;
     }
 
-    /// Sets stage `k` of an arm from the hold that begins at the reference.
+    /// Sets stage `k` of an arm from a zero-order hold whose initial state is the reference.
     pub fn set_stage_from_reference(&mut self, k: usize, held: &Held<N, M>) {
         let (stage, end) = (&mut self.problem.stages[k], &self.reference.nodes[k + 1]);
         let (state, input) = (held.state.as_flattened().as_flattened(), held.input.as_flattened());
@@ -409,7 +410,7 @@ where
             return Err(self.refuse(ControllerFault::NoSolution { iterations }));
         }
         self.keep_plan(start, state, &disturbance);
-        // Whatever the solver says of it: a state so far off that products overflow has no plan.
+        // The plan is rejected if numbers overflow because the state is far away, for every status of the solver.
         let inputs = (0..self.options.horizon).all(|k| finite(&self.input(k)));
         if !inputs || !self.plan.is_finite() {
             return Err(self.refuse(ControllerFault::NotFinite));
@@ -417,12 +418,12 @@ where
         Ok(Command { inputs: self.input(0), iterations })
     }
 
-    /// Solves the QP from the last solution, shifted by the periods since then, or with a cold start if these
-    /// are K or more.
+    /// Solves the QP with a warm start from the last solution, shifted by the number of periods since then. If this
+    /// number is K (the horizon) or more, the start is cold.
     fn solve_problem(&mut self, start: f64) -> QpReport {
         let periods = ((start - self.solved) / self.options.period).round();
         self.solved = start;
-        // NaN too is not contained.
+        // NaN is not in the range either.
         if !(0.0..self.options.horizon as f64).contains(&periods) {
             return self.solver.solve(&self.problem);
         }
@@ -492,7 +493,7 @@ where
     fn set_terminal(&mut self, start: f64) {
         let end = start + self.options.horizon as f64 * self.options.period;
         let share = (end / self.trajectory.duration()).clamp(0.0, 1.0);
-        // A trajectory without duration has one weight, whichever: NaN becomes 0.
+        // If the trajectory has the duration 0, the share is NaN, and the conversion gives the index 0.
         let index = (share * TERMINAL_INTERVALS as f64).round() as usize;
         self.regulator = index.min(TERMINAL_INTERVALS);
         self.problem.terminal_weight = self.terminal[self.regulator].cost_to_go;
@@ -509,7 +510,7 @@ where
         }
     }
 
-    /// Input of period `k` of the plan, clamped to its bounds.
+    /// Input of period `k` of the plan, clamped to the input limits.
     fn input(&self, k: usize) -> [f64; M] {
         core::array::from_fn(|i| {
             let [low, high] = self.options.input_limits[i];

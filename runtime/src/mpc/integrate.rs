@@ -1,18 +1,18 @@
-//! Integration of the nonlinear robot over whole periods, with the number of Runge–Kutta steps that its
-//! fastest motion needs.
+//! Integration of the nonlinear robot over one period with several Runge–Kutta steps. The number of steps depends on
+//! the fastest rate of the robot.
 
 use crate::control_loop::ControllerFault;
 use crate::control_loop::zero_order_hold::{magnitude, rate, too_fast};
 use crate::dynamics::{Discretizable, Linearization, Step};
 
-/// Upper bound of the fastest rate of the robot times the length of a Runge–Kutta step. The method is stable
+/// Largest allowed product of the fastest rate of the robot and the length of a Runge–Kutta step. The method is stable
 /// up to 2.78.
 const STABLE: f64 = 2.5;
 /// Largest number of steps in a period, even for a stiffer robot.
 const MAX_SUBSTEPS: usize = 1000;
 
-/// Number of steps in a period. No part of the robot is faster than ν = (b + √(b² + 4a))/2 with a = ‖∂ÿ/∂y‖,
-/// b = ‖∂ÿ/∂ẏ‖.
+/// Number of Runge–Kutta steps in a period. The fastest rate of the robot is at most ν = (b + √(b² + 4a))/2 with
+/// a = ‖∂ÿ/∂y‖ and b = ‖∂ÿ/∂ẏ‖.
 pub(super) fn substeps<const N: usize, const M: usize, const NY: usize>(
     linear: &Linearization<N, M, NY>,
     period: f64,
@@ -21,14 +21,14 @@ pub(super) fn substeps<const N: usize, const M: usize, const NY: usize>(
     ((period * rate / STABLE).ceil().max(1.0) as usize).min(MAX_SUBSTEPS)
 }
 
-/// Largest sum of magnitudes in a row.
+/// Maximum norm: largest sum of the magnitudes in a row.
 fn norm<const N: usize>(a: &[[f64; N]; N]) -> f64 {
     a.iter().map(magnitude).fold(0.0, f64::max)
 }
 
 /// A step of the implicit midpoint rule.
 ///
-/// - `(y, v, a)`: positions and velocities before the step, and the guess of the accelerations
+/// - `(y, v, a)`: positions and velocities before the step, and a guess of the accelerations
 ///
 /// # Errors
 /// The errors of [`discretize`](crate::control_loop::zero_order_hold::discretize).
@@ -42,7 +42,7 @@ pub(super) fn midpoint<const N: usize, const M: usize, const NY: usize>(
     if step.is_finite() { Ok(step) } else { Err(too_fast(model, y, v, u, period)) }
 }
 
-/// A period of the nonlinear robot.
+/// A period of the integration.
 #[derive(Clone, Copy)]
 pub(super) struct Span {
     /// Time at which the period begins (s).

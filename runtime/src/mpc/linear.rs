@@ -15,10 +15,11 @@ use crate::lanes::{ZeroOrderHolds, instructions};
 use crate::qp::lanes::WIDTH;
 use crate::trajectory::{Sample, Trajectory};
 
-/// Linear time-varying MPC. Its predictions are the exact zero-order hold of the affine linearization in the
-/// middle of each period, around the previous plan or around the desired trajectory with its feed-forward. An
-/// option selects the implicit midpoint rule instead ([`PredictionRule`]). The equations are in the
-/// [module](super).
+/// Linear time-varying MPC. The [module](super) documents the equations.
+///
+/// The robot is linearized in the middle of each period of the horizon, around the previous plan or around the
+/// desired trajectory with its feed-forward ([`MpcOptions::linearization`]). The prediction over a period is the
+/// exact zero-order hold of this linearization, or a step of the implicit midpoint rule ([`PredictionRule`]).
 ///
 /// ```
 /// use gelenk_runtime::control_loop::{Controller, Cycle};
@@ -50,7 +51,7 @@ pub struct LtvMpc<
     memory: Memory<N, M, NY>,
 }
 
-/// Memory for the stages that are computed together.
+/// Memory for stages that are computed together.
 #[derive(Debug, Clone)]
 struct Memory<const N: usize, const M: usize, const NY: usize> {
     stages: Vec<usize>,
@@ -78,11 +79,10 @@ where
     D: Discretizable<N, M, NY>,
     T: Trajectory<N, NY>,
 {
-    /// A controller of `model` along `trajectory`. All memory is allocated here, and all terminal weights are
-    /// computed.
+    /// Constructs a controller of `model` along `trajectory`. Allocates all memory and computes all terminal weights.
     ///
     /// # Errors
-    /// [`MpcError`] with the reason for which the controller cannot be made.
+    /// [`MpcError`] with the reason why the controller cannot be constructed.
     pub fn new(model: D, trajectory: T, options: MpcOptions<N, M, NR>) -> Result<Self, MpcError>
     where
         D: PhaseSpace<NX>,
@@ -97,12 +97,11 @@ where
     delegated_methods!();
 
     /// Replaces the model from the next step on, for example by a model with friction that was identified in
-    /// operation. Estimate and plan are kept. The terminal weights are kept too, because they represent the
-    /// time after the horizon and change little with friction. Allocates nothing if the input matrix is the
-    /// same.
+    /// operation. The estimate and the plan are kept. The terminal weights are kept too, because they represent the
+    /// time after the horizon and depend little on friction. Does not allocate if the input matrix is unchanged.
     ///
     /// # Errors
-    /// [`FeedForwardError::InputMatrix`] if the input matrix cannot be used; the old model is then kept.
+    /// [`FeedForwardError::InputMatrix`] if the input matrix cannot be used. The old model is then kept.
     pub fn set_model(&mut self, model: D) -> Result<(), FeedForwardError> {
         self.horizon.set_model(model)
     }
@@ -119,7 +118,8 @@ where
         set
     }
 
-    /// Sets all stages that are not kept from the previous period. Around the plan no stage is kept.
+    /// Sets all stages that are not kept from the previous period. If the robot is linearized around the plan, no stage
+    /// is kept.
     fn set_stages(&mut self) -> Result<(), ControllerFault> {
         if self.horizon.options.prediction == PredictionRule::ExactHold {
             return self.set_held_stages();
@@ -133,8 +133,8 @@ where
         Ok(())
     }
 
-    /// Sets the stages by the exact zero-order hold. All stages are linearized first, then several holds are
-    /// computed at a time.
+    /// Sets the stages by the exact zero-order hold. All stages are linearized first. Then several holds are computed
+    /// at a time.
     fn set_held_stages(&mut self) -> Result<(), ControllerFault> {
         let (horizon, Memory { stages, points, linear, cases, holds }) =
             (&mut self.horizon, &mut self.memory);
@@ -215,8 +215,8 @@ where
         }
     }
 
-    /// Sets the state in which the hold of stage `k` begins: at the reference for an arm, at the point of
-    /// linearization for a robot with quaternions.
+    /// Sets the state at which the hold of stage `k` begins. For an arm it is the reference. For a robot with
+    /// quaternions it is the point of linearization.
     fn begin(&self, k: usize, point: &Point<N, M, NY>, case: &mut Case<N, M>) {
         if N != NY {
             case.drift = self.model().drift(&point.velocities);
@@ -244,7 +244,7 @@ where
         self.model().at_time(*time, fault)
     }
 
-    /// Marks stage `k` as set. Around the reference the next period may use it too.
+    /// Marks stage `k` as set. If the robot is linearized around the reference, the next period can use this stage too.
     fn mark_set(&mut self, k: usize) {
         self.reference.is_set[k] = self.options.linearization == LinearizationPoint::Reference;
     }
@@ -269,12 +269,12 @@ where
 
     delegated_controller_methods!();
 
-    /// Computes reference, stages and solution. The step computes them again, or keeps those that are equal.
-    /// Estimate and plan do not change.
+    /// Computes reference, stages and solution in advance. The next step computes them again, or keeps stages that are
+    /// equal. Estimate and plan do not change.
     fn warm_up(&mut self, next: &Cycle<N, M, NY>) {
         let start = self.horizon.start_at(next.time);
         self.horizon.look_ahead(start);
-        // What fails here fails in the step too, which says so.
+        // An error is ignored here, because the step has the same error and reports it.
         if self.set_stages().is_ok() {
             self.horizon.rehearse(next);
         }
@@ -293,7 +293,8 @@ mod tests {
     gelenk_dynamics::dynamics!(struct Ur5 = gelenk_generated::ur5);
     gelenk_dynamics::dynamics!(struct Quadrotor = gelenk_generated::quadrotor);
 
-    /// Repeated steps from one measurement are Newton's method: the plan becomes a motion of the implicit midpoint rule.
+    /// Repeats steps from one measurement. This is Newton's method, so the plan converges to a motion that satisfies the
+    /// implicit midpoint rule.
     fn converge<D, T, const N: usize, const M: usize, const NX: usize, const NY: usize>(model: D, motion: T)
     where
         D: Discretizable<N, M, NY> + PhaseSpace<NX> + LimitRows<0>,
@@ -338,7 +339,7 @@ mod tests {
         converge(Quadrotor, GeodesicMotion::between(Quadrotor, start, goal, 3.0).unwrap());
     }
 
-    /// A motion that may become the other one.
+    /// A trajectory that can switch between two motions.
     struct Changing<'a>(&'a Cell<usize>, [RestToRest<6>; 2]);
 
     impl Trajectory<6> for Changing<'_> {
@@ -351,7 +352,7 @@ mod tests {
         }
     }
 
-    /// Times are exact for a period of 2⁻⁶ s, so that stages that are kept have the bits of those that are computed anew.
+    /// The period is 2⁻⁶ s, so all times are exact. Kept stages then equal newly computed stages bit for bit.
     #[test]
     fn stages_around_the_reference_are_kept_until_it_changes() {
         const PERIOD: f64 = 0.015625;

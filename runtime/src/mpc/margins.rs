@@ -1,4 +1,4 @@
-//! Margins of limits for a robot whose friction is uncertain.
+//! Margins to limits for a robot with uncertain friction.
 
 use crate::lqr::matrix;
 use crate::qp::QpStage;
@@ -6,15 +6,16 @@ use nalgebra::SMatrix;
 
 /// Sensitivity S of the state at a stage to errors of the friction.
 ///
-/// The friction of joint j exceeds the model's by `σ_j(v) ε_j`; the ε_j are independent with a standard normal distribution and
-/// constant over the horizon. The inputs correct deviations x of the state by `K x`. Then `x_k = S_k ε` with
+/// The friction of joint j exceeds that of the model by `σ_j(v) ε_j`. The numbers ε_j are independent, have a standard normal
+/// distribution, and are constant over the horizon. The inputs correct deviations x of the state by `K x`. Then `x_k = S_k ε` with
 ///
 /// ```text
 ///     S_{k+1} = (A_k + B_k K) S_k − B_k W_k        S_0 = 0        W = B⁺ diag(σ(v_k))
 /// ```
 ///
-/// The standard deviation of entry i of the state is the length of row i of S, that of input i the length of row i of K S. S counts
-/// an error that changes its sign with the velocity as if it kept its sign, so its effect is not underestimated.
+/// The standard deviation of entry i of the state is the length of row i of S. The standard deviation of input i is the length of
+/// row i of K S. A friction error actually changes its sign with the velocity. S assumes a constant sign, so the effect is not
+/// underestimated.
 ///
 /// Source: Schwarm, Nikolaou, *Chance-constrained model predictive control*, AIChE Journal 45 (1999).
 #[derive(Debug, Clone)]
@@ -27,7 +28,7 @@ impl<const N: usize, const NX: usize> Margins<N, NX> {
         Self { sensitivity: SMatrix::zeros() }
     }
 
-    /// Advances by a stage. Returns the standard deviations of its inputs, and of the states after it.
+    /// Advances S by a stage. Returns the standard deviations of the inputs of this stage and of the states after it.
     ///
     /// - `gain`: K
     /// - `by_friction`: W
@@ -50,16 +51,16 @@ fn lengths<const R: usize, const C: usize>(m: &SMatrix<f64, R, C>) -> [f64; R] {
     core::array::from_fn(|i| m.row(i).norm())
 }
 
-/// A range that is smaller by `margin` at both ends, and at most by half of itself.
+/// The range narrowed by `margin` at both ends. At least half of the range remains.
 pub(super) fn narrowed([low, high]: [f64; 2], margin: f64) -> [f64; 2] {
     let margin = margin.min(0.5 * (high - low));
     [low + margin, high - margin]
 }
 
-/// z for which a standard normal number is below z with this probability, at least 1/2.
+/// Quantile of the standard normal distribution for a `probability` of at least 1/2.
 pub(super) fn quantile(probability: f64) -> f64 {
     let (mut low, mut high) = (0.0, 40.0);
-    // Sixty halvings leave the last bit.
+    // After 60 halvings of the interval the result is accurate to the last bit.
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
         let above = 0.5 * libm::erfc(middle * core::f64::consts::FRAC_1_SQRT_2);
@@ -72,7 +73,7 @@ pub(super) fn quantile(probability: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Published quantiles (Abramowitz and Stegun, 1964, table 26.1).
+    /// Compares with published quantiles (Abramowitz and Stegun, 1964, table 26.1).
     #[test]
     fn quantiles_are_those_of_tables() {
         for (probability, z) in

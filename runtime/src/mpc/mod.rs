@@ -1,43 +1,51 @@
 //! Model predictive control along a trajectory: linear time-varying ([`LtvMpc`]) and nonlinear ([`Nmpc`]).
 //!
-//! Both controllers are a feedback in addition to the feed-forward. In each period T they minimize over a
-//! horizon of `K` periods, with the state x = (y, ẏ), the input u, δx = x − x_ref and δu = u + d − u_ff,
+//! Both controllers add a feedback to the feed-forward. In each period of length T they solve a quadratic program
+//! (QP) over a horizon of `K` periods:
 //!
 //! ```text
 //!     Σ_{k=1}^{K−1} ½ δx_kᵀ Q δx_k + ½ δx_Kᵀ P δx_K + Σ_{k=0}^{K−1} ½ δu_kᵀ R δu_k + ½ ((u_k − u_{k−1})/T)ᵀ W ((u_k − u_{k−1})/T)
 //!     s.t. x_{k+1} = A_k x_k + B_k (u_k + d) + c_k,   u_min ≤ u_k ≤ u_max (hard),   y and ẏ within their limits (soft, exact penalty)
 //! ```
 //!
-//! x_ref is the desired state and u_ff the feed-forward. Q, R and W are the weights in [`MpcOptions`]. P is
-//! the solution of the discrete Riccati equation. [`TerminalWeight::Discounted`] discounts costs beyond the
-//! horizon, for robots with parts that no input reaches. A Kalman filter estimates the input disturbance d
-//! from the encoders ([`DisturbanceObserver`]). It is on by default, so constant model errors leave no steady
-//! offset.
+//! | symbol | meaning |
+//! |---|---|
+//! | x = (y, ẏ), u | state and inputs |
+//! | d | input disturbance, estimated from the encoders by a Kalman filter ([`DisturbanceObserver`]) |
+//! | x_ref, u_ff | desired state and feed-forward |
+//! | δx, δu | deviations x − x_ref and u + d − u_ff |
+//! | Q, R, W | weights of states, inputs and input rates, see [`MpcOptions`] |
+//! | P | terminal weight, the solution of the discrete Riccati equation |
 //!
-//! `A_k, B_k, c_k` of [`LtvMpc`] are the exact zero-order hold of the linearization around the desired
-//! trajectory or the previous plan, or a step of the implicit midpoint rule ([`PredictionRule`]).
-//! `A_k, B_k, c_k` of [`Nmpc`] are the exact sensitivities of the nonlinear robot around the plan. [`Nmpc`]
-//! makes one Gauss–Newton step in each period.
+//! The estimation of d is on by default, so constant model errors cause no steady-state offset. For robots with
+//! parts that no input can move, [`TerminalWeight::Discounted`] discounts costs beyond the horizon.
 //!
-//! The exact holds of a horizon around the plan are computed four stages at a time
-//! ([`ZeroOrderHolds`](crate::lanes::ZeroOrderHolds)). The linearization is computed in the same way if the
-//! module has `linearize` for several states at once (`lanes = ["linearize"]` in the description). The last
-//! digits of a prediction around the plan then depend on the neighbouring stages, and on whether the
-//! processor has AVX2 with fused multiply-add.
+//! The prediction `A_k, B_k, c_k` depends on the controller:
 //!
-//! Sums of positions, velocities and inputs may have hard or soft limits too ([`MpcRow`]): the torque–speed
-//! line `|u + c ẏ| ≤ U` of a motor, or the limits of a joint that follows others. [`MpcOptions::with_rows`]
-//! adds such rows. Without rows they cost no computing time.
+//! - [`LtvMpc`] linearizes the robot around the desired trajectory or the previous plan. It discretizes the
+//!   linearization by the exact zero-order hold or by the implicit midpoint rule ([`PredictionRule`]).
+//! - [`Nmpc`] uses the exact sensitivities of the nonlinear robot around the plan, and makes one Gauss–Newton step
+//!   in each period.
+//!
+//! The zero-order holds of a horizon around the plan are computed four stages at a time
+//! ([`ZeroOrderHolds`](crate::lanes::ZeroOrderHolds)). If the module has `linearize` for several states at once
+//! (`lanes = ["linearize"]` in the description), several stages are also linearized at a time. The last digits of a
+//! prediction around the plan then depend on the neighbouring stages, and on whether the processor has AVX2 with
+//! fused multiply-add.
+//!
+//! Weighted sums of positions, velocities and inputs can have hard or soft limits too ([`MpcRow`]). Examples are the
+//! torque–speed line `|u + c ẏ| ≤ U` of a motor, and the limits of a joint that follows other joints.
+//! [`MpcOptions::with_rows`] adds such rows. A controller without rows needs no additional computing time.
 //!
 //! The QP of a period starts from the solution of the previous period, shifted by the time since then
 //! ([`QpSolver::solve_warm`](crate::qp::QpSolver::solve_warm)). Most QPs need one to five factorizations. The
 //! first QP has a cold start.
 //!
-//! A delay of one period between measurement and input is compensated ([`MpcOptions::delay`]): the horizon
-//! then begins one period later, at the state to which the input that was computed last leads.
+//! A delay of one period between measurement and input can be compensated ([`MpcOptions::delay`]). The horizon then
+//! begins one period later, at the state that the previously computed input leads to.
 //!
-//! When a controller is made, it notes a trajectory beyond the soft limits or a row, friction that is
-//! discontinuous at rest, and a terminal weight with few accurate digits ([`LtvMpc::notes`]). Print these
+//! The construction of a controller collects notes ([`LtvMpc::notes`]), for example about a trajectory that exceeds
+//! the soft limits or a row, friction that is discontinuous at rest, or an inaccurate terminal weight. Print these
 //! notes before the first motion. [`tune`] is the guide to weights and limits.
 //!
 //! For robots with quaternions, δx is the error state (y ⊖ y_ref, v − v_ref) with `2 N` entries, and the

@@ -26,7 +26,7 @@ impl<const N: usize, const NY: usize> Node<N, NY> {
         join(&displacement, &core::array::from_fn(|i| self.velocities[i] - reference.velocities[i]))
     }
 
-    /// State with the given deviation from this one.
+    /// State with the given deviation from this state.
     #[inline]
     pub fn moved<const M: usize, const NX: usize>(
         &self,
@@ -40,7 +40,7 @@ impl<const N: usize, const NY: usize> Node<N, NY> {
         }
     }
 
-    /// State halfway between this one and the next one.
+    /// State halfway between this state and `next`.
     pub fn middle<const M: usize>(&self, next: &Self, model: &impl Dynamics<N, M, NY>) -> Self {
         let positions = if N == NY {
             core::array::from_fn(|i| 0.5 * (self.positions[i] + next.positions[i]))
@@ -52,8 +52,8 @@ impl<const N: usize, const NY: usize> Node<N, NY> {
         Self { positions, velocities }
     }
 
-    /// Positions and velocities, one entry for each velocity. Limits and rows apply to them. The positions of
-    /// joints with a quaternion, which have neither limits nor rows, are 0.
+    /// Positions and velocities to which limits and rows apply, with one position for each velocity. The positions of
+    /// joints with a quaternion are 0, because they have neither limits nor rows.
     pub fn coordinates<const M: usize, const NX: usize>(&self, model: &impl Dynamics<N, M, NY>) -> [f64; NX] {
         join(&plain_positions(model.quaternion_joints(), &self.positions), &self.velocities)
     }
@@ -71,8 +71,8 @@ pub(super) struct Prediction<'a, const N: usize, const M: usize, const NY: usize
 /// Blocks of derivatives with respect to state and input.
 type Blocks<const N: usize, const M: usize> = ([[[[f64; N]; N]; 2]; 2], [[[f64; M]; N]; 2]);
 
-/// The blocks of a prediction, as derivatives of the deviation from the reference after the period with
-/// respect to the deviation before it.
+/// The blocks of a prediction as derivatives of the deviation after the period with respect to the deviation before
+/// the period. Deviations are relative to the reference.
 ///
 /// With `y = y_ref ⊕ e` and `e⁺ = y⁺ ⊖ y_ref⁺`, `∂e⁺/∂e = J_r⁻¹(e⁺) A J_r(e)` in the rows and columns of
 /// positions, where J_r is the right Jacobian of the rotation.
@@ -114,7 +114,7 @@ mod tests {
 
     gelenk_dynamics::dynamics!(struct Quadrotor = super::quadrotor);
 
-    /// The derivatives of `y⁺ ⊖ y_ref⁺` by `y ⊖ y_ref`, far from the reference, by quotients.
+    /// Compares the derivatives of `y⁺ ⊖ y_ref⁺` by `y ⊖ y_ref` with difference quotients, far from the reference.
     #[test]
     fn predictions_are_derivatives_of_deviations() {
         let reference = Node {

@@ -11,14 +11,14 @@ use crate::dynamics::{Discretizable, PhaseSpace};
 use crate::feed_forward::FeedForwardError;
 use crate::trajectory::Trajectory;
 
-/// Nonlinear MPC: multiple shooting with Runge–Kutta integration and exact sensitivities, and one
-/// Gauss–Newton step of sequential quadratic programming per period (real-time iteration). The equations are
-/// in the [module](super).
+/// Nonlinear MPC by multiple shooting with Runge–Kutta integration and exact sensitivities. Each period makes one
+/// Gauss–Newton step of sequential quadratic programming (real-time iteration). The [module](super) documents the
+/// equations.
 ///
-/// The work of a period has two parts. [`prepare`](Self::prepare) integrates and differentiates the shifted
-/// plan and needs no measurement. [`feedback`](Self::feedback) takes the measurement and solves the QP. If
-/// `prepare` was called before, only the second part lies between measurement and input. [`Controller::step`]
-/// does both parts, the first one only if it has not been done.
+/// The computation of a period has two parts. [`prepare`](Self::prepare) integrates and differentiates the shifted
+/// plan and needs no measurement. [`feedback`](Self::feedback) takes the measurement and solves the QP. Call
+/// `prepare` before the measurement arrives to shorten the time between measurement and input. [`Controller::step`]
+/// does both parts, but skips `prepare` if it was already called.
 #[derive(Debug, Clone)]
 pub struct Nmpc<
     D,
@@ -40,11 +40,11 @@ where
     D: Discretizable<N, M, NY>,
     T: Trajectory<N, NY>,
 {
-    /// A controller of `model` along `trajectory`. All memory is allocated here, and all terminal weights are
-    /// computed. [`MpcOptions::linearization`] and [`MpcOptions::prediction`] have no effect.
+    /// Constructs a controller of `model` along `trajectory`. Allocates all memory and computes all terminal weights.
+    /// [`MpcOptions::linearization`] and [`MpcOptions::prediction`] have no effect.
     ///
     /// # Errors
-    /// [`MpcError`] with the reason for which the controller cannot be made.
+    /// [`MpcError`] with the reason why the controller cannot be constructed.
     pub fn new(model: D, trajectory: T, options: MpcOptions<N, M, NR>) -> Result<Self, MpcError>
     where
         D: PhaseSpace<NX>,
@@ -55,18 +55,18 @@ where
     delegated_methods!();
 
     /// Replaces the model from the next step on, for example by a model with friction that was identified in
-    /// operation. Estimate and plan are kept. The terminal weights are kept too, because they represent the
-    /// time after the horizon and change little with friction. Allocates nothing if the input matrix is the
-    /// same.
+    /// operation. The estimate and the plan are kept. The terminal weights are kept too, because they represent the
+    /// time after the horizon and depend little on friction. Does not allocate if the input matrix is unchanged.
     ///
     /// # Errors
-    /// [`FeedForwardError::InputMatrix`] if the input matrix cannot be used; the old model is then kept.
+    /// [`FeedForwardError::InputMatrix`] if the input matrix cannot be used. The old model is then kept.
     pub fn set_model(&mut self, model: D) -> Result<(), FeedForwardError> {
         self.prepared = f64::NAN;
         self.horizon.set_model(model)
     }
 
-    /// Prepares the period after `time` (s), the time of the last [`feedback`](Self::feedback).
+    /// Integrates and differentiates the plan for the next period. `time` (s) is the time of the last
+    /// [`feedback`](Self::feedback) on the trajectory.
     pub fn prepare(&mut self, time: f64) {
         let period = self.horizon.options.period;
         let ahead = if self.horizon.options.delay { 2.0 } else { 1.0 };
@@ -98,7 +98,7 @@ where
         }
     }
 
-    /// Takes in the measurement and returns the input of this period.
+    /// Processes the measurement and returns the inputs of this period.
     ///
     /// # Errors
     /// The errors of [`Controller::step`].
@@ -130,8 +130,8 @@ where
 
     delegated_controller_methods!();
 
-    /// Computes reference, stages and solution, which the step computes again. Estimate, plan and stages that
-    /// [`prepare`](Nmpc::prepare) has set do not change.
+    /// Computes reference, stages and solution in advance. The next step computes them again. The estimate, the plan,
+    /// and stages that [`prepare`](Nmpc::prepare) has set do not change.
     fn warm_up(&mut self, next: &Cycle<N, M, NY>) {
         if self.prepared.is_nan() {
             let start = self.horizon.start_at(next.time);

@@ -1,4 +1,4 @@
-//! Notes of a predictive controller about its task, which are made before it starts.
+//! Notes about unexpected behaviour of a predictive controller, collected at construction.
 
 use super::options::MpcOptions;
 use super::row::MpcRow;
@@ -6,14 +6,14 @@ use crate::dynamics::{DependentJoint, Discretizable, Dynamics, Named, jumps, pla
 use crate::trajectory::{Sample, Trajectory};
 use std::fmt;
 
-/// Number of intervals of the trajectory at whose ends it is compared with the soft limits.
+/// Number of equal time intervals of the trajectory. It is compared with the soft limits at their ends.
 const INTERVALS: usize = 256;
 
-/// Note about a behaviour of the controller that its user may not expect. Notes are made together with the
-/// controller, see [`LtvMpc::notes`](super::LtvMpc::notes).
+/// Note about a behaviour of the controller that the user may not expect. The construction of a controller collects
+/// these notes, see [`LtvMpc::notes`](super::LtvMpc::notes).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MpcNote {
-    /// The trajectory moves a joint faster than its soft limit. The controller will lag behind. Such a
+    /// The trajectory moves a joint faster than its soft limit. The robot will lag behind the trajectory. This
     /// following error is not a fault of the robot.
     Speed {
         /// Name of the joint.
@@ -25,8 +25,7 @@ pub enum MpcNote {
         /// Limit in [`MpcOptions::velocity_limits`] [rad/s or m/s].
         limit: f64,
     },
-    /// The trajectory leaves the soft limits of the position of a joint. The controller will stop at the
-    /// limits.
+    /// The trajectory leaves the soft position limits of a joint. The controller will stop the joint near the limit.
     Position {
         /// Name of the joint.
         joint: &'static str,
@@ -37,40 +36,41 @@ pub enum MpcNote {
         /// Limits in [`MpcOptions::position_limits`] [rad or m].
         limits: [f64; 2],
     },
-    /// The trajectory with its feed-forward violates a row. The controller will lag behind it or stop at the
-    /// limit.
+    /// The trajectory with its feed-forward violates a row ([`MpcRow`](super::MpcRow)). The robot will lag behind the
+    /// trajectory or stop at the limit.
     Row {
         /// Name of the row.
         row: &'static str,
         /// Time at which the row is violated most (s).
         time: f64,
-        /// Value of the row at that time, in its unit.
+        /// Value of the row at that time, in the unit of the row.
         value: f64,
-        /// Lower and upper side of the row.
+        /// Lower and upper limit of the row.
         limits: [f64; 2],
     },
-    /// A joint follows a driven joint and has limits. The limits of the coordinates change with the driven
-    /// motion, and the controller does not keep them.
+    /// A joint with limits follows a driven joint. The controller does not keep these limits, because the allowed
+    /// positions of the coordinates change with the driven motion.
     Dependent {
         /// Name of the joint.
         joint: &'static str,
     },
-    /// The friction of a joint is discontinuous at rest, as with an exact `sign`. Linear predictions take the
-    /// slope 0 on both sides of the jump, so they do not predict sticking: the joint may stop before its
-    /// goal. Use a model with smooth friction for the controller.
+    /// The friction of a joint is discontinuous at rest, for example because it contains an exact `sign`. Linear
+    /// predictions use the slope 0 on both sides of the jump, so they do not predict sticking. The joint may stop
+    /// before its goal. Use a model with smooth friction for the controller.
     DryFriction {
         /// Name of the joint.
         joint: &'static str,
         /// Height of the jump [N m or N].
         jump: f64,
     },
-    /// The implicit midpoint rule predicts a velocity of a joint that alternates in sign. The reason is that
-    /// friction at rest, at the start of the trajectory, stops the joint within much less than a period. See
+    /// The implicit midpoint rule predicts that the sign of a joint velocity alternates from period to period. The
+    /// reason is that friction at rest stops the joint within much less than a period. The joint is checked at the
+    /// start of the trajectory. See
     /// [`PredictionRule::ImplicitMidpoint`](super::PredictionRule::ImplicitMidpoint).
     Alternating {
         /// Name of the joint.
         joint: &'static str,
-        /// Ratio of the velocities after and before a period, negative.
+        /// Predicted ratio of the velocity after a period to the velocity before the period; negative.
         share: f64,
     },
     /// The Riccati equation of a terminal weight was not solved to rounding accuracy. The weight is the cost
@@ -88,51 +88,52 @@ impl fmt::Display for MpcNote {
         match self {
             Self::Speed { joint, time, speed, limit } => write!(
                 f,
-                "at {time:.3} s the trajectory moves joint {} at {speed:.4}, beyond its soft limit of {limit:.4}: the controller will lag behind; \
-                 slow the trajectory down, or raise `velocity_limits`",
+                "at {time:.3} s the trajectory moves joint {} at {speed:.4} rad/s (or m/s), beyond its soft limit of {limit:.4}: the robot will \
+                 lag behind the trajectory; slow the trajectory down, or raise `velocity_limits`",
                 Named(joint)
             ),
             Self::Position { joint, time, position, limits: [low, high] } => write!(
                 f,
-                "at {time:.3} s the trajectory has joint {} at {position:.4}, outside its soft limits of {low:.4} to {high:.4}: the controller \
-                 will stay behind; change the trajectory, or `position_limits`",
+                "at {time:.3} s the trajectory has joint {} at {position:.4} rad (or m), outside its soft limits of {low:.4} to {high:.4}: the \
+                 controller will stop the joint near the limit; change the trajectory, or `position_limits`",
                 Named(joint)
             ),
             Self::Row { row, time, value, limits: [low, high] } => write!(
                 f,
-                "at {time:.3} s the trajectory and its feed-forward give {value:.4} to row {}, outside its limits of {low:.4} to {high:.4}: \
-                 the controller will lag or stay behind; slow the trajectory down or change it",
+                "at {time:.3} s the trajectory with its feed-forward has the value {value:.4} in row {}, outside its limits of {low:.4} to \
+                 {high:.4}: the robot will not follow the trajectory; slow the trajectory down or change it",
                 Named(row)
             ),
             Self::Dependent { joint } => write!(
                 f,
-                "joint {} follows a driven joint, and this controller does not keep its limits: the loop brakes at them; check the trajectory together with the driven motion (`limits::violations`)",
+                "joint {} follows a driven joint, and this controller does not keep the limits of this joint: the loop brakes at these \
+                 limits; check the trajectory together with the driven motion (`limits::violations`)",
                 Named(joint)
             ),
             Self::DryFriction { joint, jump } => write!(
                 f,
-                "friction of joint {} jumps by {jump:.3} N m (or N) at rest, which linear predictions do not see: the joint may stop short of \
-                 its goal; generate a smooth model for the controller (`--control-model`)",
+                "the friction of joint {} jumps by {jump:.3} N m (or N) at rest, which linear predictions cannot represent: the joint may stop \
+                 before its goal; generate a smooth model for the controller (`--control-model`)",
                 Named(joint)
             ),
             Self::Alternating { joint, share } => write!(
                 f,
-                "by the implicit midpoint rule a small velocity of joint {} is predicted to be {share:.2} times as large after a period: its \
-                 friction at rest is too steep for the rule; take the exact hold (`prediction`), a smoother control model, or a \
+                "the implicit midpoint rule predicts that a small velocity of joint {} is multiplied by {share:.2} in each period, because its \
+                 friction at rest is too steep: use the exact zero-order hold (`prediction`), a smoother control model, or a \
                  shorter period",
                 Named(joint)
             ),
             Self::Terminal { time, residual } => write!(
                 f,
-                "the terminal weight at {time:.3} s is that of a stabilizing regulator, but the residual of its Riccati equation is \
-                 {residual:.1e}: weights or units are too far apart"
+                "the terminal weight at {time:.3} s is inaccurate: the residual of its Riccati equation is {residual:.1e}; the regulator is \
+                 stabilizing, but may not be optimal; choose weights that differ by fewer orders of magnitude"
             ),
         }
     }
 }
 
-/// Notes of positions and speeds of the trajectory beyond the soft limits, at most one for each joint and
-/// limit. Samples that are not finite are reported elsewhere.
+/// Notes about positions and speeds of the trajectory beyond the soft limits, at most one for each joint and limit.
+/// Samples that are not finite are ignored here, because the constructor reports them as an error.
 pub(super) fn beyond_limits<const N: usize, const M: usize, const NR: usize, const NY: usize>(
     model: &impl Dynamics<N, M, NY>,
     trajectory: &impl Trajectory<N, NY>,
@@ -157,7 +158,7 @@ pub(super) fn beyond_limits<const N: usize, const M: usize, const NR: usize, con
     notes
 }
 
-/// Notes of the joints with limits that follow a driven joint.
+/// Notes about joints with limits that follow a driven joint.
 pub(super) fn not_kept<const N: usize>(joints: &[DependentJoint<N>]) -> Vec<MpcNote> {
     let limited = |joint: &&DependentJoint<N>| joint.has_position_limit() || joint.has_velocity_limit();
     let following = joints.iter().filter(limited).filter(|joint| joint.follows_driven_joints());
@@ -174,7 +175,7 @@ fn samples<const N: usize, const NY: usize>(
         .collect()
 }
 
-/// Sample with one position for each velocity entry. The positions of joints with a quaternion are 0; they
+/// Sample with one position for each velocity entry. The positions of joints with a quaternion are 0, because they
 /// have neither limits nor rows.
 fn coordinates<const N: usize, const M: usize, const NY: usize>(
     model: &impl Dynamics<N, M, NY>,
@@ -187,8 +188,8 @@ fn coordinates<const N: usize, const M: usize, const NY: usize>(
     }
 }
 
-/// Notes of the rows that the trajectory with its feed-forward violates, at most one for each row. `inputs`
-/// gives the feed-forward for a time and a sample.
+/// Notes about rows that the trajectory with its feed-forward violates, at most one for each row. `inputs` returns the
+/// feed-forward for a time and a sample.
 pub(super) fn beyond_rows<const N: usize, const M: usize, const NR: usize, const NY: usize>(
     model: &impl Dynamics<N, M, NY>,
     trajectory: &impl Trajectory<N, NY>,
@@ -209,8 +210,8 @@ pub(super) fn beyond_rows<const N: usize, const M: usize, const NR: usize, const
     rows.iter().filter_map(of_row).collect()
 }
 
-/// Notes of the joints whose friction is discontinuous at rest at `positions`, under the load of gravity and
-/// springs there.
+/// Notes about joints whose friction is discontinuous at rest at `positions`. Load-dependent friction is evaluated with
+/// the forces of gravity and springs at these positions.
 pub(super) fn dry_friction<const N: usize, const M: usize, const NY: usize>(
     model: &impl Dynamics<N, M, NY>,
     positions: &[f64; NY],
@@ -228,7 +229,7 @@ pub(super) fn dry_friction<const N: usize, const M: usize, const NY: usize>(
         .collect()
 }
 
-/// Notes of the joints whose velocity alternates with the implicit midpoint rule, at rest at `positions`.
+/// Notes about joints whose velocity alternates with the implicit midpoint rule, at rest at `positions`.
 pub(super) fn alternating<const N: usize, const M: usize, const NY: usize>(
     model: &impl Discretizable<N, M, NY>,
     positions: &[f64; NY],
@@ -259,7 +260,7 @@ mod tests {
     use super::*;
     use crate::dynamics::Limits;
 
-    /// A weight of 4 N on a gear whose dry friction is a quarter of the load.
+    /// A weight of 4 N on a gear with load-dependent friction. The dry friction is a quarter of the load.
     struct Lift;
 
     impl Dynamics<1, 1> for Lift {

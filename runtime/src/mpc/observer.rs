@@ -1,30 +1,30 @@
-//! Kalman filter for the state and the input disturbance from encoder angles.
+//! Kalman filter that estimates the state and the input disturbance from measured positions.
 
 use super::error::{MpcError, require};
 use super::integrate::{Span, integrate};
 use crate::dynamics::{Discretizable, Dynamics, Step};
 
-/// Noise that the observer assumes, as standard deviations. The noises of different periods are independent.
+/// Standard deviations of the noise that [`DisturbanceObserver`] assumes. The noise of different periods is
+/// independent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ObserverOptions<const N: usize, const M: usize> {
-    /// Standard deviation of a measured position [rad or m], > 0: the encoder's resolution divided by √12,
-    /// plus other noise.
+    /// Standard deviation of a measured position [rad or m], > 0. The rounding error of an encoder has the standard
+    /// deviation resolution/√12; add other noise.
     pub encoder_noise: [f64; N],
-    /// Standard deviation of the velocity change in a period that the model does not explain [rad/s or m/s],
-    /// ≥ 0.
+    /// Standard deviation of the part of the velocity change in a period that the model does not explain [rad/s or
+    /// m/s], ≥ 0.
     pub velocity_noise: [f64; N],
-    /// Standard deviation of the change of the disturbance in a period, in units of the input, ≥ 0. If it is
+    /// Standard deviation of the change of the disturbance in a period, in units of the input, ≥ 0. If the value is
     /// 0, the disturbance is not estimated.
     pub disturbance_noise: [f64; M],
-    /// Standard deviation of a measured velocity [rad/s or m/s], > 0, for robots whose drives measure
-    /// velocities. `None` if measured velocities are not used.
+    /// Standard deviation of a measured velocity [rad/s or m/s], > 0; `None` if measured velocities are not used.
     pub velocity_sensor_noise: Option<[f64; N]>,
 }
 
 impl<const N: usize, const M: usize> Default for ObserverOptions<N, M> {
-    /// Encoder noise of 1e-5 rad (or m), velocity changes of 1e-3 rad/s (or m/s), and no disturbance.
-    /// [`MpcOptions::new`](super::MpcOptions::new) sets the noise of the disturbance according to the limits
-    /// of the motors.
+    /// Encoder noise of 1e-5 rad (or m), unexplained velocity changes of 1e-3 rad/s (or m/s), and no disturbance.
+    /// [`MpcOptions::new`](super::MpcOptions::new) derives the noise of the disturbance from the limits of the
+    /// inputs.
     fn default() -> Self {
         Self {
             encoder_noise: [1e-5; N],
@@ -52,37 +52,36 @@ impl<const N: usize, const M: usize> ObserverOptions<N, M> {
     }
 }
 
-/// Kalman filter for the augmented state (y, ẏ, d). The disturbance d acts like an input, and is constant
-/// except for its noise:
+/// Kalman filter that estimates positions y, velocities ẏ and the input disturbance d. The disturbance acts like an
+/// input u, and is constant except for its noise:
 ///
 /// ```text
 ///     (y, ẏ)⁺ = f(y, ẏ, u + d)     d⁺ = d     measured: y
 /// ```
 ///
-/// The filter is an extended Kalman filter: it predicts with the nonlinear robot, and the covariance with the
-/// exact sensitivities of the robot (Anderson, Moore, *Optimal Filtering*, 1979, section 8.2). The
-/// disturbance model for offset-free control is from Pannocchia, Rawlings, *AIChE J.* 49 (2003). The measured
-/// positions are processed one after another. The result is the same as for all at once, because their noises
-/// are independent. For robots with quaternions it is the filter of the error state
-/// `(y ⊖ ŷ, v − v̂, d − d̂)`, with the sensitivities along ⊕ (Solà, *Quaternion kinematics for the
-/// error-state Kalman filter*, 2017, section 6).
+/// The filter is an extended Kalman filter. It predicts the state with the nonlinear robot f, and the covariance with
+/// the exact sensitivities of the robot (Anderson, Moore, *Optimal Filtering*, 1979, section 8.2). The disturbance
+/// model for offset-free control is from Pannocchia, Rawlings, *AIChE J.* 49 (2003). Measured positions are
+/// processed one after another. Because their noise is independent, the result equals that of simultaneous
+/// processing. For robots with quaternions, the filter estimates the error state `(y ⊖ ŷ, v − v̂, d − d̂)` (Solà,
+/// *Quaternion kinematics for the error-state Kalman filter*, 2017, section 6).
 #[derive(Debug, Clone)]
 pub struct DisturbanceObserver<const N: usize, const M: usize, const NY: usize = N> {
     options: ObserverOptions<N, M>,
     positions: [f64; NY],
     velocities: [f64; N],
     disturbance: [f64; M],
-    /// Covariance of the augmented state, rows of 2 N + M entries. `work` is memory for its prediction.
+    /// Covariance of the augmented state (y, ẏ, d), in rows of 2 N + M entries. `work` is memory for its prediction.
     covariance: Vec<f64>,
     work: Vec<f64>,
-    /// Fᵀ of the last prediction, without the columns of the disturbance.
+    /// Transpose of the sensitivity matrix F of the last prediction, without the columns of the disturbance.
     transition: Vec<f64>,
     /// Correction of the augmented state by the measurements, before it is applied to the state.
     correction: Vec<f64>,
 }
 
 impl<const N: usize, const M: usize> DisturbanceObserver<N, M> {
-    /// An observer at rest at y = 0. All memory is allocated here.
+    /// An observer for a robot at rest at y = 0. All memory is allocated here.
     ///
     /// # Errors
     /// [`MpcError::Option`] for the first standard deviation out of its range.
@@ -90,7 +89,7 @@ impl<const N: usize, const M: usize> DisturbanceObserver<N, M> {
         Self::starting_at(&[0.0; N], options)
     }
 
-    /// Corrects the estimate by measured positions [rad or m].
+    /// Corrects the estimate with measured positions [rad or m].
     pub fn correct(&mut self, measured: &[f64; N]) {
         self.correct_sums(measured);
     }
@@ -99,7 +98,7 @@ impl<const N: usize, const M: usize> DisturbanceObserver<N, M> {
 impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, NY> {
     const SIZE: usize = 2 * N + M;
 
-    /// An observer at rest at these positions. All memory is allocated here.
+    /// An observer for a robot at rest at `positions` [rad or m]. All memory is allocated here.
     ///
     /// # Errors
     /// [`MpcError::Option`] for the first standard deviation out of its range.
@@ -119,8 +118,8 @@ impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, 
         Ok(observer)
     }
 
-    /// Starts again at a known state without disturbance. The initial covariance is the noise of one period,
-    /// and for the positions also that of the encoders.
+    /// Restarts at a known state [rad or m; rad/s or m/s] without disturbance. The initial covariance is that of the
+    /// noise of one period. For positions, the encoder noise is added.
     pub fn reset(&mut self, positions: &[f64; NY], velocities: &[f64; N]) {
         (self.positions, self.velocities) = (*positions, *velocities);
         self.disturbance = [0.0; M];
@@ -143,9 +142,9 @@ impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, 
         deviation * deviation
     }
 
-    /// Predicts the estimate over `period` (s), in which `inputs` acted, in `substeps` Runge–Kutta steps.
-    /// Robots with driven joints need the time too, see [`predict_from`](Self::predict_from). For them this
-    /// method makes the estimate NaN.
+    /// Predicts the estimate over `period` (s), in which `inputs` [N m, N or A] acted. The integration makes
+    /// `substeps` Runge–Kutta steps. For robots with driven joints call [`predict_from`](Self::predict_from),
+    /// because this method would make their estimate NaN.
     pub fn predict(
         &mut self,
         model: &impl Discretizable<N, M, NY>,
@@ -156,8 +155,8 @@ impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, 
         self.predict_from(f64::NAN, model, inputs, period, substeps);
     }
 
-    /// Predicts the estimate over `period` (s) from the time `start` (s) on, in `substeps` Runge–Kutta steps.
-    /// `inputs` acted in this period.
+    /// Predicts the estimate over the `period` (s) that begins at the time `start` (s), and in which `inputs` [N m, N
+    /// or A] acted. The integration makes `substeps` Runge–Kutta steps.
     pub fn predict_from(
         &mut self,
         start: f64,
@@ -173,11 +172,11 @@ impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, 
         self.predict_covariance(&step);
     }
 
-    /// Predicts the covariance P as `F P Fᵀ` plus the noise. F differs from the identity only in the rows of
-    /// y and ẏ.
+    /// Predicts the covariance P by `F P Fᵀ` plus the noise. F is the sensitivity matrix of the augmented state. F
+    /// differs from the identity only in the rows of y and ẏ.
     fn predict_covariance(&mut self, step: &Step<N, M, NY>) {
         let n = Self::SIZE;
-        // Fᵀ without the columns of d. Loops over its rows are vectorized.
+        // Fᵀ is stored without the columns of d, because loops over its rows are vectorized.
         for k in 0..n {
             for i in 0..2 * N {
                 self.transition[k * 2 * N + i] = sensitivity(step, i, k);
@@ -202,8 +201,9 @@ impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, 
         }
     }
 
-    /// Corrects the estimate by measured positions. The innovation is `y ⊖ ŷ`, with one entry for each
-    /// velocity. Attitudes are measured as quaternions. Their errors are in the body's own frame.
+    /// Corrects the estimate with measured positions [rad or m], also for robots with quaternions. The innovation is
+    /// `y ⊖ ŷ`, with one entry for each velocity. Attitudes are measured as quaternions, and their errors are
+    /// expressed in the frame of the body.
     pub fn correct_by(&mut self, model: &impl Dynamics<N, M, NY>, measured: &[f64; NY]) {
         if N == NY {
             return self.correct_sums(measured);
@@ -212,8 +212,8 @@ impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, 
         self.correct_entries(model, 0, &difference, &noise);
     }
 
-    /// Corrects the estimate by measured velocities [rad/s or m/s], if
-    /// [`ObserverOptions::velocity_sensor_noise`] is given.
+    /// Corrects the estimate with measured velocities [rad/s or m/s]. Has no effect if
+    /// [`ObserverOptions::velocity_sensor_noise`] is `None`.
     pub fn correct_velocities_by(&mut self, model: &impl Dynamics<N, M, NY>, measured: &[f64; N]) {
         if N == NY {
             return self.correct_velocity_sums(measured);
@@ -224,7 +224,7 @@ impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, 
         }
     }
 
-    /// Corrects by positions for robots without quaternions (N = NY).
+    /// Corrects the estimate with positions, for robots without quaternions (N = NY).
     fn correct_sums(&mut self, measured: &[f64; NY]) {
         for m in 0..N {
             let innovation = measured[m] - self.positions[m];
@@ -232,7 +232,7 @@ impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, 
         }
     }
 
-    /// Corrects by velocities for robots without quaternions (N = NY).
+    /// Corrects the estimate with velocities, for robots without quaternions (N = NY).
     fn correct_velocity_sums(&mut self, measured: &[f64; N]) {
         let Some(noise) = self.options.velocity_sensor_noise else {
             return;
@@ -243,8 +243,8 @@ impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, 
         }
     }
 
-    /// Corrects by measured entries from index `first` on, one after another, and moves the state after the
-    /// last one.
+    /// Corrects the estimate with measured entries from index `first` on, one after another. Applies the correction
+    /// to the state after the last entry.
     fn correct_entries(
         &mut self,
         model: &impl Dynamics<N, M, NY>,
@@ -269,7 +269,7 @@ impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, 
         }
     }
 
-    /// Corrects by one measurement of entry `m` of the augmented state.
+    /// Corrects the estimate with one measurement of entry `m` of the augmented state.
     fn take(&mut self, m: usize, innovation: f64, noise: f64, mut add: impl FnMut(&mut Self, usize, f64)) {
         let n = Self::SIZE;
         let variance = self.covariance[m * n + m] + noise * noise;
@@ -301,17 +301,17 @@ impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, 
         state.chain(&self.disturbance).all(|x| x.is_finite())
     }
 
-    /// Estimated y [rad or m].
+    /// Estimated positions ŷ [rad or m].
     pub fn positions(&self) -> &[f64; NY] {
         &self.positions
     }
 
-    /// Estimated ẏ [rad/s or m/s].
+    /// Estimated velocities [rad/s or m/s].
     pub fn velocities(&self) -> &[f64; N] {
         &self.velocities
     }
 
-    /// Estimated disturbance d, in units of the input.
+    /// Estimated disturbance of each input, in the unit of the input.
     pub fn disturbance(&self) -> &[f64; M] {
         &self.disturbance
     }

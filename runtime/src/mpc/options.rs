@@ -6,23 +6,25 @@ use super::row::{MpcRow, RowFault, range};
 use crate::dynamics::{DependentJoint, Dynamics, LimitRows, Limits, Named, QuaternionJoint};
 use crate::qp::{Penalty, QpSettings};
 
-/// Default standard deviation of the change of a disturbance in a period, as a share of the largest input.
-/// With this value and periods of 2, 10 and 20 ms, an arm with seven axes does not oscillate although its
-/// joints stick and the friction of the model is smooth. With three times this value it oscillates
-/// (`tests/mpc_observer.rs`).
+/// Default standard deviation of the change of a disturbance in a period, relative to the largest input.
+/// `tests/mpc_observer.rs` simulates a seven-axis arm whose joints stick, with a controller model with smooth
+/// friction and periods of 2, 10 and 20 ms. The arm does not oscillate with this value, but oscillates with three
+/// times this value.
 const DISTURBANCE_SHARE: f64 = 3e-4;
 
-/// States around which [`LtvMpc`](super::LtvMpc) linearizes its predictions.
+/// States around which [`LtvMpc`](super::LtvMpc) linearizes the robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LinearizationPoint {
-    /// The desired trajectory with its feed-forward. This suits small errors. If friction is steep at rest,
-    /// it has a disadvantage: the prediction takes a moving joint for a joint at rest, which hardly moves.
-    /// Far from its goal the joint is then driven back and forth by full inputs. This was seen on the
-    /// PowerCube with an error of 4 mrad, after a motion for which its torque was too small. A step predicts
-    /// only its last period. The predictions of the other periods are kept from the previous step until the
-    /// motion or the model changes.
+    /// The desired trajectory with its feed-forward. This choice is fast and suits small errors. A step only predicts
+    /// the last period of the horizon. The predictions of the other periods are kept from the previous step until
+    /// the trajectory or the model changes.
+    ///
+    /// This choice is not suitable if friction is steep at rest and errors are large. If the desired trajectory is
+    /// at rest, the friction of a moving joint is then predicted like that of a joint at rest. The joint can
+    /// oscillate with full inputs. The PowerCube did so with an error of 4 mrad after a motion for which its torque
+    /// was too small.
     Reference,
-    /// The plan of the previous step, shifted by the time since then.
+    /// The plan of the previous step, shifted by the time since the previous step.
     #[default]
     Plan,
 }
@@ -35,40 +37,41 @@ pub enum PredictionRule {
     #[default]
     ExactHold,
     /// The implicit midpoint rule with its exact sensitivities,
-    /// [`Discretizable::midpoint_step`](crate::dynamics::Discretizable::midpoint_step). For arms, with m, D
-    /// and K' the Jacobians of the inverse dynamics with respect to ÿ, ẏ and y in the middle of the period, K
-    /// = K' − ∂(B u)/∂y, and the period T:
+    /// [`Discretizable::midpoint_step`](crate::dynamics::Discretizable::midpoint_step). For arms the prediction is
     ///
     /// ```text
     ///     (m + T/2 D + T²/4 K) δv⁺ = (m − T/2 D − T²/4 K) δv − T K δy + T B δu − T r,   δy⁺ = δy + T/2 (δv + δv⁺)
     /// ```
     ///
-    /// The acceleration in the middle is that of the plan, (v⁺ − v)/T, or of the reference. r is the force
-    /// that the equations of motion lack there. The rule costs little more than these Jacobians. In each
-    /// period it has an error of order T³. The exact hold only has the error of the linearization.
+    /// with the period T. The matrices m, D and K' are the Jacobians of the inverse dynamics with respect to ÿ, ẏ and y
+    /// in the middle of the period, and K = K' − ∂(B u)/∂y. The acceleration in the middle is that of the plan,
+    /// (v⁺ − v)/T, or that of the reference. r is the residual force of the equations of motion at this point. The
+    /// computing time is little more than that of the Jacobians. The error of a period is of order T³, in addition
+    /// to the error of the linearization. The exact hold only has the error of the linearization.
     ///
-    /// The rule is not L-stable: if friction stops a velocity within much less than T, the sign of the
-    /// predicted velocity alternates from period to period. Such steep friction at rest needs
-    /// [`Self::ExactHold`]. The controller then has the note
-    /// [`MpcNote::Alternating`](super::MpcNote::Alternating) with the joint.
+    /// The rule is not L-stable. If friction stops a velocity within much less than T, the sign of the predicted
+    /// velocity alternates from period to period. For such steep friction at rest use [`Self::ExactHold`]. The
+    /// controller reports these joints by [`MpcNote::Alternating`](super::MpcNote::Alternating).
     ///
     /// Source: Hairer, Lubich, Wanner, *Geometric Numerical Integration*, 2006, sections I.1 and VI.4.
     ImplicitMidpoint,
 }
 
-/// The weight P of the state at the end of the horizon. `½ δxᵀ P δx` is the cost after the horizon with an
-/// optimal regulator without limits.
+/// Rule for the weight P of the state deviation δx at the end of the horizon. `½ δxᵀ P δx` is the cost after the
+/// horizon if an optimal regulator without limits controls the robot.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum TerminalWeight {
-    /// P solves the discrete Riccati equation. A solution exists if the inputs can bring all errors to rest.
+    /// P solves the discrete Riccati equation. A solution exists if the inputs can reduce all errors to zero.
     #[default]
     Riccati,
-    /// A cost at the time t after the end of the horizon is multiplied by e^(−t/τ). P solves the Riccati
-    /// equation of √γ A and √γ B with γ = e^(−T/τ). This weight is for robots with a part that no input
-    /// reaches, for example the momentum of a body that floats freely: the errors of this part remain, and
-    /// without discount they would cost infinitely much. Set the weights of this part to 0, and τ to several
-    /// time constants of the controlled part. For the controlled part, P is then close to the weight without
-    /// discount. A solution exists if errors that no input reaches grow slower than e^(t/(2τ)).
+    /// P solves the Riccati equation with a discount. The cost at the time t after the end of the horizon is
+    /// multiplied by e^(−t/τ). This means that √γ A and √γ B with γ = e^(−T/τ) and the period T replace A and B.
+    ///
+    /// Use this weight for robots with a part that no input can control, for example the momentum of a free-floating
+    /// body. The errors of this part remain, so their cost would be infinite without discount. Set the weights of
+    /// this part to 0, and τ to several time constants of the controlled part. For the controlled part, P is then
+    /// close to the weight without discount. A solution exists if errors that no input can reduce grow slower than
+    /// e^(t/(2τ)).
     ///
     /// Source: Postoyan, Buşoniu, Nešić, Daafouz, *Stability analysis of discrete-time infinite-horizon optimal
     /// control with discounted cost*, IEEE Trans. Automatic Control 62 (2017).
@@ -79,7 +82,7 @@ pub enum TerminalWeight {
 }
 
 impl TerminalWeight {
-    /// Factor √γ of A and B for the period (s).
+    /// Factor √γ of A and B for `period` (s); 1 without discount.
     pub(super) fn discount(self, period: f64) -> f64 {
         match self {
             Self::Riccati => 1.0,
@@ -92,65 +95,68 @@ impl TerminalWeight {
 /// `NR` is the number of rows, see [`MpcRow`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct MpcOptions<const N: usize, const M: usize, const NR: usize = 0> {
-    /// Sample time T (s).
+    /// Period T of the controller (s).
     pub period: f64,
     /// Number K of periods in the horizon, 1 to 100.
     pub horizon: usize,
-    /// Weights of the position errors [1/rad² or 1/m²], ≥ 0. The position errors are `y ⊖ y_ref` if y has
-    /// quaternions.
+    /// Weights of the position errors [1/rad² or 1/m²], ≥ 0. For robots with quaternions the position errors are
+    /// `y ⊖ y_ref`.
     pub position_weight: [f64; N],
     /// Weights of velocity errors [s²/rad² or s²/m²], ≥ 0.
     pub velocity_weight: [f64; N],
-    /// Weights of the deviations from the feed-forward [1/(N m)², 1/N² or 1/A²], ≥ 0. The sum of this weight
-    /// and the rate weight of an input must be positive.
+    /// Weights of the deviations of the inputs from the feed-forward [1/(N m)², 1/N² or 1/A²], ≥ 0. For each input,
+    /// the sum of this weight and the rate weight must be positive.
     pub input_weight: [f64; M],
     /// Weights of the rates of change of the inputs [s²/(N m)², s²/N² or s²/A²], ≥ 0.
     pub input_rate_weight: [f64; M],
-    /// Weight of the state at the end of the horizon.
+    /// Rule for the weight of the state at the end of the horizon.
     pub terminal_weight: TerminalWeight,
     /// Hard lower and upper bounds of the inputs [N m, N or A].
     pub input_limits: [[f64; 2]; M],
-    /// Soft lower and upper bounds of the positions [rad or m], infinite for positions without a bound.
+    /// Soft lower and upper bounds of the positions [rad or m]; infinite for positions without a bound.
     pub position_limits: [[f64; 2]; N],
-    /// Soft bounds of the speeds [rad/s or m/s], infinite for speeds without a bound.
+    /// Soft bounds of the speeds [rad/s or m/s]; infinite for speeds without a bound.
     pub velocity_limits: [f64; N],
-    /// Probability, above 1/2, that a predicted input, position or speed is within a limit although the model's friction is
-    /// uncertain ([`Dynamics::friction_uncertainty`]). The plan keeps limits that are narrower by Φ⁻¹(p) standard deviations of
-    /// the prediction, under the feedback of the terminal weight's regulator. Each step makes a new plan, so the loop may stay as
-    /// near to a limit as the first stages allow. [`Self::rows`] are not narrowed. `None`: the plan keeps the limits themselves.
+    /// Probability p, above 1/2 and below 1, that a predicted input, position or speed keeps a limit if the friction of the model
+    /// is uncertain ([`Dynamics::friction_uncertainty`]). The plan keeps narrowed limits. They are narrower by Φ⁻¹(p) standard
+    /// deviations of the prediction, where Φ⁻¹ is the quantile of the normal distribution. The prediction assumes the feedback
+    /// of the regulator of the terminal weight. The margin is small in the first stages, and each step computes a new plan, so
+    /// the robot can come closer to a limit than the end of a plan. [`Self::rows`] are not narrowed. `None`: limits are not
+    /// narrowed.
     pub limit_probability: Option<f64>,
-    /// Limits of sums of positions, velocities and inputs, see [`Self::with_rows`].
+    /// Limits of weighted sums of positions, velocities and inputs, see [`Self::with_rows`].
     pub rows: [MpcRow<N, M>; NR],
-    /// Penalty of violated soft bounds, per rad, m, rad/s or m/s, and of violated soft rows, per unit of the
-    /// row.
+    /// Penalty of violated soft bounds (per rad, m, rad/s or m/s) and of violated soft rows (per unit of the row).
     pub limit_penalty: Penalty,
-    /// States around which [`LtvMpc`](super::LtvMpc) linearizes.
+    /// States around which [`LtvMpc`](super::LtvMpc) linearizes the robot.
     pub linearization: LinearizationPoint,
-    /// Prediction rule of [`LtvMpc`](super::LtvMpc). Terminal weights are computed from the exact hold with
-    /// both rules.
+    /// Prediction rule of [`LtvMpc`](super::LtvMpc). With both rules, terminal weights are computed from the exact
+    /// zero-order hold.
     pub prediction: PredictionRule,
-    /// Whether an input acts one period after the measurement from which it was computed.
+    /// Whether inputs act one period after the measurement from which they were computed. If false, they act
+    /// immediately.
     pub delay: bool,
-    /// Noise of the disturbance observer.
+    /// Noise that the disturbance observer assumes.
     pub observer: ObserverOptions<N, M>,
     /// Tolerances of the QP solver.
     pub qp: QpSettings,
 }
 
 impl<const N: usize, const M: usize, const NR: usize> MpcOptions<N, M, NR> {
-    /// Default options: the limits of the model, and weights for a robot in SI units.
+    /// Default options for a model, with the given period (s) and number of periods in the horizon.
     ///
-    /// - Input limits: the peak of motor and joint ([`Dynamics::input_limits`]).
-    /// - Position and velocity limits: those of the model, narrowed to the limits of joints that follow one
-    ///   coordinate.
+    /// - Input limits: the peak values of motor and joint ([`Dynamics::input_limits`]).
+    /// - Position and velocity limits: those of the model, narrowed so that joints that follow one coordinate also
+    ///   keep their limits.
     /// - Rows: the limits of joints that follow several coordinates, and the torque–speed lines of motors
     ///   ([`MpcRow::of_limits`]).
     /// - Weights: 1e4 for position errors and 1e2 for velocity errors, so that errors decay with a time
     ///   constant of 0.1 s. The weight of an input is 1e-3 per square of its limit.
-    /// - Tolerance of the QP: a millionth of its cost.
-    /// - No delay, exact hold, linearization around the plan.
-    /// - Observer: it estimates a disturbance of each input, with a standard deviation of 3e-4 of the largest
-    ///   input per period. The encoder noise is 1e-5 rad (or m), see [`Self::with_encoders`].
+    /// - Tolerance of the QP: a relative cost error of 1e-6.
+    /// - Prediction: exact zero-order hold, linearization around the plan, no delay.
+    /// - Observer: it estimates a disturbance of each input. The assumed change of the disturbance per period has a
+    ///   standard deviation of 3e-4 of the largest input. The encoder noise is 1e-5 rad (or m), see
+    ///   [`Self::with_encoders`].
     pub fn new<D, const NY: usize>(model: &D, period: f64, horizon: usize) -> Self
     where
         D: Dynamics<N, M, NY> + LimitRows<NR>,
@@ -186,17 +192,17 @@ impl<const N: usize, const M: usize, const NR: usize> MpcOptions<N, M, NR> {
         }
     }
 
-    /// The same options for encoders with these resolutions of the positions [rad or m]. The rounding error
-    /// of a resolution has the standard deviation resolution/√12.
+    /// Sets the encoder noise for encoders with the resolutions `steps` at the joints [rad or m]. The standard
+    /// deviation of the rounding error is resolution/√12.
     #[must_use]
     pub fn with_encoders(mut self, steps: [f64; N]) -> Self {
         self.observer.encoder_noise = steps.map(|step| step / 12.0_f64.sqrt());
         self
     }
 
-    /// The same options with `rows` in place of their present rows. Rows may be torque–speed lines of motors,
-    /// limits of dependent joints, or any other limits of sums. If the robot has limits of sums, `rows` must
-    /// contain the rows of [`MpcRow::of_limits`].
+    /// Replaces the present rows by `rows`. Rows can be torque–speed lines of motors, limits of joints that follow
+    /// other joints, or any other limits of weighted sums. If [`MpcRow::of_limits`] returns rows for the robot,
+    /// `rows` must contain them.
     #[must_use]
     pub fn with_rows<const ROWS: usize>(self, rows: [MpcRow<N, M>; ROWS]) -> MpcOptions<N, M, ROWS> {
         MpcOptions {
@@ -221,9 +227,11 @@ impl<const N: usize, const M: usize, const NR: usize> MpcOptions<N, M, NR> {
         }
     }
 
+    /// Checks the range of all options.
+    ///
     /// # Errors
-    /// [`MpcError::Option`] for the first value out of its range, [`MpcError::Row`] for the first row that
-    /// cannot be used.
+    /// [`MpcError::Option`] for the first value out of its range. [`MpcError::Row`] for the first row that is not
+    /// valid.
     pub(super) fn check(&self) -> Result<(), MpcError> {
         let positive = |x: f64| x.is_finite() && x > 0.0;
         let weight = |x: f64| x.is_finite() && x >= 0.0;
@@ -253,15 +261,15 @@ impl<const N: usize, const M: usize, const NR: usize> MpcOptions<N, M, NR> {
         self.observer.check()
     }
 
-    /// Checks that bounds and rows keep all limits of sums. Limits of joints that follow driven joints change
-    /// with time, and are not checked.
+    /// Checks that bounds and rows ensure the limits of joints that follow other joints, and the torque–speed lines of
+    /// motors. Joints that follow driven joints are not checked, because their limits change with time.
     ///
     /// # Errors
-    /// [`MpcError::Dependent`] for the first joint whose limits are kept neither by the bounds nor by a row
-    /// with its name. [`MpcError::TorqueSpeed`] for the first motor whose torque–speed line is kept by no row
-    /// with its name and its input.
+    /// - [`MpcError::Dependent`] for the first joint whose limits are not ensured by the bounds or by a row with its
+    ///   name.
+    /// - [`MpcError::TorqueSpeed`] for the first motor without a row with its name and its input.
     pub(super) fn check_sums(&self, limits: &Limits<N, M>) -> Result<(), MpcError> {
-        // A motor may be called as a joint is: rows with inputs are those of motors.
+        // A motor and a joint may have the same name. Rows with inputs belong to motors.
         let has_row = |name: &str, of: fn(&MpcRow<N, M>) -> &[f64; N]| {
             let keeps = |row: &MpcRow<N, M>| !row.has_inputs() && of(row).iter().any(|c| *c != 0.0);
             self.rows.iter().any(|row| row.name == name && keeps(row))
@@ -283,7 +291,7 @@ impl<const N: usize, const M: usize, const NR: usize> MpcOptions<N, M, NR> {
         Ok(())
     }
 
-    /// Whether the bounds of the positions keep the position limits of a dependent joint.
+    /// Whether the bounds of the positions ensure the position limits of a dependent joint.
     fn keep_position(&self, joint: &DependentJoint<N>) -> bool {
         let [least, most] = range(&joint.ratios, &self.position_limits).map(|end| joint.offset + end);
         let [low, high] = joint.position;
@@ -292,7 +300,7 @@ impl<const N: usize, const M: usize, const NR: usize> MpcOptions<N, M, NR> {
         least >= low - rounding(low) && most <= high + rounding(high)
     }
 
-    /// Whether the bounds of the speeds keep the velocity limit of a dependent joint.
+    /// Whether the bounds of the speeds ensure the velocity limit of a dependent joint.
     fn keep_velocity(&self, joint: &DependentJoint<N>) -> bool {
         let [_, fastest] = range(&joint.ratios, &self.velocity_limits.map(|limit| [-limit, limit]));
         fastest <= joint.velocity * (1.0 + ROUNDING)
@@ -303,7 +311,7 @@ impl<const N: usize, const M: usize, const NR: usize> MpcOptions<N, M, NR> {
     /// - `joints`: the joints with a quaternion
     ///
     /// # Errors
-    /// [`MpcError::Limit`] for a bound of such a position, [`MpcError::Row`] for a row with such a position.
+    /// [`MpcError::Limit`] for a bound of such a position. [`MpcError::Row`] for a row with such a position.
     pub(super) fn check_quaternions(&self, joints: &[QuaternionJoint]) -> Result<(), MpcError> {
         for joint in joints {
             let entries = joint.velocity..joint.angular_velocity() + 3;
@@ -322,7 +330,6 @@ impl<const N: usize, const M: usize, const NR: usize> MpcOptions<N, M, NR> {
     }
 }
 
-/// Relative tolerance for the rounding of bounds that were divided by a ratio and are multiplied by the ratio
-/// here.
+/// Relative tolerance for rounding, because bounds that were divided by a ratio are multiplied by the ratio again.
 const ROUNDING: f64 = 1e-9;
 const NOT_NEGATIVE: &str = "finite and not negative";

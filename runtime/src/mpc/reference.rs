@@ -1,6 +1,5 @@
-//! The reference over the horizon: desired states and feed-forward. Values that the previous period has
-//! computed for the same times are kept, and with them the stages of the QP that are linearized at the
-//! reference.
+//! The reference over the horizon: desired states and feed-forward. Values that the previous period computed for the
+//! same times are kept. Stages of the QP that are linearized at the reference are also kept.
 
 use super::node::Node;
 use crate::dynamics::Dynamics;
@@ -9,8 +8,8 @@ use crate::feed_forward::FeedForward;
 use crate::no_std::*;
 use crate::trajectory::{Sample, Trajectory};
 
-/// Largest distance between the times of two horizons that count as equal, in periods. It allows for the
-/// rounding of the times of a loop.
+/// Largest difference between times of two horizons that count as equal, in periods. Times of a loop have rounding
+/// errors.
 const ROUNDING: f64 = 1e-9;
 
 #[derive(Debug, Clone)]
@@ -21,11 +20,11 @@ pub(super) struct Reference<const N: usize, const M: usize, const NY: usize> {
     pub middles: Vec<Sample<N, NY>>,
     /// Feed-forward u_ff in the middle of each period.
     pub inputs: Vec<[f64; M]>,
-    /// Whether the stage of each period in the QP is set for this reference.
+    /// Whether the stage of each period in the QP has been set for this reference.
     pub is_set: Vec<bool>,
     period: f64,
-    /// Node k is at the time `first + (passed + k) period`, so that the time of a node is the same number in
-    /// several horizons. NaN before the first call.
+    /// Time of the first node of the first horizon (s); NaN before the first call. Node k is at the time
+    /// `first + (passed + k) period`, so the time of a node is the same number in several horizons.
     first: f64,
     passed: f64,
     /// Whether the model has changed since the last call.
@@ -33,6 +32,8 @@ pub(super) struct Reference<const N: usize, const M: usize, const NY: usize> {
 }
 
 impl<const N: usize, const M: usize, const NY: usize> Reference<N, M, NY> {
+    /// Allocates the reference for a horizon of `periods` periods of length `period` (s).
+    ///
     /// - `neutral`: any valid state
     pub fn new(periods: usize, period: f64, neutral: Node<N, NY>) -> Self {
         Self {
@@ -61,12 +62,12 @@ impl<const N: usize, const M: usize, const NY: usize> Reference<N, M, NY> {
         self.first + (self.passed + nodes) * self.period
     }
 
-    /// Computes the reference from `start` (s) on. Returns the number of periods since the previous
-    /// reference, or K if no value of the previous reference is kept.
+    /// Computes the reference from `start` (s) on. Returns the number of periods since the previous reference, or the
+    /// number K of periods in the horizon if no value of the previous reference is kept.
     ///
-    /// The motion is sampled anew, because it may change. Feed-forward and stages are kept for samples that
-    /// are equal to the previous ones. For robots with driven joints nothing is kept, because the driven
-    /// motion may change too.
+    /// The trajectory is sampled again, because it may have changed. Feed-forward and stages are kept if the samples
+    /// are equal to the previous samples. For robots with driven joints nothing is kept, because the driven motion
+    /// may have changed too.
     pub fn look_ahead<D: Dynamics<N, M, NY>>(
         &mut self,
         start: f64,
@@ -102,12 +103,13 @@ impl<const N: usize, const M: usize, const NY: usize> Reference<N, M, NY> {
         passed
     }
 
-    /// Sets the start to `start` (s). Returns the number of periods since the previous start.
+    /// Sets the start to `start` (s). Returns the number of periods since the previous start, or K if the difference is
+    /// not a whole number of periods below K.
     fn begin(&mut self, start: f64) -> usize {
         let periods = self.inputs.len();
         let since = (start - self.time(0.0)) / self.period;
         let passed = since.round();
-        // NaN is neither.
+        // Both conditions are false for NaN.
         if (since - passed).abs() <= ROUNDING && (0.0..periods as f64).contains(&passed) {
             self.passed += passed;
             return passed as usize;

@@ -1,20 +1,20 @@
-//! Rows: limits of sums of positions, velocities and inputs in a predictive controller.
+//! Rows: limits of weighted sums of positions, velocities and inputs in a predictive controller.
 
 use crate::dynamics::{DependentJoint, Dynamics, LimitRows, Named, TorqueSpeedLine};
 use crate::qp::{Penalty, QpProblem};
 use crate::trajectory::Sample;
 use std::fmt;
 
-/// A limit of a sum of positions y, velocities ẏ and inputs u,
+/// A limit of a weighted sum of positions y, velocities ẏ and inputs u,
 ///
 /// ```text
 ///     lower ≤ G_y y + G_v ẏ + G_u u ≤ upper
 /// ```
 ///
-/// at the sample times of the horizon. A row with inputs holds from the present time on, with the positions
-/// and velocities at the beginning of each period. A row without inputs holds from the next sample time on,
-/// because the present state cannot be changed. An input acts for a whole period, in which the velocity
-/// changes. If a drive has no reserve, choose a limit with a margin for this change.
+/// at the sample times of the horizon. A row with inputs applies from the present time on, with the positions and
+/// velocities at the beginning of each period. A row without inputs applies from the next sample time on, because
+/// the present state cannot be changed. The velocity changes during a period, but the limit is only kept at its
+/// beginning. If a drive has no reserve, choose a limit with a margin for this change.
 ///
 /// ```
 /// use gelenk_runtime::control_loop::{Controller, Cycle};
@@ -23,12 +23,12 @@ use std::fmt;
 ///
 /// gelenk_runtime::dynamics!(pub struct PowerCube = gelenk_generated::powercube);
 ///
-/// // Each motor has 0.5 N·m at rest and none at 300 rad/s; its gear ratio is 161.
+/// // Each motor produces 0.5 N m at rest and 0 N m at 300 rad/s. The gear ratio is 161.
 /// let slope = 161.0 * 0.5 / 300.0;
 /// let rows = [
 ///     MpcRow::torque_speed_line("motor of joint 1", [1.0, 0.0], [slope, 0.0], 0.5),
 ///     MpcRow::torque_speed_line("motor of joint 2", [0.0, 1.0], [0.0, slope], 0.5),
-///     // A parallelogram's third joint follows the other two and stops at ±1.2 rad.
+///     // The third joint of a parallelogram follows the other two joints and has limits of ±1.2 rad.
 ///     MpcRow::dependent_joint("elbow rod", [1.0, 1.0], 0.1, [-1.2, 1.2]),
 /// ];
 /// let motion = RestToRest::new([0.0, 0.0], [0.3, 0.4], 2.0)?;
@@ -51,30 +51,30 @@ pub struct MpcRow<const N: usize, const M: usize> {
     pub velocities: [f64; N],
     /// Coefficients G_u of the inputs, per N m, N or A.
     pub inputs: [f64; M],
-    /// Lower side; −∞ for a row without a lower limit.
+    /// Lower limit, in the unit of the sum; −∞ for a row without a lower limit.
     pub lower: f64,
-    /// Upper side; +∞ for a row without an upper limit.
+    /// Upper limit, in the unit of the sum; +∞ for a row without an upper limit.
     pub upper: f64,
-    /// Hard or soft.
+    /// Whether the row is hard or soft.
     pub kind: RowKind,
 }
 
-/// How strictly a row is kept.
+/// Whether a row is hard or soft.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum RowKind {
-    /// The row is kept exactly, to [`QpSettings::feasibility`](crate::qp::QpSettings). If hard rows
-    /// contradict each other or the limits of the inputs, the sum of their violations is minimal.
+    /// The row is kept with the tolerance [`QpSettings::feasibility`](crate::qp::QpSettings::feasibility). If hard
+    /// rows contradict each other or the limits of the inputs, the sum of their violations is minimized.
     Hard,
-    /// The row is soft, with the penalty [`MpcOptions::limit_penalty`](super::MpcOptions::limit_penalty) per
+    /// The row can be violated at the cost of [`MpcOptions::limit_penalty`](super::MpcOptions::limit_penalty), per
     /// unit of the row.
     Soft,
-    /// The row is soft, with this penalty.
+    /// The row can be violated at the cost of this penalty, per unit of the row.
     Penalized(Penalty),
 }
 
 impl<const N: usize, const M: usize> MpcRow<N, M> {
-    /// The row `lower ≤ G_y y + G_v ẏ + G_u u ≤ upper`. A row with inputs is hard, because its inputs can be
-    /// chosen. A row without inputs is soft, because after a disturbance it may be impossible to keep.
+    /// The row `lower ≤ G_y y + G_v ẏ + G_u u ≤ upper`. A row with inputs is hard, because the controller can choose
+    /// the inputs. A row without inputs is soft, because a disturbance can make it impossible to keep.
     pub const fn new(
         name: &'static str,
         positions: [f64; N],
@@ -86,16 +86,16 @@ impl<const N: usize, const M: usize> MpcRow<N, M> {
         if row.has_inputs() { row.hard() } else { row }
     }
 
-    /// The torque–speed line of a motor, `|G_u u + c ẏ| ≤ limit`, as a hard row. `inputs` is G_u and `slopes`
-    /// is c. If the motor turns in the direction of the joint, c is positive. Then the available torque is
-    /// small if the motor drives and large if it brakes.
+    /// The torque–speed line of a motor, `|G_u u + c ẏ| ≤ limit`, as a hard row. `inputs` is G_u and `slopes` is c. If
+    /// the motor turns in the direction of the joint, c is positive. At high speed, the available torque is then
+    /// smaller for driving and larger for braking.
     ///
-    /// A DC motor with the torque constant k (N m/A), the speed constant k (V s/rad) and the resistance R (Ω)
-    /// at the voltage U (V) keeps |R I + k ω| ≤ U, where I is the current (A) and ω the speed (rad/s). With
-    /// the gear ratio i this gives limit = k U/R and c = i k²/R. In terms of a data sheet, the limit is the
-    /// stall torque, and c is i times the stall torque divided by the no-load speed. A description has these
-    /// values as `stall_torque` and `no_load_speed` of a drive. Its module then has the row, see
-    /// [`Self::of_limits`].
+    /// A DC motor has the torque constant k (N m/A), the equal speed constant k (V s/rad) and the resistance R (Ω). At
+    /// the voltage U (V), the current I (A) and the speed ω (rad/s) satisfy |R I + k ω| ≤ U. For the gear ratio i,
+    /// the limit is k U/R and c is i k²/R. In terms of a data sheet, the limit is the stall torque, and c is i times
+    /// the stall torque divided by the no-load speed.
+    ///
+    /// If a description has `stall_torque` and `no_load_speed` of a drive, [`Self::of_limits`] returns this row.
     pub const fn torque_speed_line(
         name: &'static str,
         inputs: [f64; M],
@@ -105,8 +105,8 @@ impl<const N: usize, const M: usize> MpcRow<N, M> {
         Self::new(name, [0.0; N], slopes, inputs, [-limit, limit]).hard()
     }
 
-    /// The limits `lower ≤ G y + g₀ ≤ upper` of a joint that follows the coordinates, as a soft row. `ratios`
-    /// is G and `offset` is g₀ [rad or m].
+    /// The limits `lower ≤ G y + g₀ ≤ upper` [rad or m] of the position of a joint that follows the coordinates y, as a
+    /// soft row. `ratios` is G, `offset` is g₀ [rad or m], and `limits` are the lower and upper limit.
     pub const fn dependent_joint(
         name: &'static str,
         ratios: [f64; N],
@@ -116,11 +116,13 @@ impl<const N: usize, const M: usize> MpcRow<N, M> {
         Self::new(name, ratios, [0.0; N], [0.0; M], [lower - offset, upper - offset])
     }
 
-    /// The rows of a robot with limits of sums, each with the name of its joint or motor. The first rows are
-    /// the position limits of joints that follow several coordinates, then come their velocity limits, then
-    /// the torque–speed lines of motors. Other robots have no rows.
-    /// [`MpcOptions::new`](super::MpcOptions::new) takes these rows. To add rows of your own, destructure the
-    /// array: `let [forearm] = …`.
+    /// Returns the rows that a robot needs. Each row has the name of its joint or motor. The order is:
+    ///
+    /// 1. position limits of joints that follow several coordinates
+    /// 2. velocity limits of these joints
+    /// 3. torque–speed lines of motors
+    ///
+    /// [`MpcOptions::new`](super::MpcOptions::new) uses these rows. To add other rows, destructure the array:
     ///
     /// ```
     /// use gelenk_runtime::mpc::{LtvMpc, MpcOptions, MpcRow};
@@ -146,7 +148,7 @@ impl<const N: usize, const M: usize> MpcRow<N, M> {
         let positions = joints().filter(|joint| joint.has_position_limit()).map(Self::of_position);
         let velocities = joints().filter(|joint| joint.has_velocity_limit()).map(Self::of_velocity);
         let mut rows = positions.chain(velocities).chain(limits.torque_speed.iter().map(Self::of_line));
-        // A robot written by hand may say that it has more rows than it has.
+        // A hand-written robot may declare more rows than it has limits.
         let free = Self::new("free", [0.0; N], [0.0; N], [0.0; M], [f64::NEG_INFINITY, f64::INFINITY]);
         core::array::from_fn(|_| rows.next().unwrap_or(free))
     }
@@ -166,19 +168,19 @@ impl<const N: usize, const M: usize> MpcRow<N, M> {
         Self::new(joint.name, [0.0; N], joint.ratios, [0.0; M], sides)
     }
 
-    /// The same row as a hard row.
+    /// Makes the row hard.
     #[must_use]
     pub const fn hard(self) -> Self {
         Self { kind: RowKind::Hard, ..self }
     }
 
-    /// The same row as a soft row.
+    /// Makes the row soft, with the penalty of [`RowKind::Soft`].
     #[must_use]
     pub const fn soft(self) -> Self {
         Self { kind: RowKind::Soft, ..self }
     }
 
-    /// The same row as a soft row with this penalty.
+    /// Makes the row soft, with this penalty.
     #[must_use]
     pub const fn penalized(self, penalty: Penalty) -> Self {
         Self { kind: RowKind::Penalized(penalty), ..self }
@@ -195,13 +197,14 @@ impl<const N: usize, const M: usize> MpcRow<N, M> {
         false
     }
 
-    /// Value `G_y y + G_v ẏ + G_u u` of the row.
+    /// Value `G_y y + G_v ẏ + G_u u` of the row at positions [rad or m], velocities [rad/s or m/s] and inputs [N m, N or
+    /// A].
     #[must_use]
     pub fn value(&self, positions: &[f64; N], velocities: &[f64; N], inputs: &[f64; M]) -> f64 {
         dot(&self.positions, positions) + dot(&self.velocities, velocities) + dot(&self.inputs, inputs)
     }
 
-    /// Distance of the value beyond its limits; not positive if the row is kept.
+    /// Amount by which the value exceeds a limit; zero or negative if the row is kept.
     pub(super) fn excess(&self, sample: &Sample<N>, inputs: &[f64; M]) -> f64 {
         let value = self.value(&sample.positions, &sample.velocities, inputs);
         (self.lower - value).max(value - self.upper)
@@ -215,7 +218,7 @@ impl<const N: usize, const M: usize> MpcRow<N, M> {
         let (lower, upper) = (self.lower, self.upper);
         let unit = coefficients().fold(0.0_f64, |max, c| c.abs().max(max));
         let lost = |side: f64| unit > 0.0 && side.is_finite() && !(side / unit).is_finite();
-        // Negated, so that NaN is refused.
+        // The condition is false for NaN, so NaN is rejected.
         let ordered = lower <= upper && lower < f64::INFINITY && upper > f64::NEG_INFINITY;
         if !ordered || lost(lower) || lost(upper) {
             return Err(RowFault::Sides { lower, upper });
@@ -248,7 +251,7 @@ pub(super) fn is_penalty(p: &Penalty) -> bool {
     p.linear > 0.0 && p.linear.is_finite() && p.quadratic >= 0.0 && p.quadratic.is_finite()
 }
 
-/// Least and largest value of `Σ factors[i] values[i]` for values within `limits`.
+/// Smallest and largest value of `Σ factors[i] values[i]` for values within `limits`.
 pub(super) fn range<const M: usize>(factors: &[f64; M], limits: &[[f64; 2]; M]) -> [f64; 2] {
     let mut range = [0.0; 2];
     for (factor, [low, high]) in factors.iter().zip(limits) {
@@ -261,27 +264,30 @@ pub(super) fn range<const M: usize>(factors: &[f64; M], limits: &[[f64; 2]; M]) 
     range
 }
 
-/// Reason for which a row cannot be used.
+/// Reason why a row is not valid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum RowFault {
     /// A coefficient is infinite or NaN.
     NotFinite {
-        /// The coefficient.
+        /// Value of the coefficient.
         value: f64,
     },
-    /// The sides do not form an interval. A side is NaN, the lower side is above the upper side, the lower
-    /// side is +∞, the upper side is −∞, or a side divided by the largest coefficient overflows.
+    /// The limits do not form an interval for one of these reasons:
+    ///
+    /// - a limit is NaN
+    /// - the lower limit is above the upper limit, or is +∞, or the upper limit is −∞
+    /// - a limit divided by the largest coefficient overflows
     Sides {
-        /// Lower side.
+        /// Lower limit.
         lower: f64,
-        /// Upper side.
+        /// Upper limit.
         upper: f64,
     },
-    /// All coefficients are zero, and zero is not between the sides.
+    /// All coefficients are zero, and zero is not between the limits.
     Zero {
-        /// Lower side.
+        /// Lower limit.
         lower: f64,
-        /// Upper side.
+        /// Upper limit.
         upper: f64,
     },
     /// The row contains a position of a joint with a quaternion.
@@ -289,13 +295,13 @@ pub enum RowFault {
         /// Name of the joint.
         joint: &'static str,
     },
-    /// A hard row has only inputs, and no inputs within their limits keep it.
+    /// A hard row contains only inputs, and no inputs within their limits keep the row.
     OutOfReach {
-        /// Lower side.
+        /// Lower limit of the row.
         lower: f64,
-        /// Upper side.
+        /// Upper limit of the row.
         upper: f64,
-        /// Least value of the row for inputs within their limits.
+        /// Smallest value of the row for inputs within their limits.
         least: f64,
         /// Largest value of the row for inputs within their limits.
         most: f64,
@@ -312,37 +318,41 @@ pub enum RowFault {
 impl fmt::Display for RowFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NotFinite { value } => write!(f, "it has the coefficient {value}; all must be finite"),
+            Self::NotFinite { value } => {
+                write!(f, "a coefficient is {value}; all coefficients must be finite")
+            }
             Self::Sides { lower, upper } => write!(
                 f,
-                "its sides are {lower} and {upper}; they must be numbers, lower before upper, infinite only if there is no limit"
+                "its limits are {lower} and {upper}; the lower limit must not exceed the upper limit; write -inf or inf for a missing \
+                 lower or upper limit"
             ),
             Self::Zero { lower, upper } => {
                 write!(
                     f,
-                    "all its coefficients are zero, and zero is not between its sides {lower} and {upper}"
+                    "all its coefficients are zero, and zero is not between its limits {lower} and {upper}"
                 )
             }
             Self::Attitude { joint } => write!(
                 f,
-                "it has a position of joint {}, whose attitude is a quaternion; only its velocities can be in a row",
+                "it contains a position of joint {}, whose attitude is a quaternion; a row can only contain the velocities of this joint",
                 Named(joint)
             ),
             Self::OutOfReach { lower, upper, least, most } => write!(
                 f,
-                "it must lie between {lower} and {upper}, but inputs within their limits give {least} to {most}"
+                "its value must be between {lower} and {upper}, but inputs within their limits give {least} to {most}"
             ),
             Self::Penalty { linear, quadratic } => write!(
                 f,
-                "its penalty is {linear} linear and {quadratic} quadratic; the first must be positive, the second not negative, both finite"
+                "its linear penalty is {linear} and its quadratic penalty is {quadratic}; both must be finite, the linear penalty positive \
+                 and the quadratic penalty not negative"
             ),
         }
     }
 }
 
-/// Sets the matrices and penalties of the rows, which remain constant.
+/// Sets the matrices and penalties of the rows in the QP. They do not change afterwards.
 ///
-/// - `soft`: penalty of soft rows without a penalty of their own
+/// - `soft`: penalty of rows of the kind [`RowKind::Soft`]
 pub(super) fn set_matrices<const N: usize, const M: usize, const NX: usize, const NR: usize>(
     problem: &mut QpProblem<NX, M, NR>,
     rows: &[MpcRow<N, M>; NR],
@@ -365,8 +375,8 @@ pub(super) fn set_matrices<const N: usize, const M: usize, const NX: usize, cons
     }
 }
 
-/// Sets the sides of the rows for deviations from the reference. A row with inputs is a limit of the
-/// deviation `u + d − u_ff`.
+/// Sets the limits of the rows in the QP, whose variables are deviations from the reference. For inputs the deviation
+/// is `u + d − u_ff`.
 pub(super) fn set_sides<const N: usize, const M: usize, const NX: usize, const NR: usize>(
     problem: &mut QpProblem<NX, M, NR>,
     rows: &[MpcRow<N, M>; NR],

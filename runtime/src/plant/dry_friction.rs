@@ -1,23 +1,24 @@
-//! Dry friction and brakes without approximation: sliding and sticking joints.
+//! Exact dry friction and brakes, with sliding and sticking joints.
 //!
-//! Friction with `sign ẏ` is discontinuous at ẏ = 0. At the discontinuity an integration with error control
-//! would need ever smaller steps, and a joint at rest would chatter. Therefore each joint with a
-//! discontinuity has one of three modes. In the modes "forward" and "backward" the joint slides, its friction
-//! is continued smoothly beyond ẏ = 0, and the integration stops at a sign change of ẏ. In the mode "stuck",
-//! ÿ = 0, and the friction is the force that holds the joint. This force must be between the friction of both
-//! directions. The integration stops if the force leaves this range:
+//! Friction with `sign ẏ` is discontinuous at ẏ = 0. At the discontinuity, an integration with error control would need
+//! smaller and smaller steps, and a joint at rest would chatter. Therefore each joint with a discontinuity has one of
+//! these modes:
+//!
+//! - "forward" and "backward": the joint slides. Its friction is continued smoothly beyond ẏ = 0, and the integration
+//!   stops when the sign of ẏ changes.
+//! - "stuck": ÿ = 0, and friction is the force that holds the joint. The integration stops when this force leaves the
+//!   range between the friction of both directions at rest.
 //!
 //! ```text
 //!     M ÿ + k = q + B u − σ        ẏ_i = ÿ_i = 0 and τ_i(0−) ≤ σ_i + τ_i(0) ≤ τ_i(0+) for joints that stick,  σ_i = 0 for others
 //! ```
 //!
-//! Here τ_i is the friction law of joint i and σ_i the additional force that holds a stuck joint. With
-//! load-dependent friction, the range of a sticking joint depends on the load τ_l, which is the force of the
-//! drive without friction, here `B u` minus all friction. Then `|τ_l| s₁(0−)` and `|τ_l| s₁(0+)` are added to
-//! the ends of the range, where s₁ is the friction per unit of load.
+//! Here τ_i is the friction law of joint i, and σ_i is the additional force that holds a stuck joint. With load-dependent
+//! friction, the range of a sticking joint depends on the load τ_l, which is `B u` minus all friction. If s₁ is the
+//! friction per unit of load, `|τ_l| s₁(0−)` and `|τ_l| s₁(0+)` are added to the ends of the range.
 //!
-//! An engaged brake is additional friction. Finding the joints that stick is a linear complementarity
-//! problem. It is solved by exchanging the mode of the joint with the largest violation (Pfeiffer, Glocker,
+//! An engaged brake is additional friction. The joints that stick are found by solving a linear complementarity problem.
+//! The method changes the mode of the joint with the largest violation until no mode is violated (Pfeiffer, Glocker,
 //! *Multibody Dynamics with Unilateral Contacts*, 1996, section 5; Filippov, *Differential Equations with
 //! Discontinuous Righthand Sides*, 1988, chapter 2).
 
@@ -25,14 +26,14 @@ use super::integrator::{Flow, Motion};
 use crate::dynamics::{Dynamics, JUST_MOVING, jumps, load, position_rates, under_load};
 use nalgebra::{SMatrix, SVector};
 
-/// Share of the range of friction by which the holding force of a sticking joint must exceed the range until
-/// the joint breaks loose.
+/// Tolerance for the holding force of a sticking joint, relative to the width of the range of friction. The joint breaks
+/// loose if the force exceeds the range by more than this tolerance.
 const BREAK_LOOSE: f64 = 1e-9;
 
 /// Mode of a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Mode {
-    /// Friction without a discontinuity.
+    /// The friction of the joint has no discontinuity.
     Smooth,
     Forward,
     Backward,
@@ -49,7 +50,7 @@ impl Mode {
     }
 }
 
-/// External generalized forces at given positions.
+/// Function that returns external generalized forces [N m or N] for positions.
 pub(super) type PushForce<const N: usize, const NY: usize> = dyn Fn(&[f64; NY]) -> [f64; N] + Send + Sync;
 
 /// Equations of motion with the mode of each joint.
@@ -63,13 +64,13 @@ pub(super) struct Joints<'d, D, const N: usize, const M: usize, const NY: usize>
     /// External forces; `None` if there are no external forces.
     pub push: Option<&'d PushForce<N, NY>>,
     pub modes: [Mode; N],
-    /// Speed below the resolution of the integration. The direction of a joint changes beyond this speed. A
-    /// joint is at rest below twice this speed.
+    /// Small speed that the integration cannot resolve. A joint changes its direction if it moves backwards faster than
+    /// this speed. A joint is at rest below twice this speed.
     pub rest: f64,
 }
 
 impl<'d, D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Joints<'d, D, N, M, NY> {
-    /// The same joints with the model at another time.
+    /// The same joints and modes with another model, which is the model at another time.
     fn of<'e>(&self, model: &'e D) -> Joints<'e, D, N, M, NY>
     where
         'd: 'e,
@@ -77,8 +78,7 @@ impl<'d, D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize>
         Joints { model, ..*self }
     }
 
-    /// Sets the modes for a motion at a time of the integration (s), and sets the speeds of joints at rest to
-    /// zero.
+    /// Sets the modes for a motion at `time` (s) of the integration. Sets the speeds of joints at rest to zero.
     pub fn settle_at(&mut self, time: f64, motion: &mut Motion<N, NY>) {
         self.modes = self.model.at_time(self.start + time, |model| {
             let mut joints = self.of(model);
@@ -112,8 +112,8 @@ impl<'d, D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize>
                 motion.velocities[i] = 0.0;
             }
         }
-        // Each exchange repairs the worst joint; a positive definite M needs few. The bound is a guard
-        // against rounding.
+        // Each pass changes the mode of the joint with the largest violation. Few passes are needed if M is positive
+        // definite. The bound ends the loop in case of rounding errors.
         for _ in 0..4 * N {
             let Some((joint, mode)) = self.worst(motion, &range, &at_rest) else {
                 return;
@@ -122,8 +122,8 @@ impl<'d, D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize>
         }
     }
 
-    /// The joint at rest with the largest violation of its mode, and the mode that it should have; `None` if
-    /// no mode is violated.
+    /// The joint at rest whose mode has the largest violation, and the correct mode of this joint; `None` if no mode is
+    /// violated.
     fn worst(
         &self,
         motion: &Motion<N, NY>,
@@ -140,7 +140,8 @@ impl<'d, D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize>
                 mode => {
                     let [low, high] = range;
                     let against = -mode.direction() * accelerations[i];
-                    // In torques, to compare with overloads: the joint alone, as if all others stood.
+                    // The violation is converted to a torque, to compare it with overloads. The conversion assumes that
+                    // the other joints are at rest.
                     against * self.model.mass_matrix(&motion.positions)[i][i] - BREAK_LOOSE * (high - low)
                 }
             };
@@ -169,7 +170,7 @@ impl<'d, D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize>
         let push = self.push.map_or([0.0; N], |push| push(y));
         let forces: [f64; N] = core::array::from_fn(|i| {
             let input: f64 = input_matrix[i].iter().zip(self.inputs).map(|(b, u)| b * u).sum();
-            // A sticking brake holds as part of the friction that is solved for.
+            // The torque of a sticking brake is part of the unknown friction.
             let brake = match self.modes[i].direction() {
                 0.0 => 0.0,
                 direction => direction * self.brakes[i],
@@ -210,7 +211,7 @@ impl<'d, D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize>
         (0..N).any(|i| self.modes[i] == Mode::Stuck && overload(friction[i], range[i].under(loads[i])) != 0.0)
     }
 
-    /// Velocities for the friction laws. Joints that slide keep their direction.
+    /// Velocities for the friction laws. Sliding joints keep the direction of their mode.
     fn directed(&self, v: &[f64; N]) -> [f64; N] {
         core::array::from_fn(|i| match self.modes[i] {
             Mode::Smooth => v[i],
@@ -249,7 +250,8 @@ impl Range {
     }
 }
 
-/// Amount by which the holding force of a sticking joint exceeds the range of friction; 0 within the range.
+/// Amount by which the holding force `friction` of a sticking joint exceeds the range of friction, with its sign; 0 within
+/// the range.
 fn overload(friction: f64, [low, high]: [f64; 2]) -> f64 {
     let margin = BREAK_LOOSE * (high - low);
     if friction > high + margin {

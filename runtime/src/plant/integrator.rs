@@ -1,8 +1,8 @@
-//! Integration with error control, up to the end of a period or to the first event.
+//! Integration with error control until the end of a period or the first event.
 //!
 //! The method is DOP853, order 8(5,3) with dense output of order 7 (Hairer, Nørsett, Wanner, *Solving
 //! Ordinary Differential Equations I*, 1993, sections II.5 and II.6), from the crate
-//! `differential-equations`. Only its functions for one step are used, because its own loop collects
+//! `differential-equations`. Only the functions for a single step are used, because the loop of the crate collects
 //! solutions in vectors.
 
 use differential_equations::interpolate::Interpolation;
@@ -13,11 +13,11 @@ use differential_equations::traits::State;
 
 /// Largest number of steps until an event or the end of a period. A smooth robot needs about ten.
 const MAX_STEPS: usize = 20_000;
-/// Largest number of steps in one period, including all of its events.
+/// Largest number of steps in one period with all events.
 pub(super) const MAX_PERIOD_STEPS: usize = 100_000;
 const TOO_SMALL: &str =
     "its steps became too small, because accelerations are not finite or the model is stiff or discontinuous";
-/// Number of bisections that locate an event, enough for the last bit of a period.
+/// Number of bisections that locate an event. After 60 bisections the time is exact to the last bit.
 const BISECTIONS: usize = 60;
 
 /// Positions and velocities, or their derivatives.
@@ -75,7 +75,7 @@ impl<const N: usize, const NY: usize> State<f64> for Motion<N, NY> {
     }
 }
 
-/// A motion that is smooth until an event. Times are times of the integration (s).
+/// Differential equations of a motion that is smooth until an event. All times are times of the integration (s).
 pub(super) trait Flow<const N: usize, const NY: usize> {
     /// Rates ẏ of the positions.
     fn rates(&self, motion: &Motion<N, NY>) -> [f64; NY];
@@ -104,7 +104,7 @@ pub(super) struct Arrival<const N: usize, const NY: usize> {
     pub by_event: bool,
 }
 
-/// First step of an integration without an earlier step (s).
+/// Length of the first step if the integration has no earlier step (s).
 const FIRST_STEP: f64 = 1e-3;
 
 type Method<const N: usize, const NY: usize> =
@@ -113,7 +113,7 @@ type Method<const N: usize, const NY: usize> =
 #[derive(Clone)]
 pub(super) struct Integrator<const N: usize, const NY: usize> {
     method: Method<N, NY>,
-    /// Step that the error control proposed last (s), which is the first step of the next call.
+    /// Step length that the error control proposed last (s). It is the first step length of the next call.
     step: f64,
 }
 
@@ -122,7 +122,7 @@ impl<const N: usize, const NY: usize> Integrator<N, NY> {
         let method = Method::dop853()
             .rtol(relative_tolerance)
             .atol(absolute_tolerance)
-            // The method counts over its whole life; calls are bounded in `advance`.
+            // The method counts all steps since its construction. `advance` bounds the steps of a call.
             .max_steps(usize::MAX);
         Self { method, step: FIRST_STEP }
     }
@@ -131,7 +131,7 @@ impl<const N: usize, const NY: usize> Integrator<N, NY> {
     /// Reduces the budget by the number of steps.
     ///
     /// # Errors
-    /// The reason for which the integration stopped.
+    /// Text with the reason why the integration failed.
     pub fn advance(
         &mut self,
         flow: &impl Flow<N, NY>,
@@ -142,8 +142,7 @@ impl<const N: usize, const NY: usize> Integrator<N, NY> {
     ) -> Result<Arrival<N, NY>, &'static str> {
         let arrival = self.try_advance(flow, motion, start, end, budget);
         if arrival.is_err() {
-            // What failed with ever smaller steps says nothing of the next call, whose first step must not be
-            // as small.
+            // After a failure the last step is very small. The next call must not begin with this step.
             self.step = FIRST_STEP;
         }
         arrival
@@ -163,7 +162,7 @@ impl<const N: usize, const NY: usize> Integrator<N, NY> {
             return Ok(Arrival { time: end, motion: *motion, by_event: false });
         }
         self.method.h0 = self.step.min(end - start);
-        self.method.init(&equations, start, end, motion).map_err(|_| "the first step size is not usable")?;
+        self.method.init(&equations, start, end, motion).map_err(|_| "the first step length is not valid")?;
         for _ in 0..MAX_STEPS {
             *budget = budget.checked_sub(1).ok_or("it took more than 100000 steps")?;
             let remaining = end - self.method.t();
@@ -182,7 +181,7 @@ impl<const N: usize, const NY: usize> Integrator<N, NY> {
                 self.step = next;
                 continue;
             }
-            // A step cut short by the end of the period says little about the next one.
+            // A step that was shortened by the end of the period does not determine the length of the next step.
             self.step = if taken < proposed { proposed.max(next) } else { next };
             if !self.method.y().is_finite() {
                 return Err("positions or velocities are no longer finite");
@@ -200,7 +199,7 @@ impl<const N: usize, const NY: usize> Integrator<N, NY> {
         let mut motion = *self.method.y();
         for _ in 0..BISECTIONS {
             let middle = 0.5 * (before + after);
-            // Fails only outside the step.
+            // The interpolation only fails outside the step.
             let Ok(there) = self.method.interpolate(middle) else {
                 break;
             };

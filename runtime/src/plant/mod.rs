@@ -1,5 +1,4 @@
-//! A simulated robot (plant) for testing controllers, with exact motion and imperfect inputs and
-//! measurements.
+//! Simulated robot (plant) for tests of controllers. The motion is exact. Inputs and measurements can have errors.
 //!
 //! ```text
 //!     M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u_applied        u_applied constant over a period
@@ -8,11 +7,10 @@
 //! For robots with quaternions, positions are integrated as `ẏ = T(y) v` with the same error control.
 //! Quaternions are normalized after every period.
 //!
-//! The plant has its own model. It may be any [`Dynamics`], with other masses or friction than the model of
-//! the controller, and with exact `sign` instead of a smooth function. [`PlantOptions`] lists the
-//! imperfections of inputs and measurements. For driven joints use a
-//! [`DrivenRobot`](crate::driven::DrivenRobot) with their motion. Its time is that of the plant, which is 0
-//! at the last [`reset`](Plant::reset).
+//! The model of the plant can differ from the model of the controller. It can be any [`Dynamics`], for example with
+//! other masses or other friction, and with an exact `sign` instead of a smooth function. [`PlantOptions`] lists
+//! the errors of inputs and measurements. For driven joints use a [`DrivenRobot`](crate::driven::DrivenRobot) with
+//! their motion. Its time is the time of the plant since the last [`reset`](Plant::reset).
 
 mod dry_friction;
 mod integrator;
@@ -36,19 +34,18 @@ const MAX_EVENTS: usize = 1000;
 /// Ratio of the torque of a brake to the peak effort of its joint, if the options give no torque.
 const BRAKE_RESERVE: f64 = 2.0;
 
-/// A measurement of the plant.
+/// Measured quantities of the plant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measurement<const N: usize, const NY: usize = N> {
-    /// Time of the measurement (s). It is earlier than the time of the plant if measurements were lost.
+    /// Time of the measurement (s). If the last measurements were lost, this time is earlier than the time of the
+    /// plant.
     pub time: f64,
-    /// Positions of the joints [rad or m], with rounding and noise of the encoders. Attitudes are
-    /// quaternions.
+    /// Measured positions [rad or m], with rounding and noise of the encoders. Attitudes are quaternions.
     pub positions: [f64; NY],
-    /// Velocities of the joints [rad/s or m/s]; `None` if they are not measured
-    /// ([`PlantOptions::velocity_noise`]).
+    /// Measured velocities [rad/s or m/s]; `None` if [`PlantOptions::velocity_noise`] is `None`.
     pub velocities: Option<[f64; N]>,
-    /// Drive forces B u_applied at the joints in the last period [N m or N]; `None` if they are not measured
-    /// ([`PlantOptions::torque_noise`]).
+    /// Measured drive forces B u_applied at the joints in the last period [N m or N]; `None` if
+    /// [`PlantOptions::torque_noise`] is `None`.
     pub torques: Option<[f64; N]>,
 }
 
@@ -59,16 +56,16 @@ struct Push<const N: usize, const NY: usize> {
     force: Arc<PushForce<N, NY>>,
 }
 
-/// Generalized forces `Jᵀ w` [N m or N] of a force and a moment w [N, N m] at the origin of a frame.
+/// Returns the generalized forces `Jᵀ w` [N m or N] of a wrench w at a frame.
 ///
-/// - `jacobian`: Jacobian J of this origin in the axes of `wrench`, with the linear part first
-/// - `wrench`: force and moment w
+/// - `jacobian`: Jacobian J of the frame, with the linear velocities of the origin before the angular velocities
+/// - `wrench`: force (three entries, N) and moment about the origin (three entries, N m), in the axes of `jacobian`
 #[must_use]
 pub fn wrench_forces<const N: usize>(jacobian: &[[f64; N]; 6], wrench: &[f64; 6]) -> [f64; N] {
     core::array::from_fn(|i| jacobian.iter().zip(wrench).map(|(row, w)| row[i] * w).sum())
 }
 
-/// A simulated robot that moves in periods, in which its inputs are constant.
+/// A simulated robot. Each call of [`apply`](Self::apply) advances the motion by a period with constant inputs.
 ///
 /// ```
 /// use gelenk_runtime::plant::{Plant, PlantOptions};
@@ -93,7 +90,7 @@ pub struct Plant<D, const N: usize, const M: usize, const NY: usize = N> {
     time: f64,
     motion: Motion<N, NY>,
     measurement: Measurement<N, NY>,
-    /// Inputs that have not arrived yet, oldest first. Between calls the queue has `delay` entries.
+    /// Delayed inputs, oldest first. Between calls the queue has `delay` entries.
     queue: VecDeque<[f64; M]>,
     /// Last input that arrived, before noise, rounding and limits.
     received: [f64; M],
@@ -107,19 +104,18 @@ pub struct Plant<D, const N: usize, const M: usize, const NY: usize = N> {
 }
 
 impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Plant<D, N, M, NY> {
-    /// A plant at y = 0 (attitudes at the identity), at rest, with released brakes. All memory is allocated
-    /// here.
+    /// A plant at rest at y = 0 with released brakes. Quaternions are the identity. All memory is allocated here.
     ///
     /// # Errors
-    /// [`PlantError::Option`] for an option out of range, [`PlantError::SharedFriction`] for dry friction
-    /// that acts on several joints together.
+    /// - [`PlantError::Option`] for an option out of range.
+    /// - [`PlantError::SharedFriction`] if dry friction acts on several joints together.
     pub fn new(model: D, options: PlantOptions<N, M>) -> Result<Self, PlantError> {
         options.check(&model.joint_names(), &model.input_names())?;
         options.check_quaternions(&model.joint_names(), model.quaternion_joints())?;
         let start = model.neutral();
         refuse_shared_friction(&model, 0.0, &start)?;
         let brake_torque = options.brake_torque.unwrap_or_else(|| default_brakes(&model));
-        // Separate streams: an option that draws more does not change what the others see.
+        // Each option has a separate stream of random numbers. An option then does not change the noise of others.
         let stream = |number| {
             let mut generator = ChaCha8Rng::seed_from_u64(options.seed);
             generator.set_stream(number);
@@ -148,12 +144,12 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         Ok(plant)
     }
 
-    /// Sets positions [rad or m] and velocities [rad/s or m/s] at time 0, with released brakes and without
-    /// delayed inputs, and makes a measurement. The sequences of random numbers continue.
+    /// Restarts at time 0 with these positions [rad or m] and velocities [rad/s or m/s]. The brakes are released,
+    /// delayed inputs are zero, and a measurement is made. The sequences of random numbers continue.
     ///
     /// # Errors
-    /// [`PlantError::Start`] or [`PlantError::StartEntry`] for values that are not finite,
-    /// [`PlantError::Attitude`] for a quaternion that is not an attitude.
+    /// - [`PlantError::Start`] or [`PlantError::StartEntry`] for values that are not finite.
+    /// - [`PlantError::Attitude`] for a quaternion that is not an attitude.
     pub fn reset(&mut self, mut positions: [f64; NY], velocities: [f64; N]) -> Result<(), PlantError> {
         for (i, position) in plain_entries(self.model.quaternion_joints(), N) {
             if !(positions[position].is_finite() && velocities[i].is_finite()) {
@@ -168,7 +164,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         self.model.check_attitudes(&positions)?;
         self.require_finite(self.model.position_names(), &positions)?;
         self.require_finite(self.model.joint_names(), &velocities)?;
-        // They have unit length to the digits that they were written with, now to the last.
+        // Given quaternions have unit length except for rounding. They are normalized to full precision.
         let _ = self.model.normalize(&mut positions);
         self.motion = Motion { positions, velocities };
         self.time = 0.0;
@@ -198,21 +194,22 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         self.queue.extend((0..self.options.delay).map(|_| inputs));
     }
 
-    /// The last measurement that arrived. Repeated calls in a period return the same measurement.
+    /// Returns the last measurement that was not lost. Repeated calls in a period return the same measurement.
     #[must_use]
     pub fn measure(&self) -> Measurement<N, NY> {
         self.measurement
     }
 
-    /// Sends `inputs` [N m, N or A] and advances by `period` (s) with the arriving inputs. These are
-    /// `inputs`, or with a delay the inputs that were sent `delay` periods ago. While brakes are engaged the
-    /// drives are off.
+    /// Sends `inputs` [N m, N or A] and advances the motion by `period` (s). The inputs sent
+    /// [`PlantOptions::delay`] periods ago act during this period. While brakes are engaged, the drives are off.
     ///
     /// # Errors
-    /// [`PlantError::Input`] for an input that is not finite, [`PlantError::Period`] for a period that is not
-    /// positive and finite, [`PlantError::Integration`] if the integration fails, and
-    /// [`PlantError::SharedFriction`]. After the last two errors, positions, velocities and time of the plant
-    /// are unchanged.
+    /// - [`PlantError::Input`] for an input that is not finite.
+    /// - [`PlantError::Period`] for a period that is not positive and finite.
+    /// - [`PlantError::Integration`] if the integration fails.
+    /// - [`PlantError::SharedFriction`] if dry friction acts on several joints together.
+    ///
+    /// After the last two errors, positions, velocities and time of the plant are unchanged.
     pub fn apply(&mut self, inputs: &[f64; M], period: f64) -> Result<(), PlantError> {
         if let Some(input) = inputs.iter().position(|u| !u.is_finite()) {
             return Err(PlantError::Input {
@@ -230,11 +227,11 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         self.advance(period)
     }
 
-    /// Advances by `period` (s) without a new input. The last received input is held, and delayed inputs
-    /// remain delayed.
+    /// Advances the motion by `period` (s) without a new input. The last received inputs act, and delayed inputs remain
+    /// in the queue.
     ///
     /// # Errors
-    /// The errors of [`apply`](Self::apply), except for [`PlantError::Input`].
+    /// The errors of [`apply`](Self::apply) except [`PlantError::Input`].
     pub fn hold(&mut self, period: f64) -> Result<(), PlantError> {
         require_period(period)?;
         self.advance(period)
@@ -250,11 +247,11 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         self.brakes_engaged = false;
     }
 
-    /// Applies an external force for the number of whole periods nearest to `duration` (s). It replaces an
-    /// earlier external force. Brakes and friction resist it.
+    /// Applies an external force during the next periods. `duration` (s) is rounded to whole periods. The force
+    /// replaces an earlier external force. Brakes and friction resist the force.
     ///
-    /// - `force`: generalized forces at given positions [N m or N]. [`wrench_forces`] converts a force at a
-    ///   frame.
+    /// - `force`: function that returns generalized forces [N m or N] for positions. [`wrench_forces`] converts a force
+    ///   at a frame to generalized forces.
     ///
     /// ```
     /// use gelenk_runtime::plant::{Plant, PlantOptions, wrench_forces};
@@ -280,7 +277,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         self.brakes_engaged
     }
 
-    /// True positions [rad or m] and velocities [rad/s or m/s], which controllers do not get.
+    /// True positions [rad or m] and velocities [rad/s or m/s], without measurement errors.
     #[must_use]
     pub fn state(&self) -> ([f64; NY], [f64; N]) {
         (self.motion.positions, self.motion.velocities)
@@ -332,7 +329,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         let mut applied = core::array::from_fn(|i| {
             let noisy = self.received[i] + self.options.input_noise[i] * noise[i];
             let [low, high] = self.options.input_limits[i];
-            // The limit last: rounding must not exceed it.
+            // The limit is applied last, so that rounding does not exceed the limit.
             quantized(noisy, self.options.input_resolution[i]).clamp(low, high)
         });
         let options = &self.options;
@@ -364,7 +361,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
     }
 
     fn integrate(&mut self, inputs: &[f64; M], period: f64) -> Result<Motion<N, NY>, PlantError> {
-        // Another model, or another place, may have a jump where the first had none.
+        // Friction can become discontinuous after a change of the model or of the position.
         refuse_shared_friction(&self.model, self.time, &self.motion.positions)?;
         let brakes = if self.brakes_engaged { self.brake_torque } else { [0.0; N] };
         let push = self.push.as_ref().filter(|push| self.time + 0.5 * period < push.end);
@@ -395,7 +392,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         })
     }
 
-    /// Normalizes the quaternions, whose length the integration keeps only to its tolerance.
+    /// Normalizes the quaternions, because the integration changes their length within its tolerance.
     fn with_attitudes(&self, mut motion: Motion<N, NY>, time: f64) -> Result<Motion<N, NY>, PlantError> {
         if self.model.normalize(&mut motion.positions) {
             return Ok(motion);
@@ -404,9 +401,9 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
     }
 }
 
-/// Fails if friction that is discontinuous in the motion of one joint acts on another joint, because the
-/// modes of sticking belong to single joints. Free parameters or positions may make a discontinuity 0; it is
-/// then allowed.
+/// Checks that friction with a discontinuity in the velocity of one joint does not act on another joint. The plant can
+/// only determine for single joints whether they stick. A discontinuity that is 0 for the present parameters and
+/// positions is allowed.
 fn refuse_shared_friction<const N: usize, const M: usize, const NY: usize>(
     model: &impl Dynamics<N, M, NY>,
     time: f64,
@@ -443,12 +440,12 @@ fn quantized(x: f64, resolution: f64) -> f64 {
         return x;
     }
     let rounded = (x / resolution).round() * resolution;
-    // A step far below the digits of x: the quotient overflows, x is its own multiple.
+    // If the step is far below the last digit of x, the quotient overflows. x is then a multiple of the step.
     if rounded.is_finite() { rounded } else { x }
 }
 
-/// True with this probability. A number is always drawn, so that the random sequences do not depend on the
-/// options.
+/// Returns true with this probability. A random number is drawn in every call, so that the random sequences do not depend
+/// on the options.
 fn chance(generator: &mut ChaCha8Rng, probability: f64) -> bool {
     generator.random::<f64>() < probability
 }

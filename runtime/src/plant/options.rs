@@ -1,48 +1,50 @@
-//! Imperfections of inputs and measurements, and errors of a plant.
+//! Options and errors of a plant.
 
 use crate::dynamics::{AttitudeError, Named, QuaternionJoint, TorqueSpeedLine, plain_entries};
 use crate::input_limits;
 use thiserror::Error;
 
-/// Imperfections of a [`Plant`](super::Plant). The default has exact encoders, exact and unlimited inputs, no
-/// delay, and no losses.
+/// Errors of the inputs and measurements of a [`Plant`](super::Plant), brakes, and accuracy of the integration. By
+/// default encoders and inputs are exact, inputs are unlimited and not delayed, and nothing is lost.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlantOptions<const N: usize, const M: usize> {
-    /// Resolutions of the encoders at the joints [rad or m]. Measured positions are rounded to multiples of
-    /// them. 0 means exact, and is required for joints with a quaternion.
+    /// Resolutions of the encoders at the joints [rad or m]. Measured positions are rounded to multiples of the
+    /// resolution. 0 means exact, and is required for joints with a quaternion.
     pub encoder_resolution: [f64; N],
-    /// Standard deviations of the normal noise of the positions before rounding [rad or m]. Joints with a
-    /// quaternion have one entry for each velocity. Their noise is applied by ⊕.
+    /// Standard deviations of the normally distributed noise of the positions before rounding [rad or m]. Joints with
+    /// a quaternion have one entry for each velocity. Their noise is a small rotation or translation.
     pub encoder_noise: [f64; N],
-    /// Standard deviations of the normal noise of the measured velocities [rad/s or m/s]; `None` if
+    /// Standard deviations of the normally distributed noise of measured velocities [rad/s or m/s]; `None` if
     /// velocities are not measured.
     pub velocity_noise: Option<[f64; N]>,
-    /// Standard deviations of the normal noise of the measured drive forces at the joints [N m or N]; `None`
+    /// Standard deviations of the normally distributed noise of measured drive forces at the joints [N m or N]; `None`
     /// if forces are not measured.
     pub torque_noise: Option<[f64; N]>,
-    /// Resolutions of the inputs [N m, N or A]. Applied inputs are rounded to multiples of them. 0 means
+    /// Resolutions of the inputs [N m, N or A]. Applied inputs are rounded to multiples of the resolution. 0 means
     /// exact.
     pub input_resolution: [f64; M],
-    /// Lowest and highest value of each input [N m, N or A]. Inputs are limited to this range, which must
+    /// Lowest and highest value of each input [N m, N or A]. Inputs are clamped to this range, which must
     /// contain 0. Infinite values mean no limit.
     pub input_limits: [[f64; 2]; M],
-    /// Torque–speed lines of motors, usually `model.limits().torque_speed`. Inputs are limited to their line
-    /// within `input_limits`, with the speed at the start of the period. May be empty.
+    /// Torque–speed lines of motors, usually `model.limits().torque_speed`. Inputs are clamped to these lines and to
+    /// `input_limits`, for the speed at the start of the period. The list may be empty.
     pub torque_speed: &'static [TorqueSpeedLine<N>],
-    /// Standard deviations of the normal noise of the inputs [N m, N or A]. The noise is drawn once per
-    /// period and added before the limit.
+    /// Standard deviations of the normally distributed noise of the inputs [N m, N or A]. The noise is constant during
+    /// a period and is added before the inputs are clamped.
     pub input_noise: [f64; M],
-    /// Number of periods until an input has an effect, see [`Plant::apply`](super::Plant::apply).
+    /// Number of periods until an input has an effect, 0 to 1000; see [`Plant::apply`](super::Plant::apply).
     pub delay: usize,
-    /// Probability that an input is lost. The previous input is then held.
+    /// Probability that an input is lost. The previous input then acts for one more period.
     pub input_loss: f64,
     /// Probability that a measurement is lost. [`Plant::measure`](super::Plant::measure) then returns the
     /// previous measurement.
     pub measurement_loss: f64,
-    /// Friction torque of each engaged brake [N m or N]. With an infinite torque the joint locks at once.
-    /// `None` means the default: twice the peak effort of the model for joints with a drive (infinite without
-    /// a peak effort), and no brake for other joints. Joints that are moved by inputs at frames, for example
-    /// by cylinders, have no brake by default. Set a brake if the valves of the real robot hold the joint.
+    /// Friction torque of each engaged brake [N m or N]; 0 for joints without a brake. With an infinite torque the
+    /// joint stops immediately. `None` selects these defaults:
+    ///
+    /// - Joints with a drive have a brake with twice the peak effort of the model (infinite without a peak effort).
+    /// - Other joints have no brake, also if inputs at frames (for example cylinders) move them. Set a brake if the
+    ///   valves of the real robot hold the joint.
     pub brake_torque: Option<[f64; N]>,
     /// Relative error tolerance of an integration step.
     pub relative_tolerance: f64,
@@ -167,7 +169,7 @@ fn require(
     }
 }
 
-/// Error of a plant. After a call with an error, the state of the plant is unchanged.
+/// Error of a plant. If a call returns an error, the state of the plant is unchanged.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum PlantError {
     /// An option is out of range.
@@ -182,9 +184,9 @@ pub enum PlantError {
         /// Allowed range.
         range: &'static str,
     },
-    /// A start position or speed is NaN or infinite.
+    /// A start position or velocity is NaN or infinite.
     #[error(
-        "joint {} cannot start at {position} with speed {velocity}: both must be finite", Named(.name)
+        "joint {} cannot start at position {position} with velocity {velocity}: both must be finite", Named(.name)
     )]
     Start {
         /// Index of the coordinate.
@@ -193,7 +195,7 @@ pub enum PlantError {
         name: &'static str,
         /// Start position [rad or m].
         position: f64,
-        /// Start speed [rad/s or m/s].
+        /// Start velocity [rad/s or m/s].
         velocity: f64,
     },
     /// A start position of a robot with quaternions is NaN or infinite.
@@ -207,12 +209,12 @@ pub enum PlantError {
     /// A quaternion of the start position is not an attitude.
     #[error("the plant cannot start: {0}")]
     Attitude(#[from] AttitudeError),
-    /// Dry friction acts on several joints together, for example on the shaft of a motor that moves two
-    /// joints. The holding force at rest is then not known for each joint.
+    /// Dry friction acts on several joints together, for example on the shaft of a motor that moves two joints. The
+    /// plant cannot determine the holding force at rest of such friction.
     #[error(
-        "friction with a jump at rest acts on joints {} and {} together (a motor that moves both, or a \
-         joint that follows both): the plant cannot tell when it sticks; generate its model with smooth \
-         friction (`--smooth-sign 100`)", Named(.first), Named(.second)
+        "friction that is discontinuous at rest acts on joints {} and {} together (a motor that moves both, or a \
+         joint that follows both), but the plant can only simulate sticking of single joints; generate the model \
+         of the plant with smooth friction (`--smooth-sign 100`)", Named(.first), Named(.second)
     )]
     SharedFriction {
         /// Name of the first joint.
@@ -231,15 +233,14 @@ pub enum PlantError {
         value: f64,
     },
     /// A period is not positive and finite.
-    #[error("period is {0} s; it must be positive and finite")]
+    #[error("the period is {0} s; it must be positive and finite")]
     Period(f64),
-    /// The integration cannot continue, because accelerations are not finite, or the steps are too many or
-    /// too small.
+    /// The integration failed, because accelerations are not finite, or too many or too small steps would be needed.
     #[error("the integration stopped at {time} s: {reason}")]
     Integration {
         /// Time of the plant (s).
         time: f64,
-        /// Reason for which the integration stopped.
+        /// Reason why the integration stopped.
         reason: &'static str,
     },
 }

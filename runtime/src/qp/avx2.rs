@@ -1,21 +1,21 @@
-//! Lanes in the 256-bit registers of x86-64 processors with AVX2 and fused multiply-add.
+//! Vectors of four numbers in the 256-bit registers of x86-64 processors with AVX2 and fused multiply-add.
 
 use super::lanes::{Vector, WIDTH};
 use core::arch::x86_64::*;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
-/// Four numbers in one register. Values only exist in solvers that were made after [`available`] returned
-/// true. Every operation relies on this.
+/// Four numbers in one register. Values of this type only exist in solvers that were constructed after [`available`]
+/// returned true. Every operation relies on this condition.
 #[derive(Debug, Clone, Copy)]
 #[repr(transparent)]
 pub(crate) struct Avx2(__m256d);
 
-// SAFETY: transparent over a type that is both.
+// SAFETY: the type is transparent over a type that is `Zeroable` and `Pod`.
 unsafe impl bytemuck::Zeroable for Avx2 {}
 // SAFETY: as above.
 unsafe impl bytemuck::Pod for Avx2 {}
 
-/// Whether this processor has the instructions.
+/// Whether this processor has AVX2 and fused multiply-add.
 pub(crate) fn available() -> bool {
     std::is_x86_feature_detected!("avx2") && std::is_x86_feature_detected!("fma")
 }

@@ -1,4 +1,4 @@
-//! Cost and residuals of a point that the solver may return, and the choice between two such points.
+//! Cost and residuals of a point that the solver can return, and the choice between two points.
 
 use super::status::{KktResiduals, QpReport, QpStatus};
 
@@ -7,12 +7,12 @@ use super::status::{KktResiduals, QpReport, QpStatus};
 pub(super) struct Certificate {
     pub(super) cost: f64,
     pub(super) residuals: KktResiduals,
-    /// Part of the gap that is the decrease of the cost by a Newton step along the remaining gradient.
+    /// Part of the gap: decrease of the cost by a Newton step along the remaining gradient.
     pub(super) decrease: f64,
-    /// Largest gap of a solution.
+    /// Largest allowed gap of a solution.
     pub(super) allowed: f64,
-    /// Largest ratio of a residual to its tolerance. It is at most 1 if the problem is solved, and infinite
-    /// if a number is not finite.
+    /// Largest ratio of a residual to its tolerance. The ratio is at most 1 if the problem is solved, and infinite if a
+    /// number is not finite.
     pub(super) merit: f64,
 }
 
@@ -22,14 +22,14 @@ impl Certificate {
         self.merit <= 1.0
     }
 
-    /// Whether most of the gap is from a gradient that exact Newton steps would have removed.
+    /// Whether most of the gap is due to a gradient that exact Newton steps would have removed.
     pub(super) fn is_inexact(&self) -> bool {
         self.decrease > 0.5 * self.residuals.gap
     }
 
-    /// Whether this point is better than another one if neither point is a solution. If both keep the hard
-    /// bounds to `feasibility`, the one with the lower cost is better, otherwise the one with the smaller
-    /// residuals.
+    /// Whether this point is better than `other` if neither point is a solution. If both points keep the hard bounds with
+    /// the tolerance `feasibility`, the point with the lower cost is better. Otherwise the point with the smaller
+    /// residuals is better.
     pub(super) fn is_better_than(&self, other: &Self, feasibility: f64) -> bool {
         let keeps = |point: &Self| point.merit.is_finite() && point.residuals.primal <= feasibility;
         if keeps(self) && keeps(other) { self.cost < other.cost } else { self.merit < other.merit }
@@ -46,8 +46,8 @@ impl Certificate {
     }
 }
 
-/// The largest gap of a solution: `tolerance` times the cost, or times a small share of its quadratic terms
-/// if they are canceled, and at least `negligible`.
+/// The largest allowed gap of a solution. It is `tolerance` times the cost, but at least `tolerance` times a small share of
+/// the quadratic terms (which can cancel), and at least `negligible`.
 pub(super) fn allowed_gap(tolerance: f64, cost: f64, quadratic: f64, negligible: f64) -> f64 {
     (tolerance * cost.abs().max(5e-5 * quadratic)).max(negligible)
 }

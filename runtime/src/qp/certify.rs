@@ -1,10 +1,10 @@
-//! Certificate of the returned point: its cost and residuals, from the data of the problem.
+//! Certificate of the returned point: cost and residuals, computed from the data of the problem.
 //!
-//! The iteration uses own quantities to decide when a point is tested. This module decides whether the
-//! problem is solved. For inputs within their bounds and states that follow from them, the cost is at most
-//! `Σ gap + ½ ‖g‖²` above the optimum. The first term are the gaps of bounds and rows by Fenchel's
-//! inequality. The second term is the decrease that a Newton step would give along the remaining gradient g
-//! of the Lagrangian (Boyd, Vandenberghe, *Convex Optimization*, 2004, sections 5.5 and 9.5).
+//! The iteration decides when a point is tested. This module decides whether the problem is solved. For inputs within
+//! their bounds, and states that follow from these inputs, the cost is at most `Σ gap + ½ ‖g‖²` above the optimum. The
+//! first term is the sum of the gaps of bounds and rows by Fenchel's inequality. The second term is the decrease that a
+//! Newton step would give along the remaining gradient g of the Lagrangian (Boyd, Vandenberghe, *Convex
+//! Optimization*, 2004, sections 5.5 and 9.5).
 
 use super::certificate::{Certificate, allowed_gap};
 use super::core::Core;
@@ -12,18 +12,18 @@ use super::lanes::Vector;
 use super::problem::QpProblem;
 use super::status::KktResiduals;
 
-/// Largest violation of a hard bound in a second roll-out with other rounding, in units of the tolerance of
-/// the first one.
+/// Largest violation of a hard bound in a second roll-out with other rounding, relative to the tolerance of the first
+/// roll-out.
 const ROUNDED: f64 = 1e4;
 
 impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, NU, NR> {
-    /// Makes the iterate the solution, with the multipliers in memory: limits the inputs to their bounds and
-    /// computes the states from the dynamics. Needs a factorization. Overwrites `gradient`, `rhs` and `step`.
+    /// Makes the iterate the solution, with the multipliers in memory. Clamps the inputs to their bounds and computes the
+    /// states from the dynamics. Needs a factorization. Overwrites `gradient`, `rhs` and `step`.
     pub(super) fn certify(&mut self, problem: &QpProblem<NX, NU, NR>) -> Certificate {
         self.solution.copy_from(&self.iterate);
         self.riccati.project(&mut self.solution, &self.affine, |k, u| {
             let stage = &problem.stages[k];
-            // Not by max and min, which would make NaN a bound.
+            // `max` and `min` would replace NaN by a bound, so `clamp` is used.
             core::array::from_fn(|i| u[i].clamp(stage.input_lower[i], stage.input_upper[i]))
         });
         self.rows.evaluate(&mut self.solution);
@@ -50,7 +50,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         let of_all = self.state_bounds.penalty(&z.x, true);
         let penalized = cost + of_all;
         let allowed = allowed_gap(self.settings.tolerance, penalized, quadratic, self.negligible);
-        // Largest values drop NaN; sums over all inputs and states do not.
+        // Maxima ignore NaN. Sums over all inputs and states do not.
         let finite = (penalized + quadratic + decrease + gap).is_finite();
         Certificate {
             cost: cost + penalty,
@@ -65,20 +65,20 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         }
     }
 
-    /// Whether the solution keeps its hard bounds and rows to [`ROUNDED`] times their tolerance if the sums
-    /// of the roll-out are rounded differently. If the dynamics amplify rounding errors beyond this, only the
-    /// order of the sums decides whether the bounds are kept.
+    /// Whether the solution keeps its hard bounds and rows within [`ROUNDED`] times their tolerance if the sums of the
+    /// roll-out are rounded differently. If the dynamics amplify rounding errors too much, the order of the sums decides
+    /// whether the bounds are kept. Such a solution is not reliable.
     pub(super) fn survives_rounding(&mut self) -> bool {
         self.step.copy_from(&self.solution);
         self.riccati.roll_out_otherwise(&mut self.step, &self.affine);
         self.rows.evaluate(&mut self.step);
         self.step.advance(&self.solution, -1.0);
         let allowed = ROUNDED * self.settings.feasibility;
-        // Nearly always: the solution itself keeps the bounds to less than half of that.
+        // This is nearly always the case, because the solution violates the bounds by less than half of `allowed`.
         if self.step.largest_state() <= 0.5 * allowed {
             return true;
         }
-        // What one order of the sums adds, another may subtract.
+        // Another order of the sums can change the states in both directions.
         self.violation_beside(1.0).max(self.violation_beside(-1.0)) <= allowed
     }
 
@@ -91,15 +91,15 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     }
 }
 
-/// Largest ratio of a residual to its tolerance. `penalty` is the cost of violated hard bounds that were
-/// softened, 0 if no bound was softened. If it exceeds the gap, the optimum of the softened problem violates
-/// them too, and the violation is not a residual.
+/// Largest ratio of a residual to its tolerance. `penalty` is the cost of violations of hard bounds that were softened; 0
+/// if no bound was softened. If the penalty exceeds the gap, the optimum of the softened problem also violates these
+/// bounds, and the violation is not a residual.
 fn merit(residuals: &KktResiduals, allowed: f64, feasibility: f64, penalty: f64) -> f64 {
     let r = residuals;
     if !(r.stationarity + r.primal + r.gap + allowed).is_finite() {
         return f64::INFINITY;
     }
-    // A zero gap of a zero cost.
+    // Gap and allowed gap can both be zero if the cost is zero.
     let gap = if r.gap <= 0.0 { 0.0 } else { r.gap / allowed };
     if penalty > r.gap.max(0.0) { gap } else { gap.max(r.primal / feasibility) }
 }

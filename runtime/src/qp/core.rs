@@ -15,19 +15,19 @@ use super::trajectory::Trajectory;
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
 
-/// Bounds that are closer than this count as equal, with the value in their middle, because rounding would
-/// leave no interior between them. The distance is relative to the lower bound if its magnitude exceeds 1.
+/// Bounds that are closer than this distance count as equal, with the value in their middle, because rounding would leave
+/// no interior between them. The distance is relative to the lower bound if the magnitude of this bound exceeds 1.
 const LEAST_WIDTH: f64 = 1e-10;
 
-/// Origin of the first iterate.
+/// Choice of the first iterate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Start {
     /// The unconstrained optimum.
     Cold,
     /// The last solution.
     Near,
-    /// A point deep inside the bounds, with cautious steps, for problems that the other starts have not
-    /// solved.
+    /// A point deep inside the bounds, with cautious steps. This start is for problems that the other starts do not
+    /// solve.
     Deep,
     /// The unconstrained optimum. Penalties replace hard state bounds and rows.
     Relaxed,
@@ -47,7 +47,7 @@ pub(super) struct Core<V, const NX: usize, const NU: usize, const NR: usize> {
     pub(super) equalities: Equalities<V>,
     /// Whether penalties have replaced hard bounds and rows.
     pub(super) softened: bool,
-    /// Vectors `c_k`; c_0 includes `A_0 x_0`.
+    /// Vectors `c_k` of the dynamics. c_0 includes `A_0 x_0`.
     pub(super) affine: Vec<V>,
     /// Gap that always counts as zero, see [`QpSettings::tolerance`].
     pub(super) negligible: f64,
@@ -60,12 +60,12 @@ pub(super) struct Core<V, const NX: usize, const NU: usize, const NR: usize> {
     pub(super) step: Trajectory<V>,
     /// Gradient of the cost at the iterate.
     pub(super) gradient: Trajectory<V>,
-    /// Right-hand side of the Newton step, and its diagonal barrier terms.
+    /// Right-hand side of the Newton step, and diagonal barrier terms.
     pub(super) rhs: Trajectory<V>,
     pub(super) weight: Trajectory<V>,
     /// Multipliers of the solution.
     pub(super) multipliers: [Multipliers<V>; 2],
-    /// Iterate with the smallest residuals, which is only stored if a solve takes long.
+    /// Iterate with the smallest residuals. It is only stored if a solve needs many iterations.
     pub(super) best: Trajectory<V>,
     pub(super) best_multipliers: [Multipliers<V>; 2],
     /// Best point of the previous starts if none of them is a solution.
@@ -76,8 +76,8 @@ pub(super) struct Core<V, const NX: usize, const NU: usize, const NR: usize> {
     pub(super) solved: bool,
     /// Pause of Newton's method after failed warm starts.
     pub(super) pause: Pause,
-    /// Solution that a rehearsal (a solve only to warm up the caches) restores: the point, its multipliers,
-    /// whether it is solved, and the pause.
+    /// Stored solution: the point, its multipliers, whether it is solved, and the pause. A rehearsal (a solve only to warm
+    /// up the processor caches) restores it.
     spare: (Trajectory<V>, [Multipliers<V>; 2], bool, Pause),
 }
 
@@ -122,8 +122,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         }
     }
 
-    /// Shifts the last solution by one stage and repeats its last stage. The next [`Self::follow`] starts
-    /// there, as a receding horizon needs it.
+    /// Shifts the last solution by one stage and repeats its last stage. The next [`Self::follow`] of a receding horizon
+    /// starts at the shifted solution.
     pub(super) fn shift(&mut self) {
         let padded = Self::RX * WIDTH;
         let (u, x) = (flat_mut(&mut self.solution.u), flat_mut(&mut self.solution.x));
@@ -133,7 +133,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         x.copy_within(padded..states, 0);
         self.multipliers[1].shift(0, padded, states);
         if NR > 0 {
-            // The rows of the end stay what they are.
+            // The rows of the last node do not change.
             let (padded, end) = (lanes(NR) * WIDTH, states + self.horizon * lanes(NR) * WIDTH);
             x.copy_within(states + padded..end, states);
             self.multipliers[1].shift(states, padded, end - states);
@@ -183,13 +183,13 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         })
     }
 
-    /// Whether the data are valid and have this horizon.
+    /// Whether the data are valid and have the horizon of this solver.
     pub(super) fn accepts(&self, problem: &QpProblem<NX, NU, NR>) -> bool {
         problem.stages.len() == self.horizon && problem.is_valid()
     }
 
-    /// Solves a problem with a cold start or from near the solution in memory. [`Self::accepts`] must be true
-    /// for the problem.
+    /// Solves a problem with a cold start or with a start near the solution in memory. [`Self::accepts`] must be true for
+    /// the problem.
     pub(super) fn solve(&mut self, problem: &QpProblem<NX, NU, NR>, start: Start) -> QpReport {
         self.unsolved = None;
         if start == Start::Cold && !self.solved {
@@ -201,8 +201,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         self.go_on(problem, report)
     }
 
-    /// Stores whether there is a solution from which the next solve can start. Converts a failure to the
-    /// invalid report.
+    /// Stores whether the next solve can start at the solution of this solve. Converts a failure to the invalid report.
     pub(super) fn judge(
         &mut self,
         problem: &QpProblem<NX, NU, NR>,
@@ -238,8 +237,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         self.pause = *pause;
     }
 
-    /// Clears the memory after a solve without a solution. Numbers that are not finite would remain, because
-    /// masks multiply.
+    /// Clears the memory after a solve without a solution. Otherwise numbers that are not finite would remain, because
+    /// masks are applied by multiplication.
     pub(super) fn forget(&mut self) {
         self.riccati.forget();
         self.input_bounds.forget();
@@ -264,7 +263,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         }
     }
 
-    /// Loads the data. Returns whether there are soft bounds or rows.
+    /// Loads the data of a problem. Returns whether the problem has soft bounds or rows.
     pub(super) fn load(&mut self, problem: &QpProblem<NX, NU, NR>) -> bool {
         let p = problem;
         self.riccati.set_weights(&p.state_weight, &p.input_weight, &p.terminal_weight, &p.input_rate_weight);
@@ -349,8 +348,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     }
 }
 
-/// Sets the bounds of number `i` of the padded states and rows. Hard bounds that leave only one value become
-/// an equality.
+/// Sets the bounds of number `i` of the padded states and rows. Hard bounds that allow only one value become an equality.
 fn set_bounds<V: Vector>(
     equalities: &mut Equalities<V>,
     bounds: &mut Bounds<V>,

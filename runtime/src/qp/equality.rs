@@ -1,9 +1,9 @@
 //! Equal bounds: fixed inputs, and states that must pass through a point.
 //!
-//! An interior-point method needs an interior, which a pair of equal bounds does not have. An input whose
-//! bounds are equal is not a variable: it starts at its value, and a diagonal term far beyond all other terms
-//! keeps it there to the last bit ([`Fixed`]). A state whose bounds are equal is an equality `x − b = 0` with
-//! a multiplier π of any sign. Each Newton step is a step of the proximal method of multipliers,
+//! An interior-point method needs an interior, which a pair of equal bounds does not have. An input with equal bounds is
+//! not a variable. It starts at its value, and a diagonal term far beyond all other terms keeps it there exactly
+//! ([`Fixed`]). A state with equal bounds is an equality `x − b = 0` with a multiplier π of any sign. Each Newton step is
+//! a step of the proximal method of multipliers,
 //!
 //! ```text
 //!     π⁺ = π − W (x + dx − b)        that is, a term W in the diagonal and the force π − W (x − b) on x
@@ -108,7 +108,7 @@ impl<V: Vector> Fixed<V> {
         }
     }
 
-    /// Adds the linear cost with which the minimum is at the fixed values.
+    /// Adds a linear cost that moves the minimum to the fixed values.
     pub(super) fn attract(&self, linear: &mut [V]) {
         if self.0.any {
             vectorized!(V, {
@@ -119,7 +119,7 @@ impl<V: Vector> Fixed<V> {
         }
     }
 
-    /// Moves the reduced gradient of fixed inputs into their multipliers, which may have any size.
+    /// Moves the reduced gradient of fixed inputs to their multipliers. These multipliers can have any size.
     pub(super) fn absorb(&self, gradient: &mut [V], multipliers: &mut Multipliers<V>) {
         if self.0.any {
             vectorized!(V, {
@@ -161,7 +161,7 @@ impl<V: Vector> Equalities<V> {
         self.targets.clear();
     }
 
-    /// Whether there is an equality.
+    /// Whether the problem has an equality.
     #[inline(always)]
     pub(super) fn any(&self) -> bool {
         self.targets.any
@@ -229,7 +229,7 @@ impl<V: Vector> Equalities<V> {
         }
     }
 
-    /// Adds the diagonal terms and the linear cost with which the minimum is near the values.
+    /// Adds diagonal terms and a linear cost that move the minimum to near the values.
     pub(super) fn attract(&self, weight: &mut [V], linear: &mut [V]) {
         self.weigh(weight);
         if self.any() {
@@ -317,8 +317,8 @@ impl<V: Vector> Equalities<V> {
         })
     }
 
-    /// Passes each target to `bound`, with its position, to be replaced by a pair of equal bounds. Removes
-    /// all targets.
+    /// Removes all targets. Calls `bound` with the position and the value of each target, so that a pair of equal bounds
+    /// can replace it.
     pub(super) fn release(&mut self, mut bound: impl FnMut(usize, f64)) {
         if self.any() {
             for i in 0..self.force.len() * WIDTH {

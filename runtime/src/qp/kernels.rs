@@ -1,4 +1,4 @@
-//! Matrix products in registers: the work of the Riccati recursion.
+//! Matrix products in registers, which take most of the time of the Riccati recursion.
 
 use super::lanes::{Vector, WIDTH, lanes};
 
@@ -23,7 +23,7 @@ impl<'a> Right<'a> {
     }
 }
 
-/// One product of a sum: `Σ_i left[i] · right(i, c)`. `left` has `depth` vectors.
+/// One product of a sum, `Σ_i left[i] · right(i, c)`. `left` has `depth` vectors.
 #[derive(Clone, Copy)]
 pub(super) struct Term<'a, V> {
     pub(super) left: &'a [V],
@@ -32,7 +32,7 @@ pub(super) struct Term<'a, V> {
 }
 
 impl<V: Vector> Term<'_, V> {
-    /// Whether all entries exist that a product of `columns` columns of `n` lanes reads.
+    /// Whether the factors contain all entries that a product with `columns` columns of `n` lanes reads.
     #[inline(always)]
     fn covers(&self, n: usize, columns: usize) -> bool {
         let last = (self.depth - 1) * self.right.by_row + (columns - 1) * self.right.by_column;
@@ -80,10 +80,9 @@ pub(super) fn product<
     }
 }
 
-/// Computes the first `count` columns of `R` lanes from lane `r` on, by blocks. At least eight sums hide the
-/// latency of a fused multiply-add. The sums, a column of the left factor and one number of the right factor
-/// must fit in 16 registers, with two registers to spare, because the compiler loads the next number before
-/// the last one is used.
+/// Computes the first `count` columns of `R` lanes from lane `r` on, block by block. A block has at least eight sums, which
+/// hide the latency of a fused multiply-add. The sums, a column of the left factor and one number of the right factor must
+/// fit in 14 of the 16 registers. The compiler needs the other two registers to load the next numbers early.
 ///
 /// # Safety
 /// The conditions of [`block`] must be satisfied for these columns.
@@ -96,7 +95,7 @@ unsafe fn columns<V: Vector, const R: usize, const TERMS: usize>(
     [r, count]: [usize; 2],
 ) {
     let mut c = 0;
-    // SAFETY: by this function's contract.
+    // SAFETY: the caller satisfies the conditions of this function.
     unsafe {
         while c < count {
             let left = count - c;
@@ -135,7 +134,7 @@ unsafe fn block<V: Vector, const R: usize, const C: usize, const TERMS: usize>(
     [r0, c0]: [usize; 2],
 ) {
     let mut sums = [[V::zero(); R]; C];
-    // SAFETY: all indices by this function's contract.
+    // SAFETY: the conditions of this function ensure that all indices are in range.
     unsafe {
         if let Some(start) = start {
             for c in 0..C {

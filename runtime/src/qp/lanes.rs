@@ -1,10 +1,10 @@
 //! Lanes: vectors of four numbers.
 //!
-//! A vector of length `n` is stored as `⌈n/4⌉` lanes, padded with zeros. A matrix is a sequence of such
-//! vectors, which are its rows or its columns. The padding remains zero in every operation here, so no kernel
-//! needs a loop for the remainder. The method is generic over the lanes. [`Portable`] compiles to the vector
-//! instructions that the compiler may use anyway. [`Avx2`](super::avx2::Avx2) uses the instructions of newer
-//! x86-64 processors, and is chosen at the construction of a solver.
+//! A vector of length `n` is stored as `⌈n/4⌉` lanes, padded with zeros. A matrix is a sequence of these vectors, which
+//! are its rows or its columns. The padding remains zero in every operation of this module, so no kernel needs a loop for
+//! the remainder. The method is generic over the lanes. [`Portable`] uses the vector instructions for which the crate is
+//! compiled. [`Avx2`](super::avx2::Avx2) uses the instructions of newer x86-64 processors. The construction of a solver
+//! selects one of the two.
 
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
@@ -16,9 +16,9 @@ pub(crate) const WIDTH: usize = 4;
 /// Lanes that need no processor features beyond those for which the crate is compiled.
 pub(crate) type Portable = wide::f64x4;
 
-/// Runs a block in a function of its own, compiled for the instructions of the lanes:
-/// `vectorized!(V, { … })`. All computations with lanes are in such blocks. Outside of them each operation
-/// would be a call. One large function for the whole method would take minutes to compile.
+/// Runs a block in a separate function that is compiled for the instructions of the lanes: `vectorized!(V, { … })`. All
+/// computations with lanes are in such blocks, because outside of these blocks each operation would be a function call. One
+/// large function for the whole method would take minutes to compile.
 macro_rules! vectorized {
     ($lanes:ty, $block:block) => {
         <$lanes as $crate::qp::lanes::Vector>::vectorized(
@@ -29,7 +29,7 @@ macro_rules! vectorized {
 }
 pub(crate) use vectorized;
 
-/// Four numbers. All functions are inlined, so that they become instructions of the calling function.
+/// Vector of four numbers. All functions are inlined, so that they become instructions of the calling function.
 pub(crate) trait Vector:
     bytemuck::Pod
     + core::fmt::Debug

@@ -1,12 +1,12 @@
 //! Factorization of the small symmetric matrices of the inputs.
 
-/// A pivot of `R̃ + BᵀPB` is not positive, because the weights are not positive (semi)definite as required or
-/// not finite.
+/// Error: a pivot of `R̃ + BᵀPB` is not positive. Either the weights are not positive (semi)definite, or a number is not
+/// finite.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct NotPositive;
 
-/// Factors of a symmetric matrix given by its lower triangle: `Λ` strictly below the diagonal and `D⁻¹` on
-/// it.
+/// Factors of `Λ D Λᵀ`, a symmetric matrix that is given by its lower triangle. The result contains `Λ` below the diagonal
+/// and `D⁻¹` on the diagonal.
 ///
 /// # Errors
 /// [`NotPositive`] if a pivot is not positive.

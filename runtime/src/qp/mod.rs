@@ -1,27 +1,26 @@
-//! Solver of the quadratic programs (QPs) of the predictive controllers: a Riccati-factorized interior-point
-//! method.
+//! Interior-point solver with Riccati factorization for the quadratic programs (QPs) of the predictive controllers.
 //!
-//! [`QpProblem`] contains the data of a problem, [`QpSolver`] is the method with its memory, and [`QpReport`]
-//! is the result. The private modules are:
+//! [`QpProblem`] contains the data of a problem, [`QpSolver`] contains the method and its memory, and [`QpReport`] is
+//! the result. The private modules are:
 //!
 //! | module | content |
 //! |---|---|
 //! | `interior_point` | Mehrotra's predictor–corrector iteration, starting points, safeguards, the relaxed problem |
 //! | `interior_point::follow` | warm starts: Newton's method from the active set of the last solution |
-//! | `interior_point::augmented` | the method of multipliers, for problems that the iteration has not solved |
-//! | `pause` | pauses of Newton's method after failures |
+//! | `interior_point::augmented` | the method of multipliers, for problems that the iteration does not solve |
+//! | `pause` | number of problems without Newton's method after failures |
 //! | `certify`, `certificate` | cost and residuals of the returned point, which decide its status |
 //! | `barrier`, `multipliers` | hard and soft bounds: slacks, multipliers and their Newton steps |
 //! | `equality` | equal bounds: fixed inputs, and states that must pass through a point |
 //! | `rows` | rows `lo ≤ C x + D u ≤ hi`: values that depend on x and u and have bounds like states |
-//! | `core`, `solver` | memory and loading of a problem; the public interface, which chooses the vector instructions |
+//! | `core`, `solver` | memory and loading of a problem; the public interface, which selects the vector instructions |
 //! | `riccati`, `sweeps` | factorization of the Newton system stage by stage, and its solutions |
 //! | `kernels`, `ldl` | matrix products in registers, small factorizations |
 //! | `trajectory`, `lanes`, `avx2` | memory layout, and vectors of four numbers (lanes) |
 //!
-//! Every iterate satisfies the dynamics, and the returned inputs satisfy their bounds exactly. Hard state
-//! bounds and rows that cannot be kept are detected within a bounded number of iterations. Exact penalties
-//! then replace them ([`QpStatus::Relaxed`]).
+//! Every iterate satisfies the dynamics, and the returned inputs satisfy their bounds exactly. If hard state bounds or
+//! rows cannot be kept, the solver detects this within a bounded number of iterations. It then replaces these bounds and
+//! rows by exact penalties ([`QpStatus::Relaxed`]).
 
 #[cfg(all(target_arch = "x86_64", feature = "std"))]
 pub(crate) mod avx2;

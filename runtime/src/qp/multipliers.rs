@@ -57,8 +57,8 @@ impl<V: Vector> Multipliers<V> {
         }
     }
 
-    /// Moves stage `k + 1` to stage `k` in the `count` numbers from `start` on, with `stride` numbers per
-    /// stage. The last stage is kept.
+    /// Moves the multipliers of each stage `k + 1` to stage `k`. The stages have `stride` numbers each, and `count` numbers
+    /// from `start` on together. The last stage is kept.
     pub(super) fn shift(&mut self, start: usize, stride: usize, count: usize) {
         for i in start..(start + count).saturating_sub(stride) {
             self.set(i, self.get(i + stride));

@@ -1,11 +1,11 @@
-//! Pauses of Newton's method in warm starts. After failures some problems are solved without it (exponential
-//! backoff).
+//! Pauses of Newton's method in warm starts. After a failure of Newton's method, some problems are solved without it
+//! (exponential backoff).
 
-/// Longest pause, in problems. For a pause of 3, the iterations of the bench `control_step` differ by less
+/// Longest pause, in problems. For the value 3, the number of iterations in the benchmark `control_step` differs by less
 /// than 1 %.
 const LONGEST: u32 = 31;
 
-/// A pause of n problems. A failure changes n to 2n + 1, up to [`LONGEST`]. A success changes n to 0.
+/// A pause of n problems. A failure of Newton's method changes n to 2n + 1, up to [`LONGEST`]. A success changes n to 0.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Pause {
     length: u32,
@@ -13,7 +13,7 @@ pub(super) struct Pause {
 }
 
 impl Pause {
-    /// Whether to try Newton's method for the next problem. If not, the problem counts for the pause.
+    /// Whether Newton's method is tried for the next problem. If not, the remaining pause becomes shorter by one problem.
     pub(super) fn is_over(&mut self) -> bool {
         let is_over = self.left == 0;
         self.left = self.left.saturating_sub(1);
@@ -40,7 +40,7 @@ mod tests {
                 pause = pause.after(false);
             }
         }
-        // Pauses of 1, 3, 7, 15, 31.
+        // The pauses are 1, 3, 7, 15 and 31 problems.
         assert_eq!(tried, [0, 2, 6, 14, 30, 62]);
         pause = pause.after(true);
         assert!(pause.is_over() && pause.is_over());

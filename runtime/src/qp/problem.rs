@@ -4,10 +4,9 @@
 use crate::no_std::*;
 /// Penalty of a soft bound: `linear · v + ½ quadratic · v²` for a violation `v ≥ 0`.
 ///
-/// The linear term makes the penalty exact: if `linear` exceeds the multiplier that the hard bound would
-/// have, the soft bound is kept like a hard bound (Fletcher, *Practical Methods of Optimization*, 1987,
-/// section 14.3; Kerrigan, Maciejowski, *Soft constraints and exact penalty functions in model predictive
-/// control*, UKACC 2000).
+/// The linear term makes the penalty exact. If `linear` exceeds the multiplier of the corresponding hard bound, the soft
+/// bound is kept like a hard bound (Fletcher, *Practical Methods of Optimization*, 1987, section 14.3; Kerrigan,
+/// Maciejowski, *Soft constraints and exact penalty functions in model predictive control*, UKACC 2000).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Penalty {
     /// Cost per unit of violation, > 0.
@@ -16,17 +15,17 @@ pub struct Penalty {
     pub quadratic: f64,
 }
 
-/// Rows `lo ≤ C x + D u ≤ hi` of one node of the horizon. [`QpProblem::row_penalty`] makes them hard or soft.
+/// Rows `lo ≤ C x + D u ≤ hi` at one node of the horizon, with the states x and the inputs u.
+/// [`QpProblem::row_penalty`] selects hard or soft rows.
 ///
-/// A row is scaled by its largest coefficient. [`QpSettings::feasibility`](super::QpSettings) and
-/// [`KktResiduals::primal`](super::KktResiduals) therefore do not depend on the unit of the row. A hard row
-/// with equal sides is an equality. A row with zero coefficients is kept or violated independently of the
-/// solution.
+/// A row is scaled by its largest coefficient. Therefore [`QpSettings::feasibility`](super::QpSettings::feasibility) and
+/// [`KktResiduals::primal`](super::KktResiduals::primal) do not depend on the unit of the row. A hard row with equal
+/// limits is an equality. If all coefficients of a row are zero, the solution has no influence on the row.
 ///
 /// ```
 /// use gelenk_runtime::qp::{QpProblem, QpSettings, QpSolver, QpStatus};
 ///
-/// // A mass under at most 1 N, of which its motor loses 2 N per m/s: |u + 2 v| ≤ 1.
+/// // A mass whose motor produces at most 1 N at rest, and 2 N less per m/s: |u + 2 v| ≤ 1.
 /// let mut problem = QpProblem::<2, 1, 1>::new(20);
 /// problem.initial_state = [1.0, 0.0];
 /// problem.state_weight = [[1.0, 0.0], [0.0, 0.1]];
@@ -47,13 +46,13 @@ pub struct Penalty {
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct QpRows<const NX: usize, const NU: usize, const NR: usize> {
-    /// Matrix `C`, rows first.
+    /// Matrix `C`, row by row.
     pub state_matrix: [[f64; NX]; NR],
-    /// Matrix `D`, rows first.
+    /// Matrix `D`, row by row.
     pub input_matrix: [[f64; NU]; NR],
-    /// Lower sides; −∞ for a row without a lower limit.
+    /// Lower limits `lo`; −∞ for a row without a lower limit.
     pub lower: [f64; NR],
-    /// Upper sides; +∞ for a row without an upper limit.
+    /// Upper limits `hi`; +∞ for a row without an upper limit.
     pub upper: [f64; NR],
 }
 
@@ -70,7 +69,7 @@ impl<const NX: usize, const NU: usize, const NR: usize> Default for QpRows<NX, N
 }
 
 impl<const NX: usize, const NU: usize, const NR: usize> QpRows<NX, NU, NR> {
-    /// Whether all coefficients are finite, the sides are ordered, and finite sides remain finite after
+    /// Whether all coefficients are finite, no lower limit exceeds its upper limit, and finite limits remain finite after
     /// division by the largest coefficient.
     fn is_valid(&self) -> bool {
         let coefficients = [self.state_matrix.as_flattened(), self.input_matrix.as_flattened()];
@@ -85,23 +84,23 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpRows<NX, NU, NR> {
     }
 }
 
-/// Stage `k`: dynamics `x_{k+1} = A x_k + B u_k + c`, cost and bounds of `u_k` and `x_{k+1}`, and rows of
+/// Data of stage `k`: dynamics `x_{k+1} = A x_k + B u_k + c`, linear cost and bounds of `u_k` and `x_{k+1}`, and rows of
 /// `x_k` and `u_k`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct QpStage<const NX: usize, const NU: usize, const NR: usize = 0> {
-    /// Matrix `A_k`, rows first.
+    /// Matrix `A_k` of the dynamics, row by row.
     pub state_matrix: [[f64; NX]; NX],
-    /// Matrix `B_k`, rows first.
+    /// Matrix `B_k` of the dynamics, row by row.
     pub input_matrix: [[f64; NU]; NX],
-    /// Vector `c_k`.
+    /// Vector `c_k` of the dynamics.
     pub affine: [f64; NX],
     /// Linear cost `r_k` of `u_k`.
     pub input_gradient: [f64; NU],
     /// Linear cost `q_{k+1}` of `x_{k+1}`.
     pub state_gradient: [f64; NX],
-    /// Lower bounds of `u_k`, always hard; −∞ for an input without a lower bound.
+    /// Lower bounds of `u_k`; −∞ for an input without a lower bound. Bounds of inputs are hard.
     pub input_lower: [f64; NU],
-    /// Upper bounds of `u_k`, always hard; +∞ for an input without an upper bound.
+    /// Upper bounds of `u_k`; +∞ for an input without an upper bound. Bounds of inputs are hard.
     pub input_upper: [f64; NU],
     /// Lower bounds of `x_{k+1}`, hard or soft according to [`QpProblem::state_penalty`]; −∞ for a state
     /// without a lower bound.
@@ -123,8 +122,8 @@ pub struct QpStage<const NX: usize, const NU: usize, const NR: usize = 0> {
 ///          lo_k ≤ C_k x_k + D_k u_k ≤ hi_k for k < N,  lo_N ≤ C_N x_N ≤ hi_N  (hard or soft)
 /// ```
 ///
-/// All weights must be symmetric. Q and P must be positive semidefinite. `R + BᵀPB` must be positive
-/// definite, with the cost-to-go P of each stage.
+/// All weights must be symmetric. Q and P must be positive semidefinite. `R + BᵀP_kB` must be positive definite for the
+/// cost-to-go matrix P_k of each stage.
 #[derive(Debug, Clone, PartialEq)]
 pub struct QpProblem<const NX: usize, const NU: usize, const NR: usize = 0> {
     /// Initial state `x_0`.
@@ -135,23 +134,23 @@ pub struct QpProblem<const NX: usize, const NU: usize, const NR: usize = 0> {
     pub input_weight: [[f64; NU]; NU],
     /// Weight `P` of x_N.
     pub terminal_weight: [[f64; NX]; NX],
-    /// Weight `W` of the changes u_k − u_{k−1}; zero if changes cost nothing. If the inputs are torques, W is
-    /// the weight of the torque rate divided by T², with the period T.
+    /// Weight `W` of the changes u_k − u_{k−1}; zero if changes have no cost. For a weight of the rate of the inputs, W is
+    /// this weight divided by T², with the period T.
     pub input_rate_weight: [[f64; NU]; NU],
     /// Input `u_{−1}` before the horizon. It only has an effect if W is not zero.
     pub previous_input: [f64; NU],
-    /// Penalties of the bounds of the states; `None` if the bounds of a state are hard.
+    /// Penalties of the bounds of each state; `None` for a state with hard bounds.
     pub state_penalty: [Option<Penalty>; NX],
-    /// Penalties of the rows; `None` if a row is hard.
+    /// Penalties of the rows; `None` for a hard row.
     pub row_penalty: [Option<Penalty>; NR],
-    /// Rows of `x_N`, which has no input.
+    /// Rows of the last state `x_N`, without inputs.
     pub terminal_rows: QpRows<NX, 0, NR>,
     /// Stages 0 … N−1.
     pub stages: Vec<QpStage<NX, NU, NR>>,
 }
 
 impl<const NX: usize, const NU: usize, const NR: usize> Default for QpStage<NX, NU, NR> {
-    /// A stage without dynamics, linear cost, bounds and rows.
+    /// A stage with zero matrices, without bounds and rows.
     fn default() -> Self {
         Self {
             state_matrix: [[0.0; NX]; NX],
@@ -178,8 +177,8 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpStage<NX, NU, NR> {
     }
 }
 
-/// Whether all numbers are finite: 0 times infinity or NaN is NaN. There is no branch for each number,
-/// because this function processes all data of every solve.
+/// Whether all numbers are finite. The test multiplies by 0, because 0 times infinity or NaN is NaN. It needs no branch for
+/// each number. This matters because the function processes all data of every solve.
 fn finite<const K: usize>(all: [&[f64]; K]) -> bool {
     let mut sums = [0.0; 8];
     for numbers in all {
@@ -205,8 +204,8 @@ fn ordered(lower: &[f64], upper: &[f64]) -> bool {
 }
 
 impl<const NX: usize, const NU: usize, const NR: usize> QpProblem<NX, NU, NR> {
-    /// Whether all numbers are finite (lower bounds may be −∞, upper bounds +∞), the bounds are ordered and
-    /// the penalties are positive.
+    /// Whether the data are valid: all numbers are finite (except infinite bounds), no lower bound exceeds its upper bound,
+    /// and the penalties are positive.
     pub(super) fn is_valid(&self) -> bool {
         let weights = [&self.state_weight, &self.terminal_weight].map(|weight| weight.as_flattened());
         let input_weights = [&self.input_weight, &self.input_rate_weight].map(|weight| weight.as_flattened());
@@ -221,7 +220,8 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpProblem<NX, NU, NR> {
             && self.stages.iter().all(QpStage::is_valid)
     }
 
-    /// A problem over `horizon` stages without dynamics, cost, bounds and rows. Set its fields.
+    /// A problem with `horizon` stages in which all matrices and weights are zero, without bounds and rows. Set the fields
+    /// of the result.
     pub fn new(horizon: usize) -> Self {
         Self {
             initial_state: [0.0; NX],
@@ -238,7 +238,7 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpProblem<NX, NU, NR> {
     }
 }
 
-/// The unit of a row: the largest power of two that does not exceed its largest coefficient; 1 if all
+/// Scaling unit of a row, which is the largest power of two that does not exceed the largest coefficient; 1 if all
 /// coefficients are zero.
 pub(super) fn unit(c: &[f64], d: &[f64]) -> f64 {
     let largest = c.iter().chain(d).fold(0.0_f64, |max, v| v.abs().max(max));

@@ -1,9 +1,8 @@
-//! The Riccati recursion: factorization and solution of the equality-constrained optimal-control problem.
+//! Riccati recursion, which factorizes and solves the equality-constrained optimal-control problem.
 //!
-//! With the stage Hessians `Q̃_k = Q + diag(σ_k)` and `R̃_k = R + diag(ρ_k)`, where σ and ρ are the barrier
-//! terms of the bounds, the Newton step of the interior-point method minimizes
-//! `Σ ½ xᵀQ̃x + gᵀx + ½ uᵀR̃u + hᵀu` over `x⁺ = A x + B u`, `x_0 = 0`. The recursion goes backwards from
-//! `P_N = Q̃_N`:
+//! The stage Hessians are `Q̃_k = Q + diag(σ_k)` and `R̃_k = R + diag(ρ_k)`, with the barrier terms σ and ρ of the bounds.
+//! The Newton step of the interior-point method minimizes `Σ ½ xᵀQ̃x + gᵀx + ½ uᵀR̃u + hᵀu` subject to `x⁺ = A x + B u`,
+//! `x_0 = 0`. The backward recursion begins with `P_N = Q̃_N`:
 //!
 //! ```text
 //!     Λ D Λᵀ = R̃ + Bᵀ P⁺ B          Y = Λ⁻¹ Bᵀ P⁺ A
@@ -11,9 +10,9 @@
 //!     d = −(Λ D Λᵀ)⁻¹ (h + Bᵀ p⁺)   p = g + Kᵀ h + Φᵀ p⁺
 //! ```
 //!
-//! and then forwards with `u = K x + d`, `x⁺ = Φ x + B d`. With a weight W of the change of the input,
-//! `½ (u_k − u_{k−1})ᵀ W (u_k − u_{k−1})`, v = u_{k−1} is an additional state with `v⁺ = u`. Its rows of the
-//! dynamics are an identity and need no products (S = P_xv and V = P_vv are blocks of the cost-to-go):
+//! The forward recursion is `u = K x + d`, `x⁺ = Φ x + B d`. If the change of the input has a weight W,
+//! `½ (u_k − u_{k−1})ᵀ W (u_k − u_{k−1})`, then v = u_{k−1} is an additional state with `v⁺ = u`. The rows of this state in
+//! the dynamics are an identity and need no products. S = P_xv and V = P_vv are blocks of the cost-to-go matrix:
 //!
 //! ```text
 //!     T = P⁺B + S⁺     Λ D Λᵀ = R̃ + W + BᵀT + S⁺ᵀB + V⁺     Y = Λ⁻¹TᵀA     Y_v = −Λ⁻¹W
@@ -22,11 +21,11 @@
 //!
 //! [`super::rows`] describes the terms that rows `C x + D u` of a stage add to R̃, Q̃ and `BᵀP⁺A`.
 //!
-//! The weight W adds O(n m²) operations to a factorization, for n states and m inputs. A general state of n +
-//! m numbers would cost about twice as much. The cost is linear in the horizon: O((n + m)³) per stage for a
-//! factorization and O((n + m)²) for each further right-hand side. The closed-loop matrix Φ is computed once
-//! per factorization, because then the chain of dependent operations of both sweeps has only one
-//! matrix-vector product per stage.
+//! The weight W adds O(n m²) operations to a factorization, for n states and m inputs. A general state of n + m numbers
+//! would need about twice as many operations. The number of operations is linear in the horizon. It is O((n + m)³) per
+//! stage for a factorization and O((n + m)²) per stage for each further right-hand side. The closed-loop matrix Φ is
+//! computed once per factorization. Both sweeps then have only one matrix-vector product per stage in their chain of
+//! dependent operations.
 //!
 //! Sources: Rao, Wright, Rawlings, *Application of interior-point methods to model predictive control*, JOTA
 //! 99 (1998), section 3; Frison, Jørgensen, *Efficient implementation of the Riccati recursion for solving
@@ -66,14 +65,14 @@ pub(crate) struct Riccati<V, const NX: usize, const NU: usize> {
     pub(super) k: Vec<V>,
     /// Rows of the closed-loop matrices `Φ_k = A_k + B_k K_k`.
     pub(super) phi: Vec<V>,
-    /// `Λ` strictly below the diagonal, `D⁻¹` on it.
+    /// Factors: `Λ` below the diagonal and `D⁻¹` on the diagonal.
     pub(super) ldl: Vec<[[f64; NU]; NU]>,
     /// Columns of `P⁺` and, after a stage, of `P`.
     p: Vec<V>,
     /// Columns of `P⁺ A` and `P⁺ B`.
     pa: Vec<V>,
     pb: Vec<V>,
-    /// Columns of `R̃ + BᵀP⁺B`, its lower triangle.
+    /// Columns of the lower triangle of `R̃ + BᵀP⁺B`.
     h: Vec<V>,
     /// Rows of `Y` and of `−D⁻¹Y`.
     y: Vec<V>,
@@ -186,9 +185,8 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         }
     }
 
-    /// Factorizes with the diagonal terms of inputs, states and rows in `weight`. `affine` has the vectors
-    /// c_k of `x⁺ = A x + B u + c`, where c_0 includes `A_0 x_0`. If it is given, a solution with these
-    /// vectors is prepared too.
+    /// Factorizes with the diagonal terms of inputs, states and rows in `weight`. `affine` are the vectors c_k of
+    /// `x⁺ = A x + B u + c`; c_0 includes `A_0 x_0`. If `affine` is given, the solution for these vectors is prepared too.
     ///
     /// # Errors
     /// [`NotPositive`] if a pivot is not positive.
@@ -223,7 +221,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         })
     }
 
-    /// The recursion without barrier terms down to P_0, so that K_0 is computed too. The result is a
+    /// Computes the recursion without barrier terms down to P_0, so that K_0 is computed too. The result is a
     /// linear-quadratic regulator over the horizon.
     ///
     /// # Errors
@@ -241,7 +239,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         })
     }
 
-    /// Gain K_k of the last factorization, rows first.
+    /// Gain K_k of the last factorization, row by row.
     pub(crate) fn gain(&self, k: usize) -> [[f64; NX]; NU] {
         let rows = &self.k[k * NU * Self::RX..][..NU * Self::RX];
         core::array::from_fn(|i| core::array::from_fn(|j| at(&rows[i * Self::RX..][..Self::RX], j)))
@@ -407,7 +405,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         );
     }
 
-    /// Computes `P = Q + AᵀP⁺A − YᵀD⁻¹Y`: the lower blocks by products, the upper blocks by symmetry.
+    /// Computes `P = Q + AᵀP⁺A − YᵀD⁻¹Y`. The lower blocks are computed by products, the upper blocks by symmetry.
     #[inline(always)]
     fn stage_cost_to_go(&mut self, k: usize, add_rows: impl FnOnce(&mut [V])) {
         let x = Self::RX;
@@ -435,9 +433,9 @@ fn symmetric<const N: usize>(m: &[[f64; N]; N]) -> [[f64; N]; N] {
     core::array::from_fn(|i| core::array::from_fn(|j| 0.5 * (m[i][j] + m[j][i])))
 }
 
-/// Makes a matrix of `NX` padded columns symmetric. Blocks above the diagonal are copied from below, blocks
-/// on the diagonal become the mean with their transpose. This is necessary: rounding leaves an antisymmetric
-/// part E, which the recursion would propagate as `AᵀEA` with the open loop.
+/// Makes a matrix of `NX` padded columns symmetric. Blocks above the diagonal are copied from below. Blocks on the diagonal
+/// are replaced by the mean with their transpose. Otherwise the recursion would propagate an antisymmetric rounding error E
+/// as `AᵀEA` with the open-loop matrix A.
 #[inline(always)]
 fn mirror<V: Vector, const NX: usize>(p: &mut [V], n: usize) {
     for rb in 0..n {

@@ -1,16 +1,16 @@
 //! Rows `w = C x + D u` with limits `lo ≤ w ≤ hi`.
 //!
-//! For bounds, barrier and certificate, the values w are additional states. In each [`Trajectory`] they are
-//! stored after x_1 … x_N, node by node. The rules for hard, soft and equal bounds of states apply to them.
-//! In contrast to states, they depend on x and u: a linear cost e of w is the cost `Cᵀe` of x and `Dᵀe` of u.
-//! Diagonal terms ω add
+//! For bounds, barrier and certificate, the values w are additional states. Each [`Trajectory`] stores them after
+//! x_1 … x_N, node by node. The rules for hard, soft and equal bounds of states also apply to the values w. In contrast to
+//! states, w depends on x and u. Therefore a linear cost e of w is the cost `Cᵀe` of x and the cost `Dᵀe` of u. Diagonal
+//! terms ω of w add
 //! ```text
 //!     CᵀωC to Q̃     DᵀωC to BᵀP⁺A     DᵀωD to R̃
 //! ```
 //!
-//! to the factorization, so its gains and sweeps include the rows (Frison, Diehl, *HPIPM*, IFAC 2020, section
-//! 3). A row is scaled by its largest coefficient, rounded to a power of two, so that the scaling is exact.
-//! Without rows (`NR = 0`) every function is empty.
+//! in the factorization, so gains and sweeps include the rows (Frison, Diehl, *HPIPM*, IFAC 2020, section 3). A row is
+//! scaled by its largest coefficient, rounded to a power of two so that the scaling is exact. Without rows (`NR = 0`) every
+//! function is empty.
 
 use super::lanes::{Vector, WIDTH, at, dot, flat, flat_mut, lanes, pack, vectorized, zeros};
 use super::problem::{QpProblem, unit};
@@ -29,7 +29,7 @@ pub(super) struct Limits {
 /// Matrices of the rows of nodes 0 … N.
 #[derive(Debug, Clone)]
 pub(crate) struct Rows<V, const NX: usize, const NU: usize, const NR: usize> {
-    /// Rows of `C_k`, `NR` padded rows per node; zero for node 0, whose state is given.
+    /// Rows of `C_k`, `NR` padded rows per node; zero for node 0, because x_0 is not a variable.
     c: Vec<V>,
     /// Matrices `D_k`; zero for node N.
     d: Vec<[[f64; NU]; NR]>,
@@ -48,7 +48,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
         (horizon + 1) * Self::RR
     }
 
-    /// Memory for the rows of `horizon` stages and of the end.
+    /// Memory for the rows of `horizon` stages and of the last node.
     pub(crate) fn new(horizon: usize) -> Self {
         let nodes = if NR > 0 { horizon + 1 } else { 0 };
         Self {
@@ -90,8 +90,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
         let unit = self.unit[k][r];
         let mut sides = sides.map(|side| side / unit);
         let constant = if k == 0 { self.offset[r] } else { 0.0 };
-        // A row that no variable moves leaves no interior where it is met; where it is not, it stays, and
-        // cannot be kept.
+        // A row that does not depend on a variable leaves no interior, so it is removed if it is satisfied. If it is not
+        // satisfied, it remains and cannot be kept.
         if self.is_constant(k, r) && sides[0] <= constant && constant <= sides[1] {
             sides = [f64::NEG_INFINITY, f64::INFINITY];
         }
@@ -188,7 +188,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
         }
     }
 
-    /// Changes states and inputs by the shortest step that gives each row the change in `step`, for each row
+    /// Changes states and inputs so that each row changes by its value in `step`. The change is the shortest step for each row
     /// separately. The values in `step` become 0.
     pub(super) fn move_along(&self, step: &mut Trajectory<V>) {
         if NR == 0 {
@@ -200,7 +200,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
                     let change = core::mem::take(&mut flat_mut(&mut step.x[self.of_node(k)])[r]);
                     let c = self.state_row(k, r);
                     let square = dot(c, c) + self.d[k][r].iter().map(|d| d * d).sum::<f64>();
-                    // What is left of a row at the given state may be short: no leaps along that.
+                    // The coefficients of variables can be much smaller than the largest coefficient. The lower bound of 1
+                    // prevents huge steps in this case.
                     self.add(k, r, change / square.max(1.0), step);
                 }
             }

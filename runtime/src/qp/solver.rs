@@ -1,4 +1,4 @@
-//! The public solver: checks the sizes, chooses the vector instructions, and gives access to the solution.
+//! Public interface of the solver. It checks the sizes, selects the vector instructions and returns the solution.
 
 #[cfg(all(target_arch = "x86_64", feature = "std"))]
 use super::avx2::{self, Avx2};
@@ -14,11 +14,11 @@ pub const MAX_SIZE: usize = 32;
 
 /// Interior-point solver for optimal-control QPs of one size.
 ///
-/// All memory is allocated at construction. A solve allocates nothing and never panics. A cold start takes at
-/// most three times [`QpSettings::max_iterations`] iterations, a warm start at most 16 more. The result of a
-/// cold start depends only on the problem: it is equal to the result of a new solver, bit for bit. The result
-/// of a warm start also depends on the last solution. Processors with fused multiply-add round differently
-/// from processors without it.
+/// All memory is allocated at construction. A solve does not allocate and never panics. A solve with a cold start takes
+/// at most three times [`QpSettings::max_iterations`] iterations. A warm start takes at most 16 more iterations. The
+/// result of a cold start only depends on the problem, and equals the result of a new solver bit for bit. The result of a
+/// warm start also depends on earlier solves. Results of processors with and without fused multiply-add differ by
+/// rounding.
 ///
 /// ```
 /// use gelenk_runtime::qp::{QpProblem, QpSettings, QpSolver, QpStatus};
@@ -52,7 +52,7 @@ enum Engine<const NX: usize, const NU: usize, const NR: usize> {
     Avx2(Core<Avx2, NX, NU, NR>),
 }
 
-/// Calls a function of the core of either variant.
+/// Calls a function of the core for the selected instructions.
 macro_rules! core {
     ($solver:expr, $core:ident => $call:expr) => {
         match $solver {
@@ -67,8 +67,8 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpSolver<NX, NU, NR> {
     /// A solver for horizons of `horizon` stages.
     ///
     /// # Errors
-    /// [`QpError::Horizon`] if the horizon is not in 1..=[`MAX_HORIZON`]. [`QpError::Size`] if `NX` or `NU`
-    /// is not in 1..=[`MAX_SIZE`], or `NR` exceeds [`MAX_SIZE`].
+    /// - [`QpError::Horizon`] if the horizon is not in 1..=[`MAX_HORIZON`].
+    /// - [`QpError::Size`] if `NX` or `NU` is not in 1..=[`MAX_SIZE`], or `NR` exceeds [`MAX_SIZE`].
     pub fn new(horizon: usize, settings: QpSettings) -> Result<Self, QpError> {
         if !(1..=MAX_HORIZON).contains(&horizon) {
             return Err(QpError::Horizon(horizon));
@@ -88,7 +88,7 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpSolver<NX, NU, NR> {
         core!(&self.0, core => core.horizon)
     }
 
-    /// Solves with a cold start, on which earlier solves have no influence.
+    /// Solves the problem with a cold start. Earlier solves have no influence on the result.
     pub fn solve(&mut self, problem: &QpProblem<NX, NU, NR>) -> QpReport {
         core!(&mut self.0, core => match core.accepts(problem) {
             true => core.solve(problem, Start::Cold),
@@ -96,12 +96,15 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpSolver<NX, NU, NR> {
         })
     }
 
-    /// Solves with a warm start from the last solution, which [`Self::shift`] may have shifted. The first
-    /// attempt is Newton's method from the active set of the last solution, which takes few iterations if
-    /// this set changes little. The second attempt is the interior-point method from a point near the last
-    /// solution. If both fail, or if the last problem was not solved, the solver makes a cold start. After
-    /// failures, Newton's method is omitted for up to 31 problems. The result depends on all solves since the
-    /// construction of the solver.
+    /// Solves the problem with a warm start from the last solution. Call [`Self::shift`] before if the horizon recedes. The
+    /// solver makes these attempts:
+    ///
+    /// 1. Newton's method from the active set of the last solution. It takes few iterations if this set changes little.
+    ///    After failures this attempt is skipped for up to 31 problems.
+    /// 2. The interior-point method from a point near the last solution.
+    /// 3. A cold start, also if the last problem was not solved.
+    ///
+    /// The result depends on all solves since the construction of the solver.
     pub fn solve_warm(&mut self, problem: &QpProblem<NX, NU, NR>) -> QpReport {
         core!(&mut self.0, core => {
             if !core.accepts(problem) {
@@ -114,8 +117,7 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpSolver<NX, NU, NR> {
         })
     }
 
-    /// Does the computations of a cold and a warm solve only to warm up the caches. The last solution is
-    /// kept.
+    /// Repeats the computations of a cold and a warm solve only to warm up the processor caches. The last solution is kept.
     pub(crate) fn rehearse(&mut self, problem: &QpProblem<NX, NU, NR>) {
         core!(&mut self.0, core => core.set_aside());
         core::hint::black_box(self.solve(problem));
@@ -123,8 +125,8 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpSolver<NX, NU, NR> {
         core!(&mut self.0, core => core.take_back());
     }
 
-    /// Shifts the last solution by one stage and repeats its last stage. The next [`Self::solve_warm`] starts
-    /// there, as a receding horizon needs it.
+    /// Shifts the last solution by one stage and repeats its last stage. The next [`Self::solve_warm`] of a receding horizon
+    /// starts at the shifted solution.
     pub fn shift(&mut self) {
         core!(&mut self.0, core => core.shift());
     }

@@ -1,5 +1,5 @@
-//! Sweeps of the Riccati recursion: solutions for a right-hand side, gradients, and roll-outs (states that
-//! follow from inputs).
+//! Sweeps of the Riccati recursion. They compute solutions for a right-hand side, gradients, and roll-outs (the states
+//! that follow from inputs).
 
 use super::lanes::{Vector, WIDTH, at, dot, flat, flat_mut, reduce4, vectorized};
 use super::ldl::solve_ldl;
@@ -7,7 +7,7 @@ use super::riccati::{MAX_LANES, Riccati};
 use super::trajectory::Trajectory;
 
 impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
-    /// Computes the minimizer `step` for the linear costs `gradient`; for `affine` see [`Self::factorize`].
+    /// Computes the minimizer `step` for the linear costs `gradient`. [`Self::factorize`] explains `affine`.
     pub(crate) fn solve(&self, gradient: &Trajectory<V>, step: &mut Trajectory<V>, affine: Option<&[V]>) {
         vectorized!(V, {
             self.backward(gradient, flat_mut(&mut step.u), affine.is_some());
@@ -15,15 +15,14 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         })
     }
 
-    /// Decrease of a function with these gradients by a Newton step with the last factorization:
-    /// `½ Σ wᵀ (Λ D Λᵀ)⁻¹ w`. The gradients are with respect to inputs and states before the dynamics are
-    /// eliminated. `scratch` is overwritten.
+    /// Decrease `½ Σ wᵀ (Λ D Λᵀ)⁻¹ w` of a function by a Newton step with the last factorization. `gradient` are the
+    /// gradients with respect to inputs and states before the dynamics are eliminated. `scratch` is overwritten.
     pub(crate) fn decrease(&self, gradient: &Trajectory<V>, scratch: &mut Trajectory<V>) -> f64 {
         vectorized!(V, { self.backward(gradient, flat_mut(&mut scratch.u), false) })
     }
 
-    /// The backward sweep, which writes the feed-forward terms `d_k` into `d`. Returns the decrease of the
-    /// cost by these terms.
+    /// Computes the backward sweep. Writes the feed-forward terms `d_k` to `d`, and returns the decrease of the cost by
+    /// these terms.
     #[inline(always)]
     fn backward(&self, gradient: &Trajectory<V>, d: &mut [f64], affine: bool) -> f64 {
         let mut decrease = 0.0;
@@ -95,7 +94,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         }
     }
 
-    /// The forward sweep, from the feed-forward terms in `u` to inputs and states.
+    /// Computes the forward sweep. Replaces the feed-forward terms in `u` by the inputs, and writes the states to `x`.
     #[inline(always)]
     fn forward(&self, u: &mut [f64], x: &mut [V], affine: Option<&[V]>) {
         let n = Self::RX;
@@ -147,9 +146,9 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         })
     }
 
-    /// Does the same as [`Self::roll_out`], with sums that are rounded differently. Two orders of a sum of n
-    /// terms differ by up to 2nε of the terms (Higham, *Accuracy and Stability of Numerical Algorithms*,
-    /// 2002, section 3.1).
+    /// Computes the states like [`Self::roll_out`], but with sums in another order and therefore other rounding errors. Two
+    /// orders of a sum of n terms differ by up to 2nε times the sum of the magnitudes (Higham, *Accuracy and Stability of
+    /// Numerical Algorithms*, 2002, section 3.1).
     pub(crate) fn roll_out_otherwise(&self, z: &mut Trajectory<V>, affine: &[V]) {
         vectorized!(V, {
             let error = 2.0 * (NX + NU) as f64 * f64::EPSILON;
@@ -169,9 +168,9 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         })
     }
 
-    /// Replaces the inputs of `z` by `limit(k, u_k)` and its states by those that follow from these inputs.
-    /// The gains of the last factorization let later inputs counteract the changes and the rounding errors,
-    /// which an unstable system would amplify.
+    /// Replaces the inputs of `z` by `limit(k, u_k)`, and the states by those that follow from these inputs. The gains of the
+    /// last factorization change later inputs so that they counteract the changes and the rounding errors. Otherwise an
+    /// unstable system would amplify them.
     pub(crate) fn project(
         &self,
         z: &mut Trajectory<V>,
@@ -283,8 +282,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         }
     }
 
-    /// The cost `½ Σ_k Δu_kᵀ (Λ D Λᵀ)_k Δu_k` of a change of the inputs from the minimum, with the last
-    /// factorization.
+    /// The cost `½ Σ_k Δu_kᵀ (Λ D Λᵀ)_k Δu_k` of a change Δu of the inputs from the minimum, with the last factorization.
     pub(crate) fn input_energy(&self, u: &Trajectory<V>) -> f64 {
         let mut sum = 0.0;
         for (k, l) in self.ldl.iter().enumerate() {
@@ -300,8 +298,8 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         sum
     }
 
-    /// Replaces `h` by the reduced gradient of the inputs, `h + Bᵀp` with the costate `p = g + Aᵀp⁺`.
-    /// `gradient` has the gradients g and h of the Lagrangian without dynamics.
+    /// Replaces the gradient h of the inputs by the reduced gradient `h + Bᵀp` with the costate `p = g + Aᵀp⁺`. `gradient`
+    /// contains the gradients g (states) and h (inputs) of the Lagrangian without dynamics.
     pub(crate) fn reduce(&self, gradient: &mut Trajectory<V>) {
         vectorized!(V, {
             let n = Self::RX;
@@ -349,7 +347,7 @@ fn add_product<V: Vector, const ROWS: usize>(
     }
 }
 
-/// Products of row `i` with a state, one sum for each of the four numbers of a lane; zero for padding rows.
+/// Scalar product of row `i` with a state, as four partial sums (one for each number of a lane); zero for padding rows.
 #[inline(always)]
 fn rows_dot<V: Vector, const ROWS: usize>(rows: &[V], i: usize, n: usize, state: &[V; MAX_LANES]) -> V {
     if i >= ROWS {

@@ -1,12 +1,12 @@
-//! One scalar motion as the motion of several coordinates.
+//! Motion of several coordinates along one scalar motion.
 
 use super::{Sample, Trajectory, TrajectoryError, require_finite};
 
-/// A motion in which all coordinates follow one motion s(t), each with its own factor: `y(t) = y_0 + d s(t)`.
+/// A motion `y(t) = y_0 + d s(t)` in which all coordinates follow one scalar motion s(t). Each coordinate has a factor
+/// in d.
 ///
-/// With d = (1, −1), two parallel axes turn in opposite directions, so the link after the second axis keeps
-/// its orientation. This is the compensated motion β = −γ, in which gravity at the second joint is almost
-/// constant. See [`Along::compensated`].
+/// If two axes are parallel and d = (1, −1), they turn in opposite directions, and the link after the second axis keeps its
+/// orientation. Then gravity at the second joint is almost constant. See [`Along::compensated`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Along<T, const N: usize> {
     offset: [f64; N],
@@ -15,7 +15,8 @@ pub struct Along<T, const N: usize> {
 }
 
 impl<T: Trajectory<1>, const N: usize> Along<T, N> {
-    /// A motion with `offset` y_0 [rad or m] and `direction` d. If d has no unit, `motion` is in rad or m.
+    /// A motion with `offset` y_0 [rad or m], `direction` d and the scalar motion s(t) in `motion`. The product d s must be
+    /// in rad or m.
     ///
     /// # Errors
     /// [`TrajectoryError::NotFinite`] if an entry is not finite.
@@ -27,8 +28,8 @@ impl<T: Trajectory<1>, const N: usize> Along<T, N> {
 }
 
 impl<T: Trajectory<1>> Along<T, 2> {
-    /// Compensated motion β = β_0 + s(t), γ = γ_0 − s(t), in which β + γ is constant. `offset` is (β_0, γ_0)
-    /// (rad).
+    /// Compensated motion β = β_0 + s(t), γ = γ_0 − s(t) of two parallel axes, in which β + γ is constant. `offset` is
+    /// (β_0, γ_0) in rad.
     ///
     /// # Errors
     /// [`TrajectoryError::NotFinite`] if an entry is not finite.

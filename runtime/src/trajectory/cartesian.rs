@@ -1,4 +1,4 @@
-//! Sequences of poses for arms with a spherical wrist.
+//! Motions through sequences of poses for arms with a spherical wrist.
 
 use super::polynomial::RestToRest;
 use super::{PointSequence, Sample, Sampled, Trajectory, TrajectoryError, require_periods, require_positive};
@@ -6,38 +6,38 @@ use crate::kinematics::{KinematicsError, Pose, Singularity, SphericalWrist};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use thiserror::Error;
 
-/// Largest step of a joint between two samples of a straight path (rad). A larger step is a jump to another
-/// branch of the inverse kinematics, or is caused by a nearby singularity.
+/// Largest allowed step of a joint between two samples of a straight path (rad). A larger step is a jump to another branch
+/// of the inverse kinematics, or the effect of a nearby singularity.
 const LARGEST_STEP: f64 = 0.2;
 
 /// Error of a sequence of poses.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum CartesianError {
-    /// A number of poses or durations, a duration or the period is invalid.
+    /// The number of poses or durations, a duration or the period is invalid.
     #[error(transparent)]
     Trajectory(#[from] TrajectoryError),
     /// A pose cannot be reached.
-    #[error("pose {}: {source}", .pose + 1)]
+    #[error("pose {} cannot be reached: {source}", .pose + 1)]
     Unreachable {
         /// Index of the pose, from 0. Messages count from 1.
         pose: usize,
-        /// Reason for which the arm cannot reach the pose.
+        /// Reason why the arm cannot reach the pose.
         source: KinematicsError,
     },
     /// The straight path to a pose leaves the arm's workspace.
-    #[error("at {time} s on the path to pose {}: {source}", .pose + 1)]
+    #[error("the straight path to pose {} cannot be followed at {time} s: {source}", .pose + 1)]
     WayUnreachable {
         /// Index of the pose at the end of the path, from 0. Messages count from 1.
         pose: usize,
         /// Time since the start of the path (s).
         time: f64,
-        /// Reason for which the arm cannot reach this position of the path.
+        /// Reason why the arm cannot reach this pose of the path.
         source: KinematicsError,
     },
     /// The straight path to a pose leads through a singularity.
     #[error(
-        "at {time} s on the path to pose {} the arm is singular in {singularity:?}; choose another path or \
-         a motion in joint space",
+        "the straight path to pose {} leads through a singularity at {time} s ({singularity:?}); choose another \
+         path or a motion in joint space",
         .pose + 1
     )]
     Singular {
@@ -50,8 +50,8 @@ pub enum CartesianError {
     },
     /// A joint would have to jump on the straight path to a pose, because the path is close to a singularity.
     #[error(
-        "at {time} s on the path to pose {} joint {} would turn by {step} rad in one sample, because the \
-         path is close to a singularity",
+        "on the straight path to pose {} joint {} would turn by {step} rad in one sample at {time} s, because \
+         the path is close to a singularity; choose another path or a motion in joint space",
         .pose + 1,
         .joint + 1
     )]
@@ -67,12 +67,12 @@ pub enum CartesianError {
     },
 }
 
-/// Joint angles for `poses` within `limits` (rad). The angles for each pose are the solution closest to the
-/// previous angles, and those for the first pose are the solution closest to `start`.
+/// Returns joint angles for `poses` within `limits` (rad). Of the solutions for a pose, the one closest to the angles of
+/// the previous pose is used. For the first pose, the solution closest to `start` (rad) is used. At a singular pose, joints
+/// with an arbitrary angle keep their previous angle.
 ///
 /// # Errors
-/// [`CartesianError::Unreachable`] if a pose has no solution within the limits. Singular poses are allowed:
-/// joints whose angle is then arbitrary keep it.
+/// [`CartesianError::Unreachable`] if a pose has no solution within the limits.
 pub fn joint_points(
     arm: &SphericalWrist,
     poses: &[Pose],
@@ -92,7 +92,8 @@ pub fn joint_points(
     Ok(points)
 }
 
-/// Motion from pose to pose on straight lines in joint space, at rest in each pose.
+/// Returns a motion from pose to pose on straight lines in joint space, at rest in each pose. The arguments are those of
+/// [`joint_points`] and of [`PointSequence::within`].
 ///
 /// # Errors
 /// The errors of [`joint_points`] and of [`PointSequence::within`].
@@ -108,22 +109,22 @@ pub fn pose_sequence(
     Ok(PointSequence::within(&points, speeds, accelerations, 0.0)?)
 }
 
-/// Motion from pose to pose on straight lines in space, at rest in each pose. On each path the frame's origin
-/// moves on a line, and the frame turns about a fixed axis. Both follow the profile s(t/T) of [`RestToRest`],
-/// where T is the entry of `durations` (s), rounded up to whole periods. Inverse kinematics gives the joint
-/// positions at every `period` (s). The Jacobian gives velocities and accelerations: `ẏ = J⁻¹ V`,
-/// `ÿ = J⁻¹ (A − J̇ ẏ)`, with the frame's velocity V and acceleration A. The first path begins in the pose of
-/// the joint angles `start` (rad).
+/// Returns a motion from pose to pose on straight lines in space, at rest in each pose. The first path begins at the joint
+/// angles `start` (rad).
 ///
-/// A rotation by more than 180° is made in the shorter direction. For exactly 180°, rounding decides the
-/// direction.
+/// On each path the origin of the frame moves on a line, and the frame turns about a fixed axis. Both follow the profile
+/// s(t/T) of [`RestToRest`]. T is the entry of `durations` (s) for this path, rounded up to whole periods. The inverse
+/// kinematics gives the joint positions at every `period` (s). Velocities `ẏ = J⁻¹ V` and accelerations
+/// `ÿ = J⁻¹ (A − J̇ ẏ)` follow from the Jacobian J, the velocity V and the acceleration A of the frame.
+///
+/// The frame turns in the shorter direction. For exactly 180°, rounding decides the direction.
 ///
 /// # Errors
-/// [`CartesianError::WayUnreachable`], [`CartesianError::Singular`] or [`CartesianError::Jump`] for a path
-/// that the arm cannot follow. [`CartesianError::Trajectory`] with [`TrajectoryError::TooFew`] if the number
-/// of durations differs from the number of poses, also if there are too many durations.
-/// [`CartesianError::Trajectory`] for a period or duration that is not positive and finite, or for too many
-/// samples.
+/// - [`CartesianError::WayUnreachable`], [`CartesianError::Singular`] or [`CartesianError::Jump`] for a path that the arm
+///   cannot follow.
+/// - [`CartesianError::Trajectory`] with [`TrajectoryError::TooFew`] if the number of durations differs from the number of
+///   poses.
+/// - [`CartesianError::Trajectory`] for a period or duration that is not positive and finite, or for too many samples.
 pub fn straight_ways(
     arm: &SphericalWrist,
     start: &[f64; 6],
@@ -145,7 +146,7 @@ pub fn straight_ways(
     for (k, (to, duration)) in poses.iter().zip(durations).enumerate() {
         require_positive("duration", *duration)?;
         let steps = require_periods(*duration, period)?.max(1);
-        // A whole number of periods, so that each way ends in a sample.
+        // The duration is a whole number of periods, so that each path ends in a sample.
         let way = Way::new(&from, to, steps as f64 * period)?;
         for step in 1..=steps {
             let time = step as f64 * period;

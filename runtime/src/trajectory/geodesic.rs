@@ -5,29 +5,28 @@ use crate::dynamics::{Dynamics, Named};
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
 
-/// Angles of rotation from this one on have no unique shortest direction (rad).
+/// Smallest angle of rotation that counts as 180° (rad), so that the shortest direction is not unique.
 const HALF_TURN: f64 = core::f64::consts::PI - 1e-6;
 
-/// A C² motion through positions at given times. Attitudes turn in the shortest direction.
+/// A smooth (C²) motion of a robot with quaternions through positions at given times. Attitudes turn in the shortest
+/// direction. Before its start and after its end the motion is at rest.
 ///
-/// Between two points y_k and y_{k+1} at the distance T_k in time, the motion is a Bézier curve on the
-/// manifold (Kim, Kim and Shin, *A general construction scheme for unit quaternion curves with simple high
-/// order derivatives*, SIGGRAPH 1995). At its ends it has the velocities v_k and v_{k+1} and zero
-/// accelerations:
+/// The motion between the points y_k at t_k and y_{k+1} at t_k + T_k is a Bézier curve on the manifold (Kim, Kim and Shin,
+/// *A general construction scheme for unit quaternion curves with simple high order derivatives*, SIGGRAPH 1995). At its
+/// ends it has the velocities v_k and v_{k+1} and zero accelerations:
 ///
 /// ```text
 ///     y(t) = y_k ⊕ β₁(s) d₁ ⊕ β₂(s) d₂ ⊕ β₃(s) d₃,    s = (t − t_k)/T_k,    d₁ = 2 v_k T_k/5,    d₃ = 2 v_{k+1} T_k/5
 /// ```
 ///
-/// β₁, β₂, β₃ are sums of Bernstein polynomials of degree 5 that grow from 0 to 1. d₂ is chosen so that the
-/// curve ends in y_{k+1}. For samples with accelerations a_k ([`Self::sampled`]), the factor
-/// `⊕ T_k² γ(s) a_k` after the first one and the factor `⊕ T_k² γ(1 − s) a_{k+1}` after the last one add
-/// these accelerations at the ends, with γ(s) = s² (1 − s)³/2. Velocities v and accelerations v̇ are the
-/// exact derivatives along ⊕. Coordinates of joints without quaternions are polynomials of degree 5. For two
-/// points, the motion is from rest to rest along the geodesic `y_0 ⊕ β₂ (y_1 ⊖ y_0)`, which is a screw for a
-/// floating joint.
+/// β₁, β₂, β₃ are sums of Bernstein polynomials of degree 5 that grow from 0 to 1. d₂ is chosen so that the curve ends in
+/// y_{k+1}. Velocities v and accelerations v̇ are the exact derivatives. Coordinates of joints without quaternions are
+/// polynomials of degree 5. For two points, the motion is from rest to rest along the geodesic `y_0 ⊕ β₂ (y_1 ⊖ y_0)`,
+/// which is a screw motion for a floating joint.
 ///
-/// Before its start and after its end the motion is at rest.
+/// Samples can have accelerations a_k ([`Self::sampled`]). The curve then has two more factors, which add these
+/// accelerations at the ends: `⊕ T_k² γ(s) a_k` after the first factor and `⊕ T_k² γ(1 − s) a_{k+1}` after the last factor,
+/// with γ(s) = s² (1 − s)³/2.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GeodesicMotion<D, const N: usize, const M: usize, const NY: usize = N> {
     robot: D,
@@ -60,15 +59,16 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Geo
         Self::through(robot, &[(0.0, start), (duration, end)])
     }
 
-    /// Motion through `points` (time in s, positions), at rest at both ends. The first time is 0. The
-    /// velocity at an inner point is the weighted mean of the velocities of both neighbouring segments. The
-    /// weights reproduce a parabola.
+    /// Motion through `points`, at rest at both ends. Each point has a time (s) and positions [rad or m]. The first time
+    /// must be 0. The velocity at an inner point is a weighted mean of the velocities of the two neighbouring segments. The
+    /// weights reproduce a parabola exactly.
     ///
     /// # Errors
-    /// [`TrajectoryError::TooFew`] for fewer than two points, [`TrajectoryError::OutOfRange`] for times that
-    /// do not increase from 0, [`TrajectoryError::NotFinite`] for an entry that is not finite,
-    /// [`TrajectoryError::Attitude`] for a quaternion that is not an attitude, and
-    /// [`TrajectoryError::HalfTurn`] for a rotation by 180° between two points.
+    /// - [`TrajectoryError::TooFew`] for fewer than two points.
+    /// - [`TrajectoryError::OutOfRange`] for times that do not increase from 0.
+    /// - [`TrajectoryError::NotFinite`] for an entry that is not finite.
+    /// - [`TrajectoryError::Attitude`] for a quaternion that is not an attitude.
+    /// - [`TrajectoryError::HalfTurn`] for a rotation by 180° between two points.
     pub fn through(robot: D, points: &[(f64, [f64; NY])]) -> Result<Self, TrajectoryError> {
         let (times, positions) = checked(&robot, points)?;
         let ways: Vec<[f64; N]> =
@@ -79,10 +79,10 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Geo
         Self::of_pieces(robot, &times, &positions, &velocities, &|_| None)
     }
 
-    /// Motion through samples at the period T (s), with the positions, velocities and accelerations of the
-    /// samples. If all rotations are about one axis, the motion between two samples is the polynomial of
-    /// degree 5. Otherwise the order of the rotations changes the accelerations by the relative amount T |ω ×
-    /// ω̇|.
+    /// Motion through samples at a fixed `period` T (s), with the positions, velocities and accelerations of the samples.
+    /// If all rotations are about one axis, the motion between two samples is the polynomial of degree 5 that has these
+    /// values. For other rotations, the accelerations deviate by an amount proportional to T |ω × ω̇|, because rotations
+    /// do not commute.
     ///
     /// # Errors
     /// The errors of [`Self::through`].
@@ -116,7 +116,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Geo
         let piece = |k: usize| {
             let length = times[k + 1] - times[k];
             let [first, last] = [velocities[k], velocities[k + 1]].map(|v| v.map(|v| 0.4 * v * length));
-            // The middle way leads from where the first ends to where the last begins.
+            // The middle factor leads from the end of the first factor to the beginning of the last factor.
             let from = robot.integrate(&positions[k], &first);
             let to = robot.integrate(&positions[k + 1], &last.map(|d| -d));
             let ways = [first, robot.difference(&from, &to), last];
@@ -147,7 +147,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Geo
         sample
     }
 
-    /// Multiplies `y` by one factor: `y ⊕ β d`, `v ← Ad(exp(−β d)) v + β̇ d`,
+    /// Adds one factor `⊕ β d` to the curve: `y ← y ⊕ β d`, `v ← Ad(exp(−β d)) v + β̇ d`,
     /// `v̇ ← Ad(exp(−β d)) v̇ − β̇ [d, Ad(exp(−β d)) v] + β̈ d`.
     fn add(&self, sample: &mut Sample<N, NY>, way: &[f64; N], [value, rate, change]: [f64; 3]) {
         let d = way.map(|d| value * d);
@@ -163,8 +163,8 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Geo
     }
 }
 
-/// The three sums of Bernstein polynomials with their first and second derivatives. The first one begins with
-/// the slope 5/2, the last one ends with this slope, and the middle one begins and ends with the slope 0.
+/// The polynomials β₁, β₂, β₃ with their first and second derivatives. β₁ begins with the slope 5/2, β₃ ends with this
+/// slope, and β₂ begins and ends with the slope 0.
 fn blends(s: f64) -> [[f64; 3]; 3] {
     let r = 1.0 - s;
     // β₁ is half of 2 − (1 − s)⁵ − (1 − s)⁴ (1 + 4 s), and β₃(s) = 1 − β₁(1 − s).
@@ -178,8 +178,8 @@ fn blends(s: f64) -> [[f64; 3]; 3] {
     [outer(s, r), middle, last]
 }
 
-/// γ(s) = s² (1 − s)³/2 with its first and second derivatives. At both ends all three are 0, except for the
-/// second derivative at s = 0, which is 1.
+/// γ(s) = s² (1 − s)³/2 with its first and second derivatives. At both ends all three values are 0, except the second
+/// derivative at s = 0, which is 1.
 fn bump(s: f64) -> [f64; 3] {
     let r = 1.0 - s;
     let value = 0.5 * s * s * r * r * r;
@@ -206,7 +206,7 @@ fn checked<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usiz
         robot.check_attitudes(y).map_err(|error| TrajectoryError::Attitude { point, error })?;
         let grows = last.map_or(*time == 0.0, |last| time.is_finite() && *time > last);
         if !grows {
-            let range = "0 for the first point, then growing";
+            let range = "0 for the first point, and later than the point before for other points";
             return Err(TrajectoryError::OutOfRange { what: "the time of a point", value: *time, range });
         }
         last = Some(*time);
@@ -217,7 +217,7 @@ fn checked<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usiz
     Ok((points.iter().map(|(time, _)| *time).collect(), positions))
 }
 
-/// Checks that no rotation is by 180°, because it would have no shortest direction.
+/// Checks that no rotation between points is by 180°, because its shortest direction would not be unique.
 fn check_turns<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
     ways: &[[f64; N]],
@@ -226,7 +226,7 @@ fn check_turns<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: 
         for joint in robot.quaternion_joints() {
             let turn = way.iter().skip(joint.angular_velocity()).take(3);
             let angle = turn.map(|w| w * w).sum::<f64>().sqrt();
-            // Written so that NaN is refused.
+            // This form rejects NaN.
             let is_short = angle < HALF_TURN;
             if !is_short {
                 return Err(TrajectoryError::HalfTurn { joint: joint.name, point: k + 1, angle });
@@ -236,8 +236,8 @@ fn check_turns<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: 
     Ok(())
 }
 
-/// Velocities at the points, in the body frames there: rest at both ends, and weighted means of both segments
-/// at inner points.
+/// Velocities at the points, in the body frames at the points. They are zero at both ends, and weighted means of the two
+/// neighbouring segments at inner points.
 fn velocities<const N: usize>(ways: &[[f64; N]], lengths: &[f64]) -> Vec<[f64; N]> {
     let mean = |k: usize| {
         let [before, after] = [lengths[k - 1], lengths[k]];
@@ -261,7 +261,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Tra
         match after.checked_sub(1).and_then(|k| self.pieces.get(k)) {
             Some(piece) if t < self.duration => self.inside(piece, t),
             Some(_) => Sample::at_rest(self.end),
-            // Before the start, and NaN.
+            // The time is NaN or before the start.
             None => Sample::at_rest(self.pieces.first().map_or(self.end, |piece| piece.start)),
         }
     }

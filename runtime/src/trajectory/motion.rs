@@ -1,19 +1,19 @@
-//! The trait of motions, their samples, limits and errors.
+//! Trait for motions, and samples, limits and errors of motions.
 
 use crate::dynamics::{AttitudeError, DependentJoint, Limits, Named};
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
 use thiserror::Error;
 
-/// A desired state with accelerations. For a robot with quaternions it has NY position entries and N velocity
-/// entries.
+/// A desired state with accelerations. For a robot with quaternions it has NY position entries, and N entries of
+/// velocities and accelerations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample<const N: usize, const NY: usize = N> {
     /// Positions y [rad or m].
     pub positions: [f64; NY],
-    /// Velocities ẏ [rad/s or m/s], or v for a robot with quaternions.
+    /// Velocities ẏ [rad/s or m/s]; body velocities v for joints with quaternions.
     pub velocities: [f64; N],
-    /// Accelerations ÿ [rad/s² or m/s²], or v̇ for a robot with quaternions.
+    /// Accelerations ÿ [rad/s² or m/s²]; derivatives v̇ of the body velocities for joints with quaternions.
     pub accelerations: [f64; N],
 }
 
@@ -41,11 +41,11 @@ pub struct MotionLimits<const N: usize> {
     pub speeds: [f64; N],
     /// Largest accelerations [rad/s² or m/s²].
     pub accelerations: [f64; N],
-    /// Largest jerks [rad/s³ or m/s³]. [`ViaPoints`](super::ViaPoints) ignores them.
+    /// Largest jerks [rad/s³ or m/s³]. [`ViaPoints`](super::ViaPoints) ignores these limits.
     pub jerks: [f64; N],
     /// Followers, which are joints that follow several coordinates, with limits of position or speed.
-    /// [`ViaPoints`](super::ViaPoints) keeps these limits. The limits of joints that follow one coordinate
-    /// are part of the limits of this coordinate. Joints that follow driven joints are not included.
+    /// [`ViaPoints`](super::ViaPoints) keeps these limits. Joints that follow one coordinate are not listed, because their
+    /// limits are part of the limits of this coordinate. Joints that follow driven joints are not listed either.
     pub dependent: &'static [DependentJoint<N>],
     /// Share (0 to 1) of the speed limits of the followers that may be used.
     pub dependent_share: f64,
@@ -65,10 +65,11 @@ impl<const N: usize> Default for MotionLimits<N> {
 }
 
 impl<const N: usize> MotionLimits<N> {
-    /// Position limits of a model, the share `share` (0 to 1) of its speed limits, and the given acceleration
-    /// limits, because few models have `ACCELERATION_LIMITS`. The limits of joints that follow one coordinate
-    /// narrow the limits of this coordinate. Joints that follow several coordinates are copied.
-    /// [`violations`](crate::limits::violations) checks the limits of joints that follow driven joints.
+    /// Limits for a motion of a model: its position limits, its speed limits times `share` (0 to 1), and the given
+    /// `accelerations` [rad/s² or m/s²], because few descriptions have acceleration limits. If a joint follows one
+    /// coordinate, its limits narrow the limits of this coordinate. Joints that follow several coordinates become
+    /// followers. The limits of joints that follow driven joints are not included; check them by
+    /// [`violations`](crate::limits::violations).
     #[must_use]
     pub fn of<const M: usize>(limits: &Limits<N, M>, share: f64, accelerations: [f64; N]) -> Self {
         let Limits { position, velocity, .. } = limits.narrowed();
@@ -87,8 +88,8 @@ impl<const N: usize> MotionLimits<N> {
     /// - `point`: index of the point, for messages
     ///
     /// # Errors
-    /// [`TrajectoryError::NotFinite`] for a position that is not finite, [`TrajectoryError::PointOutside`]
-    /// for a position outside its limits.
+    /// [`TrajectoryError::NotFinite`] for a position that is not finite. [`TrajectoryError::PointOutside`] for a position
+    /// outside its limits.
     pub(super) fn check_position(&self, point: usize, positions: &[f64; N]) -> Result<(), TrajectoryError> {
         for joint in 0..N {
             let limits @ [low, high] = self.positions[joint];
@@ -106,9 +107,10 @@ impl<const N: usize> MotionLimits<N> {
         Ok(())
     }
 
+    /// Checks that the limits are positive, and that upper position limits are above lower position limits.
+    ///
     /// # Errors
-    /// [`TrajectoryError::NotPositive`] for a limit that is not positive, or for an upper position limit that
-    /// is not above the lower one.
+    /// [`TrajectoryError::NotPositive`] for the first limit that is not valid.
     pub(super) fn check(&self) -> Result<(), TrajectoryError> {
         let widths = self.positions.map(|[low, high]| high - low);
         let all = [
@@ -125,25 +127,25 @@ impl<const N: usize> MotionLimits<N> {
                 });
             }
         }
-        require_positive("share of the speeds of dependent joints", self.dependent_share)
+        require_positive("`dependent_share`", self.dependent_share)
     }
 }
 
 /// A motion from time 0 to [`duration`](Self::duration).
 ///
-/// For a robot with quaternions (NY ≠ N) the velocities are v and the accelerations are v̇. The positions
-/// change by `ẏ = T(y) v`. [`GeodesicMotion`](super::GeodesicMotion) is a motion of this kind.
+/// For a robot with quaternions (NY ≠ N) the velocities are body velocities v, and the accelerations are v̇. The positions
+/// change by `ẏ = T(y) v`. [`GeodesicMotion`](super::GeodesicMotion) is a motion for these robots.
 pub trait Trajectory<const N: usize, const NY: usize = N> {
     /// Duration (s).
     fn duration(&self) -> f64;
 
-    /// Desired state at the time `t` (s). Before the start and after the end the motion is at rest at the
-    /// first or last position. NaN counts as a time before the start.
+    /// Desired state at the time `t` (s). Before the start (also for NaN) the motion is at rest at the first position,
+    /// after the end at the last position.
     fn sample(&self, t: f64) -> Sample<N, NY>;
 
-    /// Begins a period of the loop at `time` (s). Afterwards no earlier time is requested. A motion that
-    /// changes at run time must apply changes only in this method, so that all samples of a period belong to
-    /// one motion. The default does nothing.
+    /// Begins a period of the loop at `time` (s). Later calls of [`sample`](Self::sample) do not request earlier times. A
+    /// motion that changes at run time must only change in this method, so that all samples of a period belong to one
+    /// motion. The default does nothing.
     fn begin_period(&self, time: f64) {
         let _ = time;
     }
@@ -188,14 +190,14 @@ pub enum TrajectoryError {
         /// Value of the number.
         value: f64,
     },
-    /// There are too few points or samples, or the numbers of two lists do not match.
-    #[error("{given} {what} given; {needed} are needed")]
+    /// Too few points or samples are given, or the lengths of two lists do not match.
+    #[error("{given} {what} are given, but {needed} are needed")]
     TooFew {
-        /// Kind of the entries that are too few, for example points or samples.
+        /// Kind of the entries, for example points or samples.
         what: &'static str,
-        /// Number of entries that are needed.
+        /// Necessary number of entries.
         needed: usize,
-        /// Number of entries that are given.
+        /// Given number of entries.
         given: usize,
     },
     /// A number is out of range.
@@ -210,7 +212,7 @@ pub enum TrajectoryError {
     },
     /// A point is outside the position limits.
     #[error(
-        "point {} has joint {} at {position}, outside its limits {} to {}",
+        "point {} has joint {} at {position} rad (or m), outside its limits {} to {}",
         .point + 1, .joint + 1, .limits[0], .limits[1]
     )]
     PointOutside {
@@ -225,7 +227,8 @@ pub enum TrajectoryError {
     },
     /// At a point, a joint that follows several coordinates is outside its position limits.
     #[error(
-        "point {} has joint {}, which follows several coordinates, at {position}, outside its limits {} to {}",
+        "point {} has joint {}, which follows several coordinates, at {position} rad (or m), outside its limits \
+         {} to {}",
         .point + 1, Named(.joint), .limits[0], .limits[1]
     )]
     DependentOutside {
@@ -240,35 +243,34 @@ pub enum TrajectoryError {
     },
     /// Between two points, a joint that follows several coordinates leaves its position limits.
     #[error(
-        "joint {}, which follows several coordinates, would reach {position} between points {} and {}, \
-         outside its limits {} to {}: insert a point that keeps it within them",
+        "joint {}, which follows several coordinates, would reach {position} rad (or m) between points {} and \
+         {}, outside its limits {} to {}: insert a point between the two points",
         Named(.joint), .point + 1, .point + 2, .limits[0], .limits[1]
     )]
     DependentOvershoot {
         /// Name of the joint.
         joint: &'static str,
-        /// Index of the point before, from 0. Messages count from 1.
+        /// Index of the first of the two points, from 0. Messages count from 1.
         point: usize,
-        /// Farthest position of the joint [rad or m].
+        /// Extreme position of the joint [rad or m].
         position: f64,
         /// Limits [rad or m].
         limits: [f64; 2],
     },
-    /// A joint that follows several coordinates has limits. The motion cannot keep them, because it only
-    /// keeps limits of single coordinates.
+    /// A joint that follows several coordinates has limits, but the motion only keeps limits of single coordinates.
     #[error(
-        "joint {} follows several coordinates, but motions to a changing target keep only limits of single \
-         coordinates: narrow these limits and remove the joint from `MotionLimits::dependent`, or use \
-         `ViaPoints`",
+        "joint {} follows several coordinates, but motions to a changing target only keep limits of single \
+         coordinates: narrow the limits of these coordinates and remove the joint from \
+         `MotionLimits::dependent`, or use `ViaPoints`",
         Named(.joint)
     )]
     DependentNotKept {
         /// Name of the joint.
         joint: &'static str,
     },
-    /// Two consecutive points are equal. A motion that does not stop cannot pass both.
+    /// Two consecutive points are equal. A motion without stops cannot pass both points.
     #[error(
-        "points {} and {} are equal: remove one, or stop there with a sequence of points", .point, .point + 1
+        "points {} and {} are equal: remove one of them, or use `PointSequence` to stop there", .point, .point + 1
     )]
     RepeatedPoint {
         /// Index of the second point, from 0. Messages count from 1.
@@ -284,8 +286,8 @@ pub enum TrajectoryError {
     },
     /// Between two points a joint turns by 180°, so the shortest direction is not unique.
     #[error(
-        "joint {} turns by {angle} rad between points {} and {}; from half a turn the shortest direction is \
-         ambiguous: insert a point", Named(.joint), .point, .point + 1
+        "joint {} turns by {angle} rad between points {} and {}, so the direction of this half turn is \
+         ambiguous: insert a point between the two points", Named(.joint), .point, .point + 1
     )]
     HalfTurn {
         /// Name of the joint.
@@ -296,7 +298,7 @@ pub enum TrajectoryError {
         angle: f64,
     },
     /// Neither speed nor acceleration of a joint is limited.
-    #[error("joint {} moves, but neither its speed nor its acceleration is limited", .joint + 1)]
+    #[error("joint {} moves, but neither its speed nor its acceleration is limited: set one of these limits", .joint + 1)]
     Unlimited {
         /// Index of the joint, from 0. Messages count from 1.
         joint: usize,
@@ -304,21 +306,21 @@ pub enum TrajectoryError {
     /// A file cannot be read.
     #[error("{place}: {message}")]
     File {
-        /// File, with the row if it is known.
+        /// Name of the file, and the row if it is known.
         place: String,
-        /// Fault that was found.
+        /// Text with the fault.
         message: String,
     },
 }
 
-/// Checks that speeds and accelerations are finite.
+/// Checks that computed values, for example speeds and accelerations, are finite.
 pub(super) fn require_representable(what: &'static str, values: &[f64]) -> Result<(), TrajectoryError> {
     match values.iter().find(|x| !x.is_finite()) {
         None => Ok(()),
         Some(value) => Err(TrajectoryError::OutOfRange {
             what,
             value: *value,
-            range: "a number: such a way in such a time has none",
+            range: "finite; choose a longer duration or a shorter distance",
         }),
     }
 }
@@ -340,7 +342,7 @@ pub const MAX_SAMPLES: usize = 10_000_000;
 /// durations.
 pub(crate) fn whole_periods(duration: f64, period: f64) -> Option<usize> {
     let periods = (duration / period).ceil();
-    // Written so that NaN is refused.
+    // This form rejects NaN.
     (periods <= MAX_SAMPLES as f64).then_some(periods.max(0.0) as usize)
 }
 

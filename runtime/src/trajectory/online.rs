@@ -1,4 +1,4 @@
-//! Motion with limited jerk to a target that may change at run time.
+//! Motion with limited jerk to a target that can change at run time.
 
 use super::sums;
 use super::{MotionLimits, Sample, Trajectory, TrajectoryError};
@@ -7,19 +7,19 @@ use rsruckig::trajectory::Trajectory as Profile;
 use std::fmt;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// A motion to rest at a target that may change at any time, also during the motion. All joints arrive at the
-/// same time, as early as the limits of positions, speeds, accelerations and jerks allow. A new target starts
-/// a new motion from the current state, so positions, velocities and accelerations are continuous.
+/// A motion to rest at a target that can change at any time, also during the motion. All joints arrive at the same time.
+/// They arrive as early as the limits of positions, speeds, accelerations and jerks allow. A new target starts a new motion
+/// from the current state, so positions, velocities and accelerations are continuous.
 ///
 /// The crate `rsruckig` computes the motion (Berscheid, Kröger, *Jerk-limited Real-time Trajectory Generation
-/// with Arbitrary Target States*, RSS 2021). This takes about 10 µs for seven joints, is done in the thread
-/// of the loop, and allocates nothing.
+/// with Arbitrary Target States*, RSS 2021). The thread of the loop needs about 10 µs for this computation with seven
+/// joints, and does not allocate.
 ///
-/// Clones share target and motion. Use one clone in the loop, one in its controller, and one to
+/// Clones share target and motion. Use one clone in the loop, one clone in the controller, and one clone to
 /// [`set`](Self::set) targets from any thread. The loop applies a new target at the start of a period
-/// ([`Trajectory::begin_period`]; without a loop, call this method yourself). The duration is infinite: the
-/// loop runs until a stop is requested. A predictive controller predicts with the motion to the current
-/// target. Its terminal weights are those of the initial motion.
+/// ([`Trajectory::begin_period`]). Without a loop, call this method yourself. The duration of the motion is infinite, so the
+/// loop runs until a stop is requested. A predictive controller predicts with the motion to the current target. Its
+/// terminal weights are those of the initial motion.
 ///
 /// ```
 /// use gelenk_runtime::trajectory::{MotionLimits, OnlineTarget, Trajectory};
@@ -44,7 +44,7 @@ pub struct OnlineTarget<const N: usize> {
     limits: MotionLimits<N>,
     /// Target from other threads. The loop never waits for this lock.
     requests: Arc<Mutex<Requests<N>>>,
-    /// State of the loop and its controller, which are in one thread.
+    /// Motion of the loop and its controller, which run in one thread.
     plan: Arc<Mutex<Plan<N>>>,
 }
 
@@ -75,8 +75,7 @@ pub enum TargetStatus<const N: usize> {
         /// Target [rad or m].
         target: [f64; N],
     },
-    /// There is no motion from the current state to this target that keeps the limits. The motion to the
-    /// previous target continues.
+    /// No motion from the current state to this target keeps the limits. The motion to the previous target continues.
     Refused {
         /// Target [rad or m].
         target: [f64; N],
@@ -96,7 +95,7 @@ struct Plan<const N: usize> {
     attempts: u32,
 }
 
-/// Errors without text, because the loop must not allocate a text.
+/// Error handler that does not create texts, because the loop must not allocate.
 struct Quiet;
 
 impl RuckigErrorHandler for Quiet {
@@ -112,22 +111,24 @@ impl RuckigErrorHandler for Quiet {
 /// Tolerance of the position limits for a computed motion [rad or m]. A computed motion ends within 1e-8 of
 /// its target.
 const SLACK: f64 = 1e-7;
-/// Largest position and largest limit. The inverse is the least limit. Over eight decades the generator kept
-/// its limits in tests, over twelve decades it did not.
+/// Largest allowed position and limit. The inverse is the smallest allowed limit. In tests with limits over eight orders of
+/// magnitude, the generator kept its limits. Over twelve orders of magnitude, it did not.
 const LARGEST: f64 = 1e4;
-/// Number of periods in which a target is tried before it is refused. For eight of four million random
-/// targets no motion was found. One period later the state is another one, so the next trial may succeed.
+/// Number of periods in which a target is tried before it is refused. For eight of four million random targets no motion
+/// was found. One period later the state is different, so the next trial can succeed.
 const ATTEMPTS: u32 = 5;
 
 impl<const N: usize> OnlineTarget<N> {
     /// A motion at rest at `start` [rad or m] until a target is set.
     ///
     /// # Errors
-    /// [`TrajectoryError::OutOfRange`] for limits of speed, acceleration or jerk outside 1e-4 to 1e4, for
-    /// which the equations of the generator are well scaled, or for a start beyond 1e4.
-    /// [`TrajectoryError::DependentNotKept`] for a joint in [`MotionLimits::dependent`] that follows several
-    /// coordinates, because this motion does not keep its limits. [`TrajectoryError::NotFinite`] or
-    /// [`TrajectoryError::PointOutside`] for a start that is not finite or outside the position limits.
+    /// - [`TrajectoryError::OutOfRange`] for limits of speed, acceleration or jerk outside 1e-4 to 1e4, or for a start
+    ///   beyond 1e4. The equations of the generator are only well scaled in this range.
+    /// - [`TrajectoryError::DependentNotKept`] for a joint in [`MotionLimits::dependent`] that follows several
+    ///   coordinates, because this motion does not keep the limits of this joint.
+    /// - [`TrajectoryError::NotFinite`] or [`TrajectoryError::PointOutside`] for a start that is not finite or outside the
+    ///   position limits.
+    /// - [`TrajectoryError::NotPositive`] for a limit that is not positive.
     pub fn new(start: [f64; N], limits: &MotionLimits<N>) -> Result<Self, TrajectoryError> {
         limits.check()?;
         if let Some(joint) = sums::of(limits).next() {
@@ -148,7 +149,7 @@ impl<const N: usize> OnlineTarget<N> {
             limits: *limits,
             requests: Arc::new(Mutex::new(Requests { pending: None, status })),
             plan: Arc::new(Mutex::new(Plan {
-                // Durations are not rounded to periods, so that the period has no influence.
+                // Durations are not rounded to periods, so the given period has no influence.
                 generator: Ruckig::new(None, 1e-3),
                 input,
                 profile: Profile::new(None),
@@ -160,12 +161,14 @@ impl<const N: usize> OnlineTarget<N> {
         })
     }
 
-    /// Sets a target [rad or m], from any thread. It replaces a target that was not applied yet.
+    /// Sets a target [rad or m]. Any thread can call this method. A target that was not applied yet is replaced.
     ///
     /// # Errors
-    /// [`TrajectoryError::NotFinite`], [`TrajectoryError::PointOutside`] or [`TrajectoryError::OutOfRange`]
-    /// for a target that is not finite, outside the position limits, or beyond 1e4. The motion then continues
-    /// unchanged.
+    /// - [`TrajectoryError::NotFinite`] for a target that is not finite.
+    /// - [`TrajectoryError::PointOutside`] for a target outside the position limits.
+    /// - [`TrajectoryError::OutOfRange`] for a target beyond 1e4.
+    ///
+    /// After an error the motion continues unchanged.
     pub fn set(&self, target: [f64; N]) -> Result<(), TrajectoryError> {
         check_target(&self.limits, &target)?;
         let mut requests = lock(&self.requests);
@@ -182,8 +185,8 @@ impl<const N: usize> OnlineTarget<N> {
 }
 
 impl<const N: usize> Plan<N> {
-    /// State at `time` (s) of the trajectory. After the motion it is at rest at the target. The motion before
-    /// the last change of target is not stored.
+    /// State at `time` (s) of the trajectory. After the motion the state is at rest at the target. The motion before the last
+    /// change of target is not stored.
     fn sample(&self, time: f64) -> Sample<N> {
         let t = time - self.begin;
         if t >= self.profile.get_duration() {
@@ -202,8 +205,8 @@ impl<const N: usize> Plan<N> {
         Sample { positions: array(&y), velocities: array(&v), accelerations: array(&a) }
     }
 
-    /// Starts a motion to `target` from the state at `time` (s). Returns false, and changes nothing, if there
-    /// is no motion within the limits.
+    /// Starts a motion to `target` from the state at `time` (s). Returns false and changes nothing if no motion within the
+    /// limits is found.
     fn turn_to(&mut self, target: [f64; N], time: f64) -> bool {
         let now = self.sample(time);
         self.input.current_position = stack(now.positions);
@@ -232,8 +235,8 @@ impl<const N: usize> Trajectory<N> for OnlineTarget<N> {
     }
 
     fn begin_period(&self, time: f64) {
-        // Another thread is writing a target at this moment: it can wait for the next period, the loop cannot
-        // wait for it.
+        // If another thread is writing a target at this moment, the loop does not wait. It applies the target in the next
+        // period.
         let Ok(mut requests) = self.requests.try_lock() else {
             return;
         };
@@ -267,13 +270,12 @@ fn require_scaled(what: &'static str, values: &[f64], least: f64) -> Result<(), 
         Some(value) => Err(TrajectoryError::OutOfRange {
             what,
             value: *value,
-            range: "at most 1e4; limits of motions also at least 1e-4",
+            range: "at most 1e4 in magnitude; limits of speed, acceleration and jerk must be at least 1e-4",
         }),
     }
 }
 
-/// Locks a mutex, also after a thread panicked. The data are then still consistent, because no change is made
-/// in parts.
+/// Locks a mutex, also after a thread panicked. The data are still consistent then, because each change is made at once.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -4,7 +4,7 @@ use super::{RestToRest, Sample, Trajectory, TrajectoryError, require_positive, r
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
 
-/// Motions from rest to rest between points in joint space, one after the other.
+/// Motion through points in joint space that stops at each point. Each segment is a [`RestToRest`] motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PointSequence<const N: usize> {
     pieces: Vec<RestToRest<N>>,
@@ -17,9 +17,9 @@ impl<const N: usize> PointSequence<N> {
     /// [`RestToRest::within`]). The motion rests for `dwell` ≥ 0 (s) in each inner point.
     ///
     /// # Errors
-    /// [`TrajectoryError::TooFew`] for fewer than two points, the errors of [`RestToRest::within`], and
-    /// [`TrajectoryError::NotPositive`] or [`TrajectoryError::NotFinite`] for a dwell that is negative or not
-    /// finite.
+    /// - [`TrajectoryError::TooFew`] for fewer than two points.
+    /// - [`TrajectoryError::NotPositive`] or [`TrajectoryError::NotFinite`] for a `dwell` that is negative or not finite.
+    /// - The errors of [`RestToRest::within`].
     pub fn within(
         points: &[[f64; N]],
         speeds: &[f64; N],
@@ -37,10 +37,10 @@ impl<const N: usize> PointSequence<N> {
     /// for `dwell` ≥ 0 (s) in each inner point.
     ///
     /// # Errors
-    /// [`TrajectoryError::TooFew`] for fewer than two points, or if the number of durations is not the number
-    /// of points minus 1. The other errors are those of [`RestToRest::new`], and
-    /// [`TrajectoryError::NotPositive`] or [`TrajectoryError::NotFinite`] for a dwell that is negative or not
-    /// finite.
+    /// - [`TrajectoryError::TooFew`] for fewer than two points, or if the number of durations is not the number of points
+    ///   minus 1.
+    /// - [`TrajectoryError::NotPositive`] or [`TrajectoryError::NotFinite`] for a `dwell` that is negative or not finite.
+    /// - The errors of [`RestToRest::new`].
     pub fn timed(points: &[[f64; N]], durations: &[f64], dwell: f64) -> Result<Self, TrajectoryError> {
         if durations.len() + 1 != points.len() {
             return Err(TrajectoryError::TooFew {
@@ -91,7 +91,7 @@ impl<const N: usize> Trajectory<N> for PointSequence<N> {
     }
 
     fn sample(&self, t: f64) -> Sample<N> {
-        // Each piece rests at its last point after its end; NaN falls on the first.
+        // After its end, each piece is at rest at its last point. NaN selects the first piece.
         let begun = self.times.iter().skip(1).take_while(|begin| **begin <= t).count();
         let k = begun.min(self.pieces.len() - 1);
         self.pieces[k].sample(t - self.times[k])

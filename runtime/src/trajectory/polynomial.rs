@@ -21,7 +21,7 @@ impl Quintic {
     pub fn new(start: End, end: End, duration: f64) -> Self {
         let [p, v, a] = start;
         let t = duration;
-        // What the quadratic Taylor polynomial of the start misses at the end.
+        // Difference between the end values and the quadratic Taylor polynomial of the start.
         let dp = end[0] - (p + v * t + 0.5 * a * t * t);
         let dv = (end[1] - (v + a * t)) * t;
         let da = (end[2] - a) * t * t;
@@ -42,9 +42,8 @@ impl Quintic {
         Self { coefficients: core::array::from_fn(sum) }
     }
 
-    /// Smallest and largest position, velocity and acceleration between 0 and `duration`, up to rounding.
-    /// Between two roots of its derivative, a polynomial is monotonic and has at most one root, which
-    /// bisection finds.
+    /// Smallest and largest position, velocity and acceleration between 0 and `duration`, up to rounding. Between two roots of
+    /// its derivative, a polynomial is monotonic and has at most one root. Bisection finds this root.
     pub fn extremes(&self, duration: f64) -> [[f64; 2]; 3] {
         let c = &self.coefficients;
         let snap = |t: f64| 24.0 * c[4] + 120.0 * c[5] * t;
@@ -67,8 +66,8 @@ impl Quintic {
         [p, v, a]
     }
 
-    /// Upper bounds of position, velocity and acceleration until `duration`, from the magnitudes of all
-    /// terms; infinite on overflow.
+    /// Upper bounds of the magnitudes of position, velocity and acceleration until `duration`. They are sums of the magnitudes
+    /// of all terms, and infinite on overflow.
     pub fn bounds(&self, duration: f64) -> End {
         let absolute = Self { coefficients: self.coefficients.map(f64::abs) };
         absolute.at(duration)
@@ -81,14 +80,14 @@ impl Quintic {
     }
 }
 
-/// Times between which a polynomial of degree five and its derivatives are monotonic, in order: two ends and
-/// at most 1 + 2 + 3 + 4 roots.
+/// Times between which a polynomial of degree five and its derivatives are monotonic, in increasing order. They are the two
+/// ends and at most 1 + 2 + 3 + 4 roots.
 struct Turns {
     times: [f64; 12],
     count: usize,
 }
 
-/// Number of bisections of an interval, enough for the last bit.
+/// Number of bisections of an interval. The result is then accurate to the last bit.
 const HALVINGS: usize = 64;
 
 impl Turns {
@@ -142,16 +141,15 @@ fn root(f: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// Straight motion in joint space from rest at y_0 to rest at y_1 in the time T, with one profile s for all
-/// coordinates:
+/// Straight motion in joint space from rest at y_0 to rest at y_1 in the time T. All coordinates have the same profile s:
 ///
 /// ```text
 ///     y(t) = y_0 + (y_1 − y_0) s(t/T)        s(x) = 10 x³ − 15 x⁴ + 6 x⁵
 /// ```
 ///
-/// Velocities and accelerations are zero at both ends. The largest speed is 15/8 |y_1 − y_0|/T, in the
-/// middle. The largest acceleration is 10/√3 |y_1 − y_0|/T². The motion has the least jerk (Flash, Hogan,
-/// *The coordination of arm movements*, J. Neurosci. 5, 1985).
+/// Velocities and accelerations are zero at both ends. The largest speed is 15/8 |y_1 − y_0|/T in the middle of the motion.
+/// The largest acceleration is 10/√3 |y_1 − y_0|/T². The motion has minimum jerk (Flash, Hogan, *The coordination of arm
+/// movements*, J. Neurosci. 5, 1985).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RestToRest<const N: usize> {
     start: [f64; N],
@@ -167,9 +165,9 @@ impl<const N: usize> RestToRest<N> {
     /// Motion from `start` to `end` [rad or m] in `duration` (s).
     ///
     /// # Errors
-    /// [`TrajectoryError::NotFinite`] for an entry that is not finite, [`TrajectoryError::NotPositive`] for a
-    /// duration that is not positive, and [`TrajectoryError::OutOfRange`] for a duration so short that
-    /// accelerations overflow.
+    /// - [`TrajectoryError::NotFinite`] for an entry that is not finite.
+    /// - [`TrajectoryError::NotPositive`] for a duration that is not positive.
+    /// - [`TrajectoryError::OutOfRange`] if the duration is so short that accelerations overflow.
     pub fn new(start: [f64; N], end: [f64; N], duration: f64) -> Result<Self, TrajectoryError> {
         require_finite("start", &start)?;
         require_finite("end", &end)?;
@@ -183,12 +181,11 @@ impl<const N: usize> RestToRest<N> {
         Ok(Self { start, end, duration })
     }
 
-    /// Fastest motion within the limits `speeds` [rad/s or m/s] and `accelerations` [rad/s² or m/s²] that
-    /// takes at least `shortest` (s). An infinite limit limits nothing.
+    /// Fastest motion within the limits `speeds` [rad/s or m/s] and `accelerations` [rad/s² or m/s²]. The duration is at
+    /// least `shortest` (s). An infinite limit has no effect.
     ///
     /// # Errors
-    /// The errors of [`RestToRest::new`], and [`TrajectoryError::NotPositive`] for a limit that is not
-    /// positive.
+    /// The errors of [`RestToRest::new`]. [`TrajectoryError::NotPositive`] for a limit that is not positive.
     pub fn within(
         start: [f64; N],
         end: [f64; N],
@@ -217,9 +214,9 @@ impl<const N: usize> RestToRest<N> {
         Self::new(start, end, duration)
     }
 
-    /// Fastest motion within the share `share` (0 to 1) of a model's speed limits and within `accelerations`.
-    /// The speed limits of joints that follow coordinates are included.
-    /// [`violations`](crate::limits::violations) checks the position limits.
+    /// Fastest motion within `share` (0 to 1) times the speed limits of a model, and within `accelerations` [rad/s² or
+    /// m/s²]. The speed limits of joints that follow coordinates are included. Position limits are not checked; check
+    /// them by [`violations`](crate::limits::violations).
     ///
     /// # Errors
     /// The errors of [`RestToRest::within`].
@@ -231,11 +228,11 @@ impl<const N: usize> RestToRest<N> {
         accelerations: &[f64; N],
     ) -> Result<Self, TrajectoryError> {
         let way = core::array::from_fn(|i| end[i] - start[i]);
-        // All coordinates have one profile, so that a joint that follows several has it too. A motion over no distance
-        // still needs a length.
+        // All coordinates have one profile, so joints that follow several coordinates have this profile too. A motion
+        // between equal points also needs a positive duration.
         let duration = limits.dependent.iter().fold(1e-3_f64, |duration, joint| {
             let [_, way] = joint.motion(&[0.0; N], &way, &[]);
-            // NaN, which max leaves out, is the way of a joint that follows a driven one.
+            // The distance is NaN for a joint that follows a driven joint. `max` ignores NaN.
             duration.max(PEAK_SPEED * way.abs() / (share * joint.velocity))
         });
         let speeds = limits.velocity.map(|v| v * share);

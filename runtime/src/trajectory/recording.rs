@@ -1,26 +1,26 @@
-//! Samples from a file: reading them, and finding positions that contradict the velocities.
+//! Reading of samples from a file, and search for positions that contradict the velocities.
 
 use super::{GeodesicMotion, Sample, Sampled, TrajectoryError, require_finite, require_positive};
 use crate::dynamics::Dynamics;
 use std::io::Read;
 use std::path::Path;
 
-/// Largest error of a time in a file, as a share of the period.
+/// Largest allowed error of a time in a file, relative to the period.
 const TIME_TOLERANCE: f64 = 1e-3;
 
-/// Column names of a file: one position, and at most one velocity, for each coordinate.
+/// Names of the columns of a file with the time, and with position and velocity of each coordinate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Columns<'c, const N: usize> {
-    /// Column of the times (s).
+    /// Name of the column of the times (s).
     pub time: &'c str,
-    /// Columns of the positions [rad or m].
+    /// Names of the columns of the positions [rad or m].
     pub positions: [&'c str; N],
-    /// Columns of the velocities [rad/s or m/s]; `None` if the file has no velocities.
+    /// Names of the columns of the velocities [rad/s or m/s]; `None` if the file has no velocities.
     pub velocities: Option<[&'c str; N]>,
 }
 
-/// Recorded or computed positions at times 0, T, 2T, …, with velocities if they are known. Positions and
-/// velocities may be inconsistent.
+/// Recorded or computed positions at the times 0, T, 2T, … with the period T, and velocities if they are known. Positions
+/// and velocities can be inconsistent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording<const N: usize> {
     period: f64,
@@ -45,9 +45,9 @@ impl<const N: usize> Recording<N> {
     /// A recording of samples with this `period` (s).
     ///
     /// # Errors
-    /// [`TrajectoryError::TooFew`] for fewer than three samples, or if the numbers of velocities and
-    /// positions differ. [`TrajectoryError::NotFinite`] for an entry that is not finite, and
-    /// [`TrajectoryError::NotPositive`] for a period that is not positive.
+    /// - [`TrajectoryError::TooFew`] for fewer than three samples, or if the numbers of velocities and positions differ.
+    /// - [`TrajectoryError::NotFinite`] for an entry that is not finite.
+    /// - [`TrajectoryError::NotPositive`] for a period that is not positive.
     pub fn new(
         period: f64,
         positions: Vec<[f64; N]>,
@@ -86,8 +86,7 @@ impl<const N: usize> Recording<N> {
         Self::read(file, &path.display().to_string(), columns)
     }
 
-    /// Reads a recording from any reader, in the same way as [`Recording::open`]. `place` is the name of the
-    /// reader in errors.
+    /// Reads a recording from any reader like [`Recording::open`]. `place` is the name of the source in errors.
     ///
     /// # Errors
     /// The errors of [`Recording::open`].
@@ -102,7 +101,7 @@ impl<const N: usize> Recording<N> {
             let found = head.iter().position(|h| h == name);
             found.ok_or_else(|| {
                 let names: Vec<&str> = head.iter().collect();
-                fault(0, format!("there is no column {name}; the file has {}", names.join(", ")))
+                fault(0, format!("column {name} is missing; the file has the columns {}", names.join(", ")))
             })
         };
         let time = find(columns.time)?;
@@ -158,14 +157,14 @@ impl<const N: usize> Recording<N> {
         self.velocities.as_deref()
     }
 
-    /// Steps whose defect (y: positions, v: velocities, T: period)
+    /// Returns the steps between samples in which positions contradict velocities. The magnitude of the defect
     ///
     /// ```text
     ///     d_k = y_{k+1} − y_k − T/2 (v_k + v_{k+1})
     /// ```
     ///
-    /// exceeds `tolerance` [rad or m] in magnitude. The defects of a smooth motion are about T³/12 times its
-    /// jerk. The result is empty for a recording without velocities.
+    /// of these steps exceeds `tolerance` [rad or m], with the positions y, the velocities v and the period T. The defects
+    /// of a smooth motion are about T³/12 times its jerk. The result is empty for a recording without velocities.
     #[must_use]
     pub fn inconsistencies(&self, tolerance: f64) -> Vec<Inconsistency> {
         let Some(v) = &self.velocities else {
@@ -176,7 +175,7 @@ impl<const N: usize> Recording<N> {
             for i in 0..N {
                 let step = self.positions[k + 1][i] - self.positions[k][i];
                 let defect = step - 0.5 * self.period * (v[k][i] + v[k + 1][i]);
-                // Written so that a tolerance that is not a number tolerates nothing.
+                // If the tolerance is NaN, every step counts as inconsistent.
                 let consistent = defect.abs() <= tolerance;
                 if !consistent {
                     found.push(Inconsistency {
@@ -191,12 +190,12 @@ impl<const N: usize> Recording<N> {
         found
     }
 
-    /// The recording without smoothing. Velocities are the recorded ones, or central differences if the
-    /// recording has no velocities. Accelerations are central differences, one-sided at the ends.
-    /// Inconsistencies remain; [`Recording::smoothed`] removes them.
+    /// The motion through the samples without smoothing. If the recording has no velocities, central differences replace
+    /// them. Accelerations are central differences, one-sided at the ends. Inconsistencies between positions and
+    /// velocities remain. [`Recording::smoothed`] removes them.
     ///
     /// # Errors
-    /// The errors of [`Sampled::new`], e.g. if a difference overflows.
+    /// The errors of [`Sampled::new`], for example if a difference overflows.
     pub fn raw(&self) -> Result<Sampled<N>, TrajectoryError> {
         let velocities = match &self.velocities {
             Some(v) => v.clone(),
@@ -213,15 +212,15 @@ impl<const N: usize> Recording<N> {
         Sampled::new(samples, self.period)
     }
 
-    /// Motion of a robot with quaternions through all recorded positions. The recording has one column for
-    /// each of the `N` position entries of the robot, in their order. A quaternion is x, y, z, w. The motion
-    /// begins and ends at rest. Velocities follow from neighbouring positions, see
-    /// [`GeodesicMotion::through`]. Recorded velocities are not used. Accelerations are 0 at the samples.
-    /// [`Self::smoothed_poses`] follows a recording with its accelerations.
+    /// Motion of a robot with quaternions through all recorded positions. The recording has one column for each of the `N`
+    /// position entries of the robot, in the order of the entries. A quaternion is x, y, z, w. The motion begins and ends
+    /// at rest. Velocities follow from neighbouring positions, see [`GeodesicMotion::through`]. Recorded velocities are not
+    /// used. Accelerations are 0 at the samples; use [`Self::smoothed_poses`] for a motion with the accelerations of the
+    /// recording.
     ///
     /// # Errors
-    /// [`TrajectoryError::Attitude`] for a quaternion that is zero or not of unit length; its `point` is the
-    /// sample. The other errors are those of [`GeodesicMotion::through`].
+    /// [`TrajectoryError::Attitude`] for a quaternion that is zero or not of unit length, with the index of the sample. The
+    /// other errors are those of [`GeodesicMotion::through`].
     pub fn through_poses<D: Dynamics<V, M, N>, const V: usize, const M: usize>(
         &self,
         robot: D,
@@ -241,14 +240,14 @@ fn even_period(
     let period = (times[last] - times[0]) / last as f64;
     require_positive("period", period)?;
     let expected = |k: usize| times[0] + k as f64 * period;
-    // Written so that NaN counts as uneven.
+    // This form counts NaN as uneven.
     let is_even = |k: &usize| (times[*k] - expected(*k)).abs() <= TIME_TOLERANCE * period;
     match (0..=last).find(|k| !is_even(k)) {
         None => Ok(period),
         Some(k) => {
             let (time, due) = (times[k], expected(k));
             let message = format!(
-                "time is {time} s, but an even spacing of {period} s requires {due} s; resample the file"
+                "the time is {time} s, but an even spacing of {period} s requires {due} s; resample the file"
             );
             Err(fault(k + 1, message))
         }

@@ -1,4 +1,4 @@
-//! Samples at a fixed period, with polynomials between them.
+//! Motion through samples at a fixed period, with polynomials between the samples.
 
 use super::polynomial::Quintic;
 use super::{
@@ -8,8 +8,8 @@ use super::{
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
 
-/// A motion through samples at times 0, T, 2T, …. Between two samples it is the polynomial of degree five
-/// with the positions, velocities and accelerations of both samples, so the motion is C².
+/// A motion through samples at the times 0, T, 2T, … with the period T. Between two samples the motion is the polynomial of
+/// degree five with the positions, velocities and accelerations of both samples. Therefore the motion is C².
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sampled<const N: usize> {
     samples: Vec<Sample<N>>,
@@ -21,9 +21,10 @@ impl<const N: usize> Sampled<N> {
     /// consistent. Otherwise use [`Recording::smoothed`](super::Recording::smoothed).
     ///
     /// # Errors
-    /// [`TrajectoryError::TooFew`] for fewer than two samples, [`TrajectoryError::NotFinite`] for an entry
-    /// that is not finite, [`TrajectoryError::NotPositive`] for a period that is not positive, and
-    /// [`TrajectoryError::OutOfRange`] for an overflow between two samples.
+    /// - [`TrajectoryError::TooFew`] for fewer than two samples.
+    /// - [`TrajectoryError::NotFinite`] for an entry that is not finite.
+    /// - [`TrajectoryError::NotPositive`] for a period that is not positive.
+    /// - [`TrajectoryError::OutOfRange`] for an overflow between two samples.
     pub fn new(samples: Vec<Sample<N>>, period: f64) -> Result<Self, TrajectoryError> {
         require_positive("period", period)?;
         if samples.len() < 2 {
@@ -52,12 +53,11 @@ impl<const N: usize> Sampled<N> {
         Quintic::new(end(a), end(b), self.period)
     }
 
-    /// Samples of `trajectory` at every `period` (s). The last sample is at or after the end of the
-    /// trajectory.
+    /// Samples `trajectory` every `period` (s). The last sample is at or after the end of the trajectory.
     ///
     /// # Errors
-    /// The errors of [`Sampled::new`], and [`TrajectoryError::OutOfRange`] for more than
-    /// [`MAX_SAMPLES`](super::MAX_SAMPLES) samples or a NaN duration.
+    /// The errors of [`Sampled::new`]. [`TrajectoryError::OutOfRange`] for more than [`MAX_SAMPLES`](super::MAX_SAMPLES)
+    /// samples or a NaN duration.
     pub fn of(trajectory: &impl Trajectory<N>, period: f64) -> Result<Self, TrajectoryError> {
         require_positive("period", period)?;
         let last = require_periods(trajectory.duration(), period)?.max(1);
@@ -91,7 +91,7 @@ impl<const N: usize> Trajectory<N> for Sampled<N> {
         if t > self.duration() {
             return Sample::at_rest(self.samples[last].positions);
         }
-        // Truncation is meant; the last sample belongs to the last interval.
+        // The conversion truncates. The last sample belongs to the last interval.
         let k = ((t / self.period) as usize).min(last - 1);
         let local = t - k as f64 * self.period;
         let mut sample = self.samples[k];

@@ -1,37 +1,37 @@
-//! Motion for identification: a sine with varying frequency, which moves a joint with many speeds in both
-//! directions and begins and ends at rest.
+//! Motion for identification: a sine with varying frequency. It moves a joint with many speeds in both directions, and
+//! begins and ends at rest.
 
 use super::polynomial::{End, Quintic};
 use super::{Sample, Trajectory, TrajectoryError, require_finite, require_positive, require_representable};
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
 
-/// A sine of variable frequency with polynomial run-in and run-out, with own parameters for each coordinate:
+/// Parameters of a sine with variable frequency (chirp) for each coordinate, with a polynomial run-in and run-out:
 ///
 /// ```text
 ///     y(t) = y_c + â sin(ω(t) t)        ω(t) = ω_0 + (ω_1 − ω_0) t/T,   0 ≤ t ≤ T
 /// ```
 ///
-/// The run-in before the sine is a polynomial of degree five from rest to the position, velocity and
-/// acceleration of the sine at t = 0. The run-out after the sine is a polynomial from the state at t = T to
-/// rest. The motion is therefore C². The initial rest position is y_c − ½ â ω_0 T_in. The final rest position
-/// is y(T) + ½ ẏ(T) T_in. So the speed rises and falls without a change of direction.
+/// The run-in before the sine is a polynomial of degree five from rest to the position, velocity and acceleration of the
+/// sine at t = 0. The run-out after the sine is a polynomial of degree five from the state at t = T to rest. Therefore the
+/// motion is C². The initial rest position is y_c − ½ â ω_0 T_in, and the final rest position is y(T) + ½ ẏ(T) T_in. With
+/// these positions the speed rises and falls without a change of direction.
 ///
-/// The speed of the sine is â cos(ω(t) t) (ω_0 + 2 (ω_1 − ω_0) t/T). The effective frequency therefore
-/// changes from ω_0 to ω_0 + 2 (ω_1 − ω_0).
+/// The velocity of the sine is â cos(ω(t) t) (ω_0 + 2 (ω_1 − ω_0) t/T). Therefore the instantaneous frequency changes from
+/// ω_0 to ω_0 + 2 (ω_1 − ω_0).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct IdentificationSine<const N: usize> {
     /// Centres y_c [rad or m].
     pub center: [f64; N],
     /// Amplitudes â [rad or m]. A coordinate with the amplitude 0 rests at its centre.
     pub amplitude: [f64; N],
-    /// First frequencies ω_0 [rad/s].
+    /// Frequencies ω_0 of the formula [rad/s].
     pub first_frequency: [f64; N],
-    /// Last frequencies ω_1 [rad/s].
+    /// Frequencies ω_1 of the formula [rad/s].
     pub last_frequency: [f64; N],
     /// Duration T of the sine (s).
     pub sine_duration: f64,
-    /// Duration T_in of the run-in, and of the run-out (s).
+    /// Duration T_in of the run-in and of the run-out (s).
     pub run_in: f64,
 }
 
@@ -48,9 +48,9 @@ impl<const N: usize> IdentificationSine<N> {
     /// The motion of this sine. Its duration is `sine_duration` + 2 `run_in`.
     ///
     /// # Errors
-    /// [`TrajectoryError::NotFinite`] for a parameter that is not finite, [`TrajectoryError::NotPositive`]
-    /// for a duration that is not positive, and [`TrajectoryError::OutOfRange`] for an overflow of
-    /// accelerations.
+    /// - [`TrajectoryError::NotFinite`] for a parameter that is not finite.
+    /// - [`TrajectoryError::NotPositive`] for a duration that is not positive.
+    /// - [`TrajectoryError::OutOfRange`] for an overflow of accelerations.
     pub fn motion(self) -> Result<IdentificationMotion<N>, TrajectoryError> {
         require_finite("center", &self.center)?;
         require_finite("amplitude", &self.amplitude)?;
@@ -80,7 +80,7 @@ impl<const N: usize> IdentificationSine<N> {
         Ok(motion)
     }
 
-    /// Upper bound of the acceleration.
+    /// Upper bound of the acceleration of coordinate `i`.
     fn steepest(&self, i: usize) -> f64 {
         let change = (self.last_frequency[i] - self.first_frequency[i]) / self.sine_duration;
         let fastest = self.first_frequency[i].abs() + 2.0 * (change * self.sine_duration).abs();

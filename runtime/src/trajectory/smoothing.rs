@@ -5,19 +5,19 @@ use super::{GeodesicMotion, Recording, Sample, Sampled, TrajectoryError};
 use crate::dynamics::Dynamics;
 use nalgebra::{Matrix3, Vector3};
 
-/// Settings of [`Recording::smoothed`]: the balance between samples and smoothness.
+/// Settings of [`Recording::smoothed`], which weigh the distance from the samples against smoothness.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Smoothing {
-    /// Time constant τ of the smoothing (s), 1 to 20 periods. Faster parts of the motion are smoothed.
+    /// Time constant τ of the smoothing (s), 1 to 20 periods. Parts of the motion that are faster than τ are smoothed.
     pub time_constant: f64,
-    /// Correction time ρ (s), at least τ. If positions contradict the velocities, the motion follows the
-    /// velocities and returns to the positions within this time. Not used without recorded velocities.
+    /// Correction time ρ (s), from τ to 1000 s. If positions contradict the velocities, the motion follows the velocities
+    /// and returns to the positions within about this time. Has no effect if the recording has no velocities.
     pub correction_time: f64,
 }
 
 impl Smoothing {
-    /// A time constant of two periods and a correction time of half a second. These settings suit computed
-    /// samples, which may be inconsistent but have no noise. Use a longer time constant for measured samples.
+    /// Settings with a time constant of two periods and a correction time of half a second. They are suitable for computed
+    /// samples, which have no noise but can be inconsistent. Use a longer time constant for measured samples.
     #[must_use]
     pub fn of(period: f64) -> Self {
         Self { time_constant: 2.0 * period, correction_time: 0.5_f64.max(2.0 * period) }
@@ -29,9 +29,9 @@ impl Smoothing {
 pub struct Smoothed<const N: usize> {
     /// Motion from rest to rest, with the period of the recording.
     pub trajectory: Sampled<N>,
-    /// Largest distance from a recorded position [rad or m].
+    /// Largest distance from a recorded position for each coordinate [rad or m].
     pub position_deviation: [f64; N],
-    /// Largest distance from a recorded velocity [rad/s or m/s]; 0 without recorded velocities.
+    /// Largest distance from a recorded velocity for each coordinate [rad/s or m/s]; 0 without recorded velocities.
     pub velocity_deviation: [f64; N],
 }
 
@@ -44,26 +44,25 @@ pub struct SmoothedPoses<D, const N: usize, const M: usize, const NY: usize> {
     pub position_deviation: [f64; N],
 }
 
-/// Largest time constant in periods. Beyond it, rounding is visible in the solution.
+/// Largest time constant in periods. For larger time constants, rounding errors are visible in the solution.
 const MAX_PERIODS: f64 = 20.0;
 
 /// State (y, T ẏ, T² ÿ) of one coordinate at one sample.
 type Node = Vector3<f64>;
 
 impl<const N: usize> Recording<N> {
-    /// The motion that minimizes, for each coordinate with recorded positions p_k and velocities v_k at the
-    /// period T,
+    /// Returns a smooth motion near the samples. Positions, velocities and accelerations of the motion are consistent. For
+    /// each coordinate with recorded positions p_k, recorded velocities v_k and the period T, the motion minimizes
     ///
     /// ```text
     ///     Σ_k T [(y(t_k) − p_k)²/ρ² + (ẏ(t_k) − v_k)²] + τ⁴ ∫ y‴² dt        with velocities v_k
-    ///     Σ_k T (y(t_k) − p_k)² + τ⁶ ∫ y‴² dt                              without
+    ///     Σ_k T (y(t_k) − p_k)² + τ⁶ ∫ y‴² dt                              without velocities
     /// ```
     ///
-    /// among all motions that begin in the first position and begin and end at rest (ẏ = ÿ = 0). A recording
-    /// that ends in motion is slowed down within the last τ. The motion is a spline of degree five with knots
-    /// at the samples, so positions, velocities and accelerations are consistent. The smoothing is a low-pass
-    /// filter without delay: 1/(1 + (ωτ)⁴) with velocities, 1/(1 + (ωτ)⁶) with positions alone (Wahba,
-    /// *Spline Models for Observational Data*, 1990, chapter 1).
+    /// among all motions that begin at the first position, and begin and end at rest (ẏ = ÿ = 0). If the recording does not
+    /// end at rest, the motion slows down within the last τ. The result is a spline of degree five with knots at the
+    /// samples. The smoothing is a low-pass filter without delay. Its frequency response is 1/(1 + (ωτ)⁴) with velocities,
+    /// and 1/(1 + (ωτ)⁶) without velocities (Wahba, *Spline Models for Observational Data*, 1990, chapter 1).
     ///
     /// # Errors
     /// [`TrajectoryError::OutOfRange`] for a time constant outside 1 to 20 periods, a correction time outside
@@ -84,7 +83,7 @@ impl<const N: usize> Recording<N> {
                 range: "at least the time constant, at most 1000 s",
             });
         }
-        // In units of the period, divided by the weight of positions.
+        // Weights are in units of the period, and divided by the weight of positions.
         let trust = smoothing.correction_time / self.period();
         let weights = match self.velocities() {
             Some(_) => Weights { velocity: trust.powi(2), jerk: trust.powi(2) * ratio.powi(4) },
@@ -96,7 +95,7 @@ impl<const N: usize> Recording<N> {
             let nodes = smooth(&self.coordinate(i), &weights).ok_or(TrajectoryError::OutOfRange {
                 what: "period",
                 value: self.period(),
-                range: "one with which the weights of the smoothing are numbers",
+                range: "a period for which the weights of the smoothing are finite",
             })?;
             for (sample, node) in samples.iter_mut().zip(nodes) {
                 sample.positions[i] = node[0];
@@ -119,14 +118,15 @@ impl<const N: usize> Recording<N> {
         })
     }
 
-    /// Smoothed motion of a robot with quaternions. The recording has one column for each of the `N` position
-    /// entries of the robot, in their order. A quaternion is x, y, z, w.
+    /// Returns a smooth motion of a robot with quaternions near the samples. The recording has one column for each of the `N`
+    /// position entries of the robot, in the order of the entries. A quaternion is x, y, z, w. Recorded velocities are not
+    /// used.
     ///
-    /// [`Self::smoothed`] is applied to unwrapped coordinates, which are the sums of the steps
-    /// `y_k ⊖ y_{k−1}` between samples, in the body frames. They depend neither on the signs of quaternions
-    /// nor on full turns. Their first and second derivatives are the velocities v and accelerations v̇. A
-    /// smoothed pose is the recorded pose, moved by the change of the unwrapped coordinates. Its error is of
-    /// second order in this change. Recorded velocities are not used.
+    /// [`Self::smoothed`] is applied to unwrapped coordinates, which are the sums of the steps `y_k ⊖ y_{k−1}` between
+    /// samples in the body frames. These coordinates depend neither on the signs of quaternions nor on full turns. Their
+    /// first and second derivatives are the velocities v and accelerations v̇. The smoothing changes the coordinates by a
+    /// small amount. A smoothed pose is the recorded pose, moved by this change. The error of this method is of second order
+    /// in the change.
     ///
     /// # Errors
     /// The errors of [`Self::through_poses`] and [`Self::smoothed`].
@@ -140,7 +140,7 @@ impl<const N: usize> Recording<N> {
             let step = robot.difference(&pair[0], &pair[1]);
             ways.push(core::array::from_fn(|i| ways[k][i] + step[i]));
         }
-        // A value that is not an attitude is reported here, before its paths are looked at.
+        // An invalid quaternion is reported here, before differences of poses are computed.
         let robot = self.through_poses(robot)?.into_robot();
         let smoothed = Recording::new(self.period(), ways.clone(), None)?.smoothed(smoothing)?;
         let moved = |(k, sample): (usize, &Sample<V>)| {
@@ -159,8 +159,8 @@ impl<const N: usize> Recording<N> {
         })
     }
 
-    /// Position and velocity times T of each sample of coordinate `i`; the velocity is 0 if the recording has
-    /// no velocities.
+    /// Position, and velocity times T, of each sample of coordinate `i`. The velocity is 0 if the recording has no
+    /// velocities.
     fn coordinate(&self, i: usize) -> Vec<[f64; 2]> {
         let velocity = |k: usize| self.velocities().map_or(0.0, |v| self.period() * v[k][i]);
         let rows = self.positions().iter().enumerate();
@@ -197,8 +197,8 @@ fn smooth(data: &[[f64; 2]], weights: &Weights) -> Option<Vec<Node>> {
         system.diagonal.push(block);
         right.push(load);
     }
-    // Relative to the first position, whose node then is zero and falls out together with the speeds at the
-    // ends.
+    // Positions are relative to the first position. The first node is then zero and is removed from the system, and so are
+    // velocities and accelerations at both ends.
     let origin = data[0][0];
     for load in &mut right {
         load[0] -= origin;
@@ -212,8 +212,8 @@ fn smooth(data: &[[f64; 2]], weights: &Weights) -> Option<Vec<Node>> {
     Some(nodes)
 }
 
-/// ∫₀¹ y‴² dt of a polynomial of degree five, as a quadratic form in its end values (y, ẏ, ÿ at 0; at 1) with
-/// 2 × 2 blocks. The integrand has degree four, so three Gauss points are exact.
+/// Quadratic form ∫₀¹ y‴² dt of a polynomial of degree five in its values (y, ẏ, ÿ) at 0 and at 1. The form has 2 × 2
+/// blocks. The integrand has degree four, so three Gauss points are exact.
 fn jerk_energy() -> [[Matrix3<f64>; 2]; 2] {
     let half_width = (3.0_f64 / 5.0).sqrt() / 2.0;
     let points = [(0.5 - half_width, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.5 + half_width, 5.0 / 18.0)];
@@ -243,7 +243,7 @@ struct BlockTridiagonal {
 }
 
 impl BlockTridiagonal {
-    /// Sets components of a node to zero, and removes them from the system.
+    /// Sets components of a node to zero and removes these components from the system.
     fn fix(&mut self, node: usize, components: &[usize], right: &mut [Node]) {
         for &i in components {
             self.diagonal[node].row_mut(i).fill(0.0);
@@ -259,11 +259,11 @@ impl BlockTridiagonal {
         }
     }
 
-    /// Block elimination, then one step of iterative refinement. `None` if a pivot is singular, which only
+    /// Solves by block elimination and one step of iterative refinement. Returns `None` if a pivot is singular, which only
     /// happens on overflow.
     fn solve(&self, right: &[Node]) -> Option<Vec<Node>> {
         let n = self.diagonal.len();
-        // Pivots D_k = A_k − Cᵀ D_{k−1}⁻¹ C of a positive definite matrix are positive definite.
+        // The pivots D_k = A_k − Cᵀ D_{k−1}⁻¹ C of a positive definite matrix are positive definite.
         let mut inverses: Vec<Matrix3<f64>> = Vec::with_capacity(n);
         for k in 0..n {
             let mut pivot = self.diagonal[k];

@@ -31,9 +31,9 @@ pub(super) fn way_of(span: usize, ways: usize) -> usize {
     span.saturating_sub(1).min(ways - 1)
 }
 
-/// Polynomials of all joints through `points`, with the durations `ways` of the segments and `spans` of the
-/// polynomials. They are cubic splines. For joints whose spline leaves their limits, and for joints in
-/// `is_monotone`, they are monotonic.
+/// Polynomials of all joints through `points`, with the durations `ways` of the segments and `spans` of the polynomials. The
+/// polynomials of a joint are a cubic spline. If the spline leaves the limits of the joint, or the joint is in
+/// `is_monotone`, they are monotonic polynomials of degree five.
 ///
 /// # Errors
 /// [`TrajectoryError::OutOfRange`] if the durations and distances lead to an overflow.
@@ -65,9 +65,9 @@ pub(super) fn through<const N: usize>(
         Ok(pieces)
     } else {
         Err(TrajectoryError::OutOfRange {
-            what: "time of a way",
+            what: "the duration of a segment",
             value: ways.iter().copied().fold(f64::INFINITY, f64::min),
-            range: "one with which speeds and accelerations are numbers",
+            range: "a duration for which speeds and accelerations are finite",
         })
     }
 }
@@ -77,24 +77,24 @@ fn keeps_within(spline: &[Quintic], spans: &[f64], [low, high]: [f64; 2]) -> boo
     unlimited
         || spline.iter().zip(spans).all(|(piece, span)| {
             let [[least, most], ..] = piece.extremes(*span);
-            // Rounding in a point at the limit is not an overshoot.
+            // A rounding error at a point on the limit is not an overshoot.
             let slack = 1e-12 * (1.0 + least.abs().max(most.abs()));
             least >= low - slack && most <= high + slack
         })
 }
 
-/// The cubic spline through `values` that begins and ends without velocity and acceleration. With the second
-/// derivatives M_j at the knots and the lengths g_j of the polynomials, the first derivative is continuous if
+/// The cubic spline through `values` that begins and ends with zero velocity and acceleration; `None` on overflow. With the
+/// second derivatives M_j at the knots and the durations g_j of the polynomials, the first derivative is continuous if
 ///
 /// ```text
 ///     g_{j−1} M_{j−1}/6 + (g_{j−1} + g_j) M_j/3 + g_j M_{j+1}/6 = (y_{j+1} − y_j)/g_j − (y_j − y_{j−1})/g_{j−1}
 /// ```
 ///
-/// The positions of the two knots that are not points follow from the rest at the ends: y_1 = y_0 + g_0²
-/// M_1/6, and likewise at the end. `None` on overflow.
+/// The positions of the two knots that are not points follow from the condition of rest at the ends: y_1 = y_0 + g_0²
+/// M_1/6, and correspondingly at the end.
 fn cubic(values: &[f64], spans: &[f64]) -> Option<Vec<Quintic>> {
     let knots = spans.len();
-    // y_j = base_j + factor_j M_j.
+    // The positions of the knots are y_j = base_j + factor_j M_j.
     let mut base = vec![0.0; knots + 1];
     base[0] = values[0];
     base[1] = values[0];
@@ -150,7 +150,7 @@ impl Tridiagonal {
         self.rows.push([below, diagonal, above, right]);
     }
 
-    /// Elimination without pivoting, because the diagonal of the spline's matrix dominates. `None` on
+    /// Solves by elimination without pivoting, because the matrix of the spline is diagonally dominant. Returns `None` on
     /// overflow.
     fn solve(mut self) -> Option<Vec<f64>> {
         let n = self.rows.len();
@@ -191,7 +191,7 @@ fn monotone(values: &[f64], ways: &[f64], spans: &[f64]) -> Vec<Quintic> {
         let mut begin: End = whole.at(0.0);
         for part in 1..=parts {
             let end = whole.at(way * part as f64 / parts as f64);
-            // As many spans as the ways have parts.
+            // The number of spans equals the total number of parts of the segments.
             let span = spans.next().copied().unwrap_or(*way);
             pieces.push(Quintic::new(begin, end, span));
             begin = end;

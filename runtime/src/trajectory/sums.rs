@@ -1,4 +1,4 @@
-//! Joints that follow several coordinates (followers), along polynomials of the coordinates.
+//! Limits of joints that follow several coordinates (followers) along polynomials of the coordinates.
 
 use super::polynomial::Quintic;
 use super::spline::{Piece, way_of};
@@ -7,7 +7,7 @@ use crate::dynamics::DependentJoint;
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
 
-/// The followers of several coordinates that have limits.
+/// The joints in `limits` that follow several coordinates and have limits.
 pub(super) fn of<const N: usize>(
     limits: &MotionLimits<N>,
 ) -> impl Iterator<Item = &'static DependentJoint<N>> {
@@ -15,6 +15,8 @@ pub(super) fn of<const N: usize>(
     limits.dependent.iter().filter(move |joint| joint.is_sum() && is_limited(joint))
 }
 
+/// Checks the position limits of followers at all points.
+///
 /// # Errors
 /// [`TrajectoryError::DependentOutside`] for a point at which a follower is outside its limits.
 pub(super) fn check_points<const N: usize>(
@@ -35,8 +37,8 @@ pub(super) fn check_points<const N: usize>(
     Ok(())
 }
 
-/// First polynomial over which a follower leaves its position limits, with the extreme position; `None` if
-/// the follower keeps its limits.
+/// Index of the first polynomial along which a follower leaves its position limits, and the extreme position; `None` if the
+/// follower keeps its limits.
 pub(super) fn first_outside<const N: usize>(
     joint: &DependentJoint<N>,
     pieces: &[Piece<N>],
@@ -55,6 +57,8 @@ pub(super) fn first_outside<const N: usize>(
     })
 }
 
+/// Checks the position limits of followers along all polynomials.
+///
 /// # Errors
 /// [`TrajectoryError::DependentOvershoot`] for a follower that leaves its limits between two points.
 pub(super) fn check<const N: usize>(
@@ -81,13 +85,13 @@ pub(super) fn largest_ratio<const N: usize>(piece: &Piece<N>, span: f64, limits:
     of(limits).filter(|joint| joint.has_velocity_limit()).map(ratio).fold(0.0, f64::max)
 }
 
-/// The polynomial of the follower.
+/// The polynomial of a follower, as a sum of the polynomials of its coordinates.
 fn sum<const N: usize>(joint: &DependentJoint<N>, piece: &Piece<N>) -> Quintic {
     let start = Quintic::cubic([joint.offset, 0.0, 0.0, 0.0]);
     joint.ratios.iter().zip(piece).fold(start, |sum, (ratio, coordinate)| sum.plus(*ratio, coordinate))
 }
 
-/// Tolerance for rounding at a point at the limit.
+/// Tolerance for rounding errors at a limit.
 fn slack(position: f64) -> f64 {
     1e-12 * (1.0 + position.abs())
 }

@@ -7,25 +7,25 @@ use super::{MotionLimits, Sample, Trajectory, TrajectoryError};
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
 
-/// A motion in joint space that passes inner points without stopping and keeps limits of positions, speeds
-/// and accelerations. It begins and ends at rest. Positions, velocities and accelerations are continuous.
+/// A motion in joint space that passes inner points without stopping, and keeps limits of positions, speeds and
+/// accelerations. The motion begins and ends at rest. Positions, velocities and accelerations are continuous. The motion is
+/// not time-optimal. To stop at each point, use a [`PointSequence`](super::PointSequence).
 ///
-/// Each joint follows a cubic spline with an additional knot in the first and in the last segment, so that
-/// velocity and acceleration vanish at both ends (Lin, Chang, Luo, *Formulation and optimization of cubic
-/// polynomial joint trajectories for industrial robots*, IEEE Trans. Automatic Control 28 (1983); Biagiotti,
-/// Melchiorri, *Trajectory Planning for Automatic Machines and Robots*, 2008, section 4.4.4). Splines
-/// overshoot. If the spline of a joint leaves the position limits between two points, this joint uses
-/// polynomials of degree five that are monotonic between points and have zero acceleration at the points. The
-/// velocity at a point is the weighted harmonic mean of the slopes of both segments (Fritsch, Butland, *SIAM
-/// J. Sci. Stat. Comput.* 5 (1984)), limited to 5/4 of either slope. With this limit the Bézier points of the
-/// derivative have one sign.
+/// Each joint follows a cubic spline. An additional knot in the first and in the last segment makes velocity and
+/// acceleration zero at both ends (Lin, Chang, Luo, *Formulation and optimization of cubic polynomial joint trajectories
+/// for industrial robots*, IEEE Trans. Automatic Control 28 (1983); Biagiotti, Melchiorri, *Trajectory Planning for
+/// Automatic Machines and Robots*, 2008, section 4.4.4).
 ///
-/// The durations of the segments are adjusted to each other in a few iterations and then scaled by one
-/// factor, so that one limit is reached and no limit is exceeded. Extremes are computed from the roots of the
-/// derivatives, not by sampling. The limits of joints that follow several coordinates
-/// ([`MotionLimits::dependent`]) are kept too: if splines violate the position limits of such a joint, all
-/// its coordinates use the monotonic polynomials. The result is not time-optimal. To stop in each point use a
-/// [`PointSequence`](super::PointSequence).
+/// Splines overshoot. If the spline of a joint leaves the position limits between two points, this joint uses polynomials of
+/// degree five instead. They are monotonic between points and have zero acceleration at the points. The velocity at a point
+/// is the weighted harmonic mean of the slopes of both segments (Fritsch, Butland, *SIAM J. Sci. Stat. Comput.* 5 (1984)),
+/// but at most 5/4 of either slope. With this limit, the Bézier points of the derivative have one sign, so the polynomials
+/// are monotonic.
+///
+/// A few iterations adjust the durations of the segments to each other. Then one factor scales all durations, so that one
+/// limit is reached and no limit is exceeded. Extremes are computed from the roots of the derivatives, not by sampling. The
+/// limits of joints that follow several coordinates ([`MotionLimits::dependent`]) are kept too. If splines violate the
+/// position limits of such a joint, all its coordinates use the monotonic polynomials.
 ///
 /// ```
 /// use gelenk_runtime::trajectory::{MotionLimits, Trajectory, ViaPoints};
@@ -51,7 +51,7 @@ pub struct ViaPoints<const N: usize> {
 
 /// Number of iterations in which the durations of the segments are adjusted to each other.
 const ROUNDS: usize = 16;
-/// Relative increase of the durations beyond the limits, for rounding.
+/// Relative increase of the durations as a margin for rounding errors.
 const MARGIN: f64 = 1e-10;
 
 impl<const N: usize> ViaPoints<N> {
@@ -62,9 +62,10 @@ impl<const N: usize> ViaPoints<N> {
     /// - [`TrajectoryError::RepeatedPoint`] for two equal consecutive points.
     /// - [`TrajectoryError::NotFinite`] or [`TrajectoryError::PointOutside`] for a point that is not finite
     ///   or outside the position limits.
-    /// - [`TrajectoryError::DependentOutside`] for a point at which a joint that follows several coordinates
-    ///   is outside its limits, and [`TrajectoryError::DependentOvershoot`] if it leaves them between two
-    ///   points even with monotonic polynomials.
+    /// - [`TrajectoryError::DependentOutside`] if a joint that follows several coordinates is outside its limits at a
+    ///   point.
+    /// - [`TrajectoryError::DependentOvershoot`] if such a joint leaves its limits between two points even with monotonic
+    ///   polynomials.
     /// - [`TrajectoryError::NotPositive`] for limits that are not positive.
     /// - [`TrajectoryError::Unlimited`] for a joint that moves without a finite limit of speed or
     ///   acceleration.
@@ -85,7 +86,7 @@ impl<const N: usize> ViaPoints<N> {
                 best = total;
                 best_ways = ways.iter().map(|way| way * stretch).collect();
             }
-            // Ways that keep far within their limits give time to those that do not.
+            // Segments that are far within their limits become shorter, and segments that exceed their limits become longer.
             for (way, ratio) in ways.iter_mut().zip(&ratios) {
                 *way *= ratio.max(0.1).sqrt();
             }
@@ -101,9 +102,9 @@ impl<const N: usize> ViaPoints<N> {
         let kept = beyond.iter().all(|ratio| *ratio <= 1.0 + MARGIN);
         if !kept {
             return Err(TrajectoryError::OutOfRange {
-                what: "speed or acceleration over its limit",
+                what: "the ratio of a speed or acceleration to its limit",
                 value: beyond.iter().copied().fold(0.0, f64::max),
-                range: "at most 1: times and distances of these points cannot be resolved",
+                range: "at most 1; the distances between the points differ by too many orders of magnitude",
             });
         }
         let passed = |spans: &[f64]| {
@@ -116,14 +117,14 @@ impl<const N: usize> ViaPoints<N> {
         };
         let knots = passed(&spans);
         let mut times = passed(ways);
-        // The same end to the last bit, whatever the order of the sums.
+        // The two end times can differ by rounding, because the orders of the sums differ. They are made equal.
         if let (Some(time), Some(end)) = (times.last_mut(), knots.last()) {
             *time = *end;
         }
         Ok(Self { knots, pieces, times, first: points[0], last: points[points.len() - 1] })
     }
 
-    /// Times of the points (s), from 0 to the duration.
+    /// Times at which the points are passed (s), from 0 to the duration.
     #[must_use]
     pub fn times(&self) -> &[f64] {
         &self.times
@@ -142,7 +143,7 @@ impl<const N: usize> Trajectory<N> for ViaPoints<N> {
         if t >= self.duration() {
             return Sample::at_rest(self.last);
         }
-        // At least the first knot, 0, and at most the last but one.
+        // The index is between 0 and that of the last polynomial.
         let k = self.knots.partition_point(|knot| *knot <= t) - 1;
         let local = t - self.knots[k];
         let states: [[f64; 3]; N] = core::array::from_fn(|i| self.pieces[k][i].at(local));
@@ -170,8 +171,8 @@ fn check_points<const N: usize>(
     sums::check_points(points, limits)
 }
 
-/// First guess of the durations of the segments. With them no joint exceeds its speed limit on average, nor
-/// its acceleration limit from rest to rest.
+/// First guess of the durations of the segments. With these durations, no mean speed exceeds its speed limit, and no motion
+/// from rest to rest would exceed its acceleration limit.
 fn first_guess<const N: usize>(
     points: &[[f64; N]],
     limits: &MotionLimits<N>,
@@ -192,8 +193,8 @@ fn first_guess<const N: usize>(
     Ok(ways)
 }
 
-/// Splines through the points. If a follower would leave its limits with splines, its coordinates have
-/// monotonic polynomials.
+/// Splines through the points. If a follower would leave its limits with splines, its coordinates use monotonic
+/// polynomials.
 fn through<const N: usize>(
     points: &[[f64; N]],
     ways: &[f64],
@@ -212,7 +213,7 @@ fn through<const N: usize>(
     Ok(pieces)
 }
 
-/// For each segment, the factor by which its duration must grow at least to keep the limits on it.
+/// Smallest factor of the duration of each segment for which the segment keeps the limits.
 fn ratios<const N: usize>(
     pieces: &[Piece<N>],
     spans: &[f64],

@@ -1,4 +1,4 @@
-//! The trait of connections to a robot, with readings and errors.
+//! Trait for connections to a robot, with readings and errors.
 
 use std::{fmt, io};
 use thiserror::Error;
@@ -28,16 +28,16 @@ impl fmt::Display for Brakes {
 /// A measurement from the robot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reading<const N: usize, const NY: usize = N> {
-    /// Positions in the order, units and directions of the model's coordinates [rad or m], not checked.
+    /// Measured positions [rad or m] in the order, units and directions of the coordinates of the model. The values are not
+    /// checked.
     pub positions: [f64; NY],
-    /// Velocities of the coordinates at the same time [rad/s or m/s]; `None` if the drives do not measure
-    /// velocities. The loop compares the velocities with the positions and then uses them instead of
-    /// differences of positions.
+    /// Measured velocities of the coordinates at the same time [rad/s or m/s]; `None` if velocities are not measured. The
+    /// loop compares the velocities with the positions, and uses them instead of differences of positions.
     pub velocities: Option<[f64; N]>,
-    /// Drive forces at the joints, after the gear and with the sign of B u [N m or N]; `None` if they are not
-    /// measured. Controllers and the log use the forces, the loop does not.
+    /// Measured drive forces at the joints, after the gear and with the sign of B u [N m or N]; `None` if forces are not
+    /// measured. Controllers and the log use the forces, but the loop does not.
     pub torques: Option<[f64; N]>,
-    /// Brakes at the time of the measurement.
+    /// State of the brakes at the time of the measurement.
     pub brakes: Brakes,
 }
 
@@ -62,13 +62,15 @@ pub enum TransportError {
     )]
     NoAnswer,
     /// The operating system failed to send or receive.
-    #[error("transport: {0}")]
+    #[error("sending or receiving failed: {0}")]
     Io(io::ErrorKind),
-    /// The simulated robot cannot continue.
-    #[error("the simulated robot cannot continue")]
+    /// The motion of the simulated robot over a period cannot be computed.
+    #[error(
+        "the motion of the simulated robot over a period cannot be computed: check its model and its options"
+    )]
     Simulation,
     /// An input is not finite, or too large for its encoding. Nothing was sent.
-    #[error("input {} cannot be encoded", .input + 1)]
+    #[error("input {} is not finite, or too large for its encoding; nothing was sent", .input + 1)]
     Input {
         /// Index of the input, from 0. Messages count from 1.
         input: usize,
@@ -98,34 +100,33 @@ impl From<io::ErrorKind> for TransportError {
 /// Connection to a robot with `N` velocity entries, `M` inputs and `NY` position entries. Only robots with
 /// quaternions have NY ≠ N.
 ///
-/// A real-time thread calls the methods: they must not allocate, and may block only for a fraction of the
+/// A real-time thread calls the methods. Therefore the methods must not allocate, and may block only for a fraction of the
 /// period.
 pub trait Transport<const N: usize, const M: usize, const NY: usize = N> {
     /// Reads the current positions. Returns `None` if no new positions have arrived in time. A reading is
     /// returned only once.
     ///
     /// # Errors
-    /// [`TransportError::Restarted`] once after each restart of the program on the robot's side. Other errors
-    /// if the connection fails; the loop treats them like a missing reading and continues.
-    /// fails. The loop treats these like a missing reading and continues.
+    /// [`TransportError::Restarted`] once after each restart of the program on the robot's side. The loop then brakes. Other
+    /// errors if the connection fails. The loop treats these errors like a missing reading and continues.
     fn read(&mut self) -> Result<Option<Reading<N, NY>>, TransportError>;
 
-    /// Sends inputs [N m, N or A]. The robot holds them until the next inputs. This method never releases a
+    /// Sends inputs [N m, N or A]. The robot holds these inputs until the next inputs arrive. This method never releases a
     /// brake.
     ///
     /// # Errors
     /// [`TransportError`] if the connection fails. The loop continues, and the robot holds its inputs.
     fn write(&mut self, inputs: &[f64; M]) -> Result<(), TransportError>;
 
-    /// Releases the brakes and switches the drives on. Before this call, the loop writes inputs that hold the
-    /// robot.
+    /// Releases the brakes and switches the drives on. Before this call, the loop has written inputs that hold the robot.
     ///
     /// # Errors
     /// [`TransportError`] if the connection fails.
     fn release(&mut self) -> Result<(), TransportError>;
 
-    /// Engages the brakes, then switches the drives off. The loop repeats the call in every period until
-    /// [`Reading::brakes`] reports engaged brakes.
+    /// Engages the brakes and then switches the drives off. The loop repeats this call in every period until
+    /// [`Reading::brakes`] reports engaged brakes, at most
+    /// [`brake_periods`](crate::control_loop::LoopSettings::brake_periods) times.
     ///
     /// # Errors
     /// [`TransportError`] if the connection fails.

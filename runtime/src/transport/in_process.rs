@@ -6,12 +6,12 @@ use crate::dynamics::Dynamics;
 use crate::plant::Plant;
 use std::time::Duration;
 
-/// A [`Plant`] that moves with a clock. If it shares a [`VirtualClock`](crate::control_loop::VirtualClock)
-/// with the loop, a run takes only its computing time. If the loop stalls, the plant continues to move with
-/// its last inputs.
+/// Transport to a simulated robot ([`Plant`]) in the same process. The plant moves with a clock. If plant and loop share a
+/// [`VirtualClock`](crate::control_loop::VirtualClock), a run only takes its computing time. If the loop stalls, the plant
+/// continues to move with its last inputs.
 ///
-/// Inputs act from the end of the plant's period in which they are written. A measurement that the plant
-/// loses does not arrive.
+/// Inputs act from the end of the period of the plant in which they are written. If the plant loses a measurement, the
+/// loop gets no reading.
 pub struct InProcess<D, K, const N: usize, const M: usize, const NY: usize = N> {
     plant: Plant<D, N, M, NY>,
     clock: K,
@@ -29,8 +29,8 @@ where
     D: Dynamics<N, M, NY>,
     K: Clock,
 {
-    /// A plant that moves in steps of `period` (at least a microsecond) from now on. Use the period of the
-    /// loop.
+    /// A transport to `plant`, which moves in steps of `period` from now on. Use the period of the loop. Periods below one
+    /// microsecond count as one microsecond.
     #[must_use]
     pub fn new(plant: Plant<D, N, M, NY>, clock: K, period: Duration) -> Self {
         Self {
@@ -43,14 +43,14 @@ where
         }
     }
 
-    /// The plant in the state after its last step.
+    /// The plant after its last step.
     pub fn plant(&self) -> &Plant<D, N, M, NY> {
         &self.plant
     }
 
     fn catch_up(&mut self) -> Result<(), TransportError> {
         let now = self.clock.now();
-        // A period beyond the end of time never passes.
+        // If the end of the period exceeds the range of the clock, the period never ends.
         while let Some(next) = self.reached.checked_add(self.period).filter(|next| *next <= now) {
             self.reached = next;
             let period = self.period.as_secs_f64();
@@ -98,7 +98,7 @@ where
     }
 
     fn brake(&mut self) -> Result<(), TransportError> {
-        // Braked even where the simulation cannot go on.
+        // The plant brakes also if the simulation cannot continue.
         let caught_up = self.catch_up();
         self.plant.brake();
         caught_up

@@ -1,5 +1,5 @@
-//! Connections to robots: in process, over UDP, over a CAN bus, or with your own [`Transport`]. Read
-//! [`attaching_hardware`] before an arm moves.
+//! Connections to robots: in the same process, over UDP, over a CAN bus, or by another implementation of [`Transport`].
+//! Read [`attaching_hardware`] before a real robot moves.
 
 #[doc = include_str!("attaching_hardware.md")]
 pub mod attaching_hardware {}

@@ -1,4 +1,4 @@
-//! The robot's side of the UDP connection: a process with a simulated robot (a plant process).
+//! The robot's side of the UDP connection: a process with a simulated robot (plant process).
 
 use super::Brakes;
 use super::datagram::{Datagram, MAX_DATAGRAM, Message, Push, TrueState};
@@ -15,7 +15,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use thiserror::Error;
 
-/// Time base of the plant.
+/// Time base of the plant in a [`PlantServer`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pace {
     /// Each query advances the plant by one period, independently of the speed of the machine. Without a
@@ -32,12 +32,11 @@ pub struct ServerOptions {
     pub period: f64,
     /// Time base of the plant.
     pub pace: Pace,
-    /// Number of consecutive periods without inputs after which the plant engages its brakes, like drives
-    /// without communication.
+    /// Number of consecutive periods without inputs after which the plant engages its brakes, like the watchdog of a drive.
     pub watchdog_periods: u32,
     /// Probability that a datagram is lost, in each direction.
     pub loss: f64,
-    /// Range of periods without communication, counted from the first query.
+    /// Range of periods in which all datagrams are lost, counted from the first query.
     pub silence: Range<u64>,
     /// Seed of the random losses.
     pub seed: u64,
@@ -53,8 +52,8 @@ impl Default for ServerOptions {
 /// Error of a plant process.
 #[derive(Debug, Error)]
 pub enum ServerError {
-    /// Error of the socket.
-    #[error("socket: {0}")]
+    /// The socket failed.
+    #[error("the socket failed: {0}")]
     Io(#[from] io::Error),
     /// The plant could not be restarted after its simulation failed.
     #[error(transparent)]
@@ -71,8 +70,8 @@ pub enum ServerError {
     },
 }
 
-/// Jacobian of a frame's origin at given positions, in the axes of the world. The first three rows are
-/// linear, the last three angular.
+/// Function that returns the Jacobian of a frame for positions, in the axes of the world. The first three rows belong to
+/// the linear velocity of the origin, the last three rows to the angular velocity.
 type Frame<const N: usize, const NY: usize> = Arc<dyn Fn(&[f64; NY]) -> [[f64; N]; 6] + Send + Sync>;
 
 /// Connection to a controller, with the sequence number of the last accepted datagram.
@@ -84,14 +83,14 @@ struct Connection {
 }
 
 impl Connection {
-    /// Whether a datagram is the next one of this connection. Returns true at most once for each datagram, in
-    /// the order of sequence numbers.
+    /// Whether a datagram belongs to this connection and is newer than the last accepted datagram. Returns true at most once
+    /// for each datagram, because it stores the sequence number.
     fn takes<const N: usize, const M: usize, const NY: usize>(
         &mut self,
         question: &Datagram<N, M, NY>,
         from: SocketAddr,
     ) -> bool {
-        // As a signed number, so that 0 follows the largest.
+        // The difference is a signed number, so that 0 follows the largest number.
         let rises = question.sequence.wrapping_sub(self.sequence).cast_signed() > 0;
         let taken = rises && self.controller == from && self.number == question.connection;
         if taken {
@@ -101,8 +100,8 @@ impl Connection {
     }
 }
 
-/// Largest number of periods that a server in real time simulates at once. After a longer pause of the
-/// machine, the plant continues from its last state, with engaged brakes.
+/// Largest number of periods that a server in real time simulates at once. After a longer pause of the machine, the plant
+/// engages its brakes and continues from its last state.
 const MAX_CATCH_UP: u32 = 1000;
 
 impl ServerOptions {
@@ -118,13 +117,13 @@ impl ServerOptions {
     }
 }
 
-/// A plant that answers controllers over UDP. It starts with engaged brakes. It obeys the controller that
-/// connected last, and obeys each command once, see [`datagram`](super::datagram). Any program that reaches
-/// its port can connect. Therefore bind it to this machine (`127.0.0.1`) or to a separate network.
+/// A server with a simulated robot (plant) that controllers connect to over UDP. The plant starts with engaged brakes. It
+/// obeys the controller that connected last, and executes each command once, see [`datagram`](super::datagram). Any program
+/// that can reach the port can connect. Therefore bind the server to this machine (`127.0.0.1`) or to a separate network.
 ///
-/// No datagram ends the server. If the simulation fails, for example with an input of 1e308 N m, this counts
-/// as a breakdown of the robot. The plant then restarts at rest at its last position, with engaged brakes and
-/// without a controller. Controllers get [`TransportError::Restarted`](super::TransportError::Restarted).
+/// No datagram ends the server. If the simulation fails, for example because of an input of 1e308 N m, this counts as a
+/// breakdown of the robot. The plant then restarts at rest at its last position, with engaged brakes and without a
+/// controller. Controllers get [`TransportError::Restarted`](super::TransportError::Restarted).
 /// [`breakdowns`](Self::breakdowns) returns the number of breakdowns.
 pub struct PlantServer<D, const N: usize, const M: usize, const NY: usize = N> {
     plant: Plant<D, N, M, NY>,
@@ -139,7 +138,7 @@ pub struct PlantServer<D, const N: usize, const M: usize, const NY: usize = N> {
     periods: u64,
     /// Number of consecutive periods without inputs.
     silent_periods: u32,
-    /// In real time, the instant up to which the plant has moved.
+    /// Instant up to which the plant has moved. It is used only in real time.
     reached: Instant,
     observed: TrueState<N, NY>,
     breakdowns: u64,
@@ -147,10 +146,10 @@ pub struct PlantServer<D, const N: usize, const M: usize, const NY: usize = N> {
 }
 
 impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> PlantServer<D, N, M, NY> {
-    /// Binds a socket to `address` and engages the plant's brakes. Port 0 means any free port.
+    /// Binds a socket to `address` and engages the brakes of the plant. Port 0 selects any free port.
     ///
     /// # Errors
-    /// [`ServerError::Option`] for an option out of range, [`ServerError::Io`] if the socket cannot be bound.
+    /// [`ServerError::Option`] for an option out of range. [`ServerError::Io`] if the socket cannot be bound.
     pub fn bind(
         mut plant: Plant<D, N, M, NY>,
         address: impl ToSocketAddrs,
@@ -185,8 +184,8 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
 
     /// Adds a frame for [`Push::Frame`]. Frames are numbered from 0 in the order of these calls.
     ///
-    /// - `jacobian`: Jacobian of the frame's origin in the axes of the world, which is `frame_…_jacobian` of
-    ///   the module
+    /// - `jacobian`: function `frame_…_jacobian` of the generated module, which returns the Jacobian of the frame in the axes
+    ///   of the world
     #[must_use]
     pub fn with_frame(
         mut self,
@@ -209,12 +208,12 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         &self.plant
     }
 
-    /// Number of breakdowns, after which the plant was restarted.
+    /// Number of breakdowns of the plant.
     pub fn breakdowns(&self) -> u64 {
         self.breakdowns
     }
 
-    /// Error of the last breakdown; `None` if there was no breakdown.
+    /// Error of the last breakdown; `None` if the plant has never broken down.
     pub fn last_breakdown(&self) -> Option<&PlantError> {
         self.last_breakdown.as_ref()
     }
@@ -236,8 +235,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
     /// Waits for a datagram for at most one period, and answers it. Returns true if a valid datagram arrived.
     ///
     /// # Errors
-    /// [`ServerError::Io`] if the socket fails, [`ServerError::Plant`] if the plant cannot be restarted after
-    /// a breakdown.
+    /// [`ServerError::Io`] if the socket fails. [`ServerError::Plant`] if the plant cannot be restarted after a breakdown.
     pub fn serve_one(&mut self) -> Result<bool, ServerError> {
         let wait = Duration::from_secs_f64(self.options.period.clamp(1e-4, 1.0));
         self.socket.set_read_timeout(Some(wait))?;
@@ -248,7 +246,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         }
         let (length, from) = match received {
             Ok(received) => received,
-            // A controller that is gone is not a fault of ours.
+            // The server continues if a controller has gone.
             Err(e) if is_timeout(&e) || e.kind() == io::ErrorKind::ConnectionRefused => {
                 return Ok(false);
             }
@@ -262,18 +260,18 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         if let Some(answer) = self.respond(&question, from)?
             && let Ok(bytes) = answer.encode(&mut buffer)
         {
-            // What cannot be sent is lost, as on any network.
+            // A datagram that cannot be sent counts as lost.
             let _ = self.socket.send_to(bytes, from);
         }
         Ok(true)
     }
 
-    /// Processes a datagram and returns the answer, for connections other than this server's socket. `None`
-    /// if the message has no answer.
+    /// Processes a datagram that did not arrive over the socket of this server. Returns the answer; `None` if the message has
+    /// no answer.
     ///
     /// # Errors
-    /// [`ServerError::Plant`] if the plant cannot be restarted after a breakdown, [`ServerError::Io`] if the
-    /// system gives no random number.
+    /// [`ServerError::Plant`] if the plant cannot be restarted after a breakdown. [`ServerError::Io`] if the operating
+    /// system provides no random number.
     pub fn respond(
         &mut self,
         question: &Datagram<N, M, NY>,
@@ -323,13 +321,13 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
                 }
                 None
             }
-            // An answer where a question is expected.
+            // These kinds are answers, which a server ignores.
             Message::Measured { .. } | Message::Lost | Message::TrueState(_) => None,
         })
     }
 
-    /// Whether a command is new and from the controller. The first command with an offered number connects
-    /// its sender.
+    /// Whether a command is new and from the controller. The first command with an offered number makes its sender the
+    /// controller.
     fn obeys(&mut self, question: &Datagram<N, M, NY>, from: SocketAddr) -> bool {
         if matches!(question.message, Message::Inspect | Message::Connect) {
             return false;

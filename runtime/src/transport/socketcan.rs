@@ -1,12 +1,12 @@
-//! A robot on a CAN bus, through the SocketCAN interface of Linux.
+//! Transport to a robot on a CAN bus, through the SocketCAN interface of Linux.
 
 use super::can_frame::{CanCodec, CanMessage, Frame, MeasurementSet};
 use super::{Reading, Transport, TransportError};
 use socketcan::{CanFrame, CanSocket, EmbeddedFrame, Frame as _, Socket, StandardId};
 use std::io;
 
-/// Largest number of frames that one reading takes from the socket, so that a node with too many messages
-/// cannot block the loop.
+/// Largest number of frames that one reading takes from the socket. The limit ensures that a node that sends too many
+/// messages cannot block the loop.
 const MAX_FRAMES: usize = 1024;
 
 /// Transport over a SocketCAN interface, with the frames of [`can_frame`](super::can_frame).
@@ -19,8 +19,8 @@ pub struct CanTransport<const N: usize, const M: usize, const NY: usize = N> {
 }
 
 impl<const N: usize, const M: usize, const NY: usize> CanTransport<N, M, NY> {
-    /// Opens an interface, for example `can0`, after its setup with `ip link`. Its queue must hold the frames
-    /// of a period: `ip link set can0 txqueuelen 64`.
+    /// Opens an interface, for example `can0`. Set it up with `ip link` before. Its queue must hold all frames of a period:
+    /// `ip link set can0 txqueuelen 64`.
     ///
     /// # Errors
     /// [`io::Error`] if the interface does not exist.
@@ -52,7 +52,7 @@ impl<const N: usize, const M: usize, const NY: usize> Transport<N, M, NY> for Ca
                 Err(e) if e.kind() == io::ErrorKind::WouldBlock => break,
                 Err(e) => return Err(e.into()),
             };
-            // Identifiers of 29 bits, remote and error frames are other traffic.
+            // Frames with 29-bit identifiers, remote frames and error frames do not belong to this robot.
             let Some(frame) = standard(&frame) else {
                 continue;
             };

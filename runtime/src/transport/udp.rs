@@ -1,4 +1,4 @@
-//! The controller's side of the UDP connection.
+//! Controller's side of the UDP connection.
 
 use super::datagram::{Datagram, MAX_DATAGRAM, Message, Push, TrueState};
 use super::{Brakes, Reading, Transport, TransportError, require_finite};
@@ -10,15 +10,15 @@ use std::time::{Duration, Instant};
 
 /// Longest waiting time for an answer.
 const LONGEST_TIMEOUT: Duration = Duration::from_secs(3600);
-/// Number of attempts to release the brakes. The loop does not repeat this command, and its loss would have
-/// consequences.
+/// Number of attempts to release the brakes. The loop does not repeat this command, so this transport repeats it if it is
+/// lost.
 const RELEASE_ATTEMPTS: u32 = 20;
 
-/// A robot that is connected over UDP with the datagrams of [`datagram`](super::datagram).
+/// Transport to a robot over UDP, with the datagrams of [`datagram`](super::datagram).
 ///
-/// A reading is a query with its answer. Late, foreign, damaged and duplicate datagrams do not match the
-/// query and are dropped, so positions always belong to this period. The first command or reading connects.
-/// The robot, with engaged brakes, then obeys this controller instead of the previous one.
+/// A reading sends a query and waits for its answer. Late, foreign, damaged and duplicate datagrams do not match the query
+/// and are dropped, so positions always belong to the present period. The first command or reading connects. The robot then
+/// engages its brakes and obeys this controller instead of the previous controller.
 #[derive(Debug)]
 pub struct UdpTransport<const N: usize, const M: usize, const NY: usize = N> {
     socket: UdpSocket,
@@ -29,20 +29,18 @@ pub struct UdpTransport<const N: usize, const M: usize, const NY: usize = N> {
 }
 
 impl<const N: usize, const M: usize, const NY: usize> UdpTransport<N, M, NY> {
-    /// A transport to a plant process, which may start later. `timeout` is the waiting time for an answer.
-    /// Choose a quarter of the period in real time, and seconds in lock-step, where the plant waits for the
-    /// controller.
+    /// A transport to a plant process, which may start later. `timeout` is the longest waiting time for an answer. If the
+    /// plant runs in real time, choose a quarter of the period. If it runs in lock-step, it waits for the controller; choose
+    /// several seconds.
     ///
     /// # Errors
-    /// [`io::Error`] if address or socket are not available, if `timeout` is zero or above an hour, or if the
-    /// robot has too many coordinates for a datagram.
+    /// [`io::Error`] if address or socket are not available, if `timeout` is zero or above an hour, or if the robot has too
+    /// many coordinates for a datagram.
     pub fn connect(address: impl ToSocketAddrs, timeout: Duration) -> io::Result<Self> {
         if timeout.is_zero() || timeout > LONGEST_TIMEOUT {
             return Err(io::Error::new(
                 io::ErrorKind::InvalidInput,
-                format!(
-                    "the timeout of a reading is {timeout:?}; it must be more than 0 and at most an hour"
-                ),
+                format!("the timeout of a reading is {timeout:?}; it must be positive and at most one hour"),
             ));
         }
         let mut addresses = address.to_socket_addrs()?;
@@ -52,7 +50,7 @@ impl<const N: usize, const M: usize, const NY: usize> UdpTransport<N, M, NY> {
         let socket = UdpSocket::bind((any, 0))?;
         socket.connect(address)?;
         socket.set_read_timeout(Some(timeout))?;
-        // Answers to an earlier process at this port do not fit.
+        // With a random start, answers to an earlier process at this port do not match.
         let sequence = SysRng.try_next_u64().map_err(io::Error::other)?;
         let transport = Self { socket, timeout, sequence, connection: None };
         let question = transport.question(0, Message::Query);
@@ -60,8 +58,7 @@ impl<const N: usize, const M: usize, const NY: usize> UdpTransport<N, M, NY> {
         Ok(transport)
     }
 
-    /// True state of a simulated robot, for tests and displays, not for control. `None` if no answer arrived
-    /// in time.
+    /// Requests the true state of a simulated robot, for tests and displays. Returns `None` if no answer arrives in time.
     ///
     /// # Errors
     /// [`TransportError::Io`] if the socket fails.
@@ -73,11 +70,11 @@ impl<const N: usize, const M: usize, const NY: usize> UdpTransport<N, M, NY> {
         }))
     }
 
-    /// Pushes a simulated robot. If another transport controls the robot, its controller remains connected.
-    /// Returns false if no answer arrived in time.
+    /// Applies an external force to a simulated robot. If another transport controls the robot, this transport remains
+    /// connected. Returns false if no answer arrives in time.
     ///
     /// # Errors
-    /// [`TransportError::NoAnswer`] if the robot's side does not answer, [`TransportError::Io`] if the socket
+    /// [`TransportError::NoAnswer`] if the robot's side offers no connection in time. [`TransportError::Io`] if the socket
     /// fails.
     pub fn push(&mut self, push: Push<N>) -> Result<bool, TransportError> {
         let number = self.connection.map_or_else(|| self.offered_number(), Ok)?;
@@ -100,7 +97,7 @@ impl<const N: usize, const M: usize, const NY: usize> UdpTransport<N, M, NY> {
         Ok(number)
     }
 
-    /// Asks as the robot's controller. `None` if no answer arrives in time.
+    /// Sends a message as the controller of the robot, and returns the answer; `None` if no answer arrives in time.
     ///
     /// # Errors
     /// [`TransportError::Restarted`] if the robot's side has another controller.
@@ -127,7 +124,7 @@ impl<const N: usize, const M: usize, const NY: usize> UdpTransport<N, M, NY> {
         let datagram = self.question(connection, message);
         let bytes = datagram.encode(&mut buffer).map_err(|_| io::ErrorKind::InvalidInput)?;
         match self.socket.send(bytes) {
-            // This reports that an earlier datagram found nobody; this one was not sent.
+            // This error means that an earlier datagram found no receiver. The present datagram was not sent.
             Err(e) if e.kind() == io::ErrorKind::ConnectionRefused => {
                 self.socket.send(bytes).map(drop)?;
             }
@@ -147,7 +144,8 @@ impl<const N: usize, const M: usize, const NY: usize> UdpTransport<N, M, NY> {
         let mut remaining = self.timeout;
         loop {
             self.socket.set_read_timeout(Some(remaining))?;
-            // A byte more than the longest, so that too long ones are not cut to a right length.
+            // The buffer has one byte more than the longest datagram. Otherwise a too long datagram would be cut to a valid
+            // length.
             let mut buffer = [0; MAX_DATAGRAM + 1];
             let length = match self.socket.recv(&mut buffer) {
                 Ok(length) => length,
@@ -185,8 +183,7 @@ impl<const N: usize, const M: usize, const NY: usize> Transport<N, M, NY> for Ud
         self.send(number, Message::Inputs(*inputs))
     }
 
-    /// Releases the brakes. Waits for the confirmation, and repeats the command if the confirmation is
-    /// missing.
+    /// Releases the brakes and waits for the confirmation. Repeats the command if the confirmation is missing.
     fn release(&mut self) -> Result<(), TransportError> {
         for _ in 0..RELEASE_ATTEMPTS {
             let answer = self.ask_connected(Message::Release)?;
@@ -203,7 +200,7 @@ impl<const N: usize, const M: usize, const NY: usize> Transport<N, M, NY> for Ud
     }
 }
 
-/// Whether the error is a timeout. Its kind depends on the system.
+/// Whether the error is a timeout. The kind of this error depends on the operating system.
 pub(super) fn is_timeout(e: &io::Error) -> bool {
     matches!(e.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut)
 }

@@ -8,7 +8,7 @@ use gelenk_runtime::adaptation::{
 use gelenk_runtime::control_loop::{
     ControlLoop, Controller, Cycle, End, FeedForwardPd, JointGains, JointPd, LoopSettings, VirtualClock,
 };
-use gelenk_runtime::dynamics::{Differentiable, Discretizable, Dynamics};
+use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::mpc::{LtvMpc, MpcOptions, Nmpc};
 use gelenk_runtime::plant::{Plant, PlantOptions};
 use gelenk_runtime::trajectory::{IdentificationSine, Sampled, Trajectory};
@@ -157,56 +157,6 @@ fn an_arm_as_described_moves_as_without_the_option() {
     for state in control.controller().adaptation().states().into_iter().flatten() {
         assert!(state.acting[0].abs() < 0.02, "{state:?}");
     }
-}
-
-/// The robot with its learned friction is a robot: inverse and forward dynamics agree, and so do derivatives and differences.
-#[test]
-fn learned_friction_is_part_of_all_functions() {
-    let mut controller = Adaptive::new(PowerCube, settings(), |robot| {
-        let gains = JointGains::from_bandwidth(&PowerCube, &[0.0; 2], 8.0, 0.8);
-        JointPd::new(robot, gains)
-    })
-    .unwrap()
-    .unwrap();
-    teach(controller.adaptation_mut());
-    let robot = controller.robot();
-    let (y, v, u) = ([0.3, -0.5], [0.21, -0.34], [0.1, 0.05]);
-    let a = robot.forward_dynamics(&y, &v, &u);
-    let (forces, matrix) = (robot.inverse_dynamics(&y, &v, &a), robot.input_matrix(&y));
-    let friction = robot.friction_torques(&y, &v);
-    assert!((friction[0] - PowerCube.friction_torques(&y, &v)[0]).abs() > 1.0, "{friction:?}");
-    for i in 0..2 {
-        let of_inputs: f64 = (0..2).map(|j| matrix[i][j] * u[j]).sum();
-        assert!((forces[i] - of_inputs).abs() < 1e-9 * (1.0 + of_inputs.abs()));
-    }
-    let linear = robot.linearize(&y, &v, &u);
-    let inverse = robot.inverse_dynamics_derivatives(&y, &v, &a);
-    for k in 0..2 {
-        let moved = |h: f64| {
-            let mut moved = v;
-            moved[k] += h;
-            (robot.forward_dynamics(&y, &moved, &u), robot.inverse_dynamics(&y, &moved, &a))
-        };
-        let ((a1, f1), (a0, f0)) = (moved(1e-5), moved(-1e-5));
-        for i in 0..2 {
-            let slope = (a1[i] - a0[i]) / 2e-5;
-            assert!((linear.by_velocities[i][k] - slope).abs() < 1e-4 * (1.0 + slope.abs()), "{slope}");
-            let slope = (f1[i] - f0[i]) / 2e-5;
-            assert!((inverse.by_velocities[i][k] - slope).abs() < 1e-4 * (1.0 + slope.abs()), "{slope}");
-        }
-    }
-    for i in 0..2 {
-        let sum: f64 = (0..2)
-            .map(|k| {
-                linear.by_coordinates[i][k] * y[k]
-                    + linear.by_velocities[i][k] * v[k]
-                    + linear.by_inputs[i][k] * u[k]
-            })
-            .sum();
-        assert!((sum + linear.affine[i] - a[i]).abs() < 1e-8 * (1.0 + a[i].abs()));
-    }
-    let (positions, velocities) = robot.step(&y, &v, &u, 1e-4);
-    assert!((velocities[0] - v[0] - 1e-4 * a[0]).abs() < 1e-5 && (positions[0] - y[0]).abs() < 1e-4);
 }
 
 /// Teaches friction that is a quarter smaller, along a sine.

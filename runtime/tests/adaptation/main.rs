@@ -8,6 +8,7 @@ mod control;
 mod faults;
 #[path = "../../examples/support/faulty.rs"]
 mod faulty;
+mod functions;
 mod properties;
 #[path = "../../examples/support/warming.rs"]
 mod warming;

@@ -383,3 +383,36 @@ fn settings_are_checked() {
         "setting memory of the adaptation is 1; it must be at least 100 time constants (s)"
     );
 }
+
+/// Viscous friction drops by more than an offline interval allows.
+#[test]
+fn a_term_stops_at_the_bound_of_an_offline_interval() {
+    let joint = Simulated::new(6);
+    let mut adaptation = joint.estimator(settings());
+    let free = state(&adaptation);
+    let usual = adaptation.scales()[0].unwrap().bounds(settings().largest_change);
+    let most = [0.0, 0.05 * joint.friction.viscous, usual[2], f64::INFINITY, 0.0];
+    adaptation.set_bounds(0, most).unwrap();
+    let mut joint = joint;
+    joint.drift = Drift { viscous: 0.5, dry: 1.0, time: 1e-3 };
+    for _ in 0..12_000 {
+        joint.step(&mut adaptation);
+        let now = state(&adaptation);
+        assert!((0..TERMS).all(|k| now.learned[k].abs() <= most[k].min(usual[k])), "{now:?}");
+    }
+    let now = state(&adaptation);
+    assert_eq!((now.learned[0], now.learned[1], now.trust), (0.0, -most[1], Trust::Learned));
+    assert_eq!(now.terms().map(|term| term.name).collect::<Vec<_>>(), ["viscous", "offset", "asymmetry"]);
+    assert!(free.half_widths[1] > 5.0 * now.half_widths[1]);
+
+    let mut numbers = vec![0.0; Adaptation::<1>::SAVED];
+    adaptation.save(&mut numbers).unwrap();
+    assert!(matches!(
+        joint.estimator(settings()).restore(&numbers),
+        Err(AdaptationError::Origin("description"))
+    ));
+    for wrong in [[f64::NAN; TERMS], [-1.0; TERMS]] {
+        assert_eq!(adaptation.set_bounds(0, wrong), Err(AdaptationError::Bounds(0)));
+    }
+    assert_eq!(adaptation.set_bounds(1, most), Err(AdaptationError::Bounds(1)));
+}

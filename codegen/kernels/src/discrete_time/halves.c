@@ -1,8 +1,9 @@
-// Half a matrix over the state (y, v): row by row its left and its right block.
+// Half of a matrix over the state (y, v). Each row has a left and a right block.
 #define GELENK_ROW (2 * GELENK_N)
 #define GELENK_HALF (GELENK_N * GELENK_ROW)
 
-// Entries of a matrix by the inputs; C has no arrays without entries.
+// Number of entries of a matrix with one column per input. It is at least 1, because C has no arrays without
+// entries.
 #define GELENK_BY_INPUTS (GELENK_M > 0 ? GELENK_N * GELENK_M : 1)
 
 // Adds factor a.
@@ -13,7 +14,7 @@ static inline void gelenk_add_scaled(int count, double *sum, double factor, cons
     }
 }
 
-// Adds a B to a row, where B is half a matrix over the state.
+// Adds the product a B to a row, with half a matrix B over the state.
 static inline void gelenk_add_row(double *sum, const double *a, const double *b)
 {
     double row[GELENK_ROW];
@@ -26,7 +27,7 @@ static inline void gelenk_add_row(double *sum, const double *a, const double *b)
     memcpy(sum, row, sizeof row);
 }
 
-// Adds the rows of b, each times its entry of a, to a row by the inputs.
+// Adds the rows of b, each times its entry of a, to a row with one entry per input.
 static inline void gelenk_add_combination(double *sum, const double *a, const double *b)
 {
     for (int k = 0; k < GELENK_N; ++k) {

@@ -1,15 +1,15 @@
-/// A square matrix, rows first.
+/// A square matrix as a list of rows.
 pub type Matrix<const N: usize> = [[f64; N]; N];
 
-/// The upper or lower half of a matrix over the state (y, ẏ): row by row its left and its right block.
+/// The upper or lower half of a matrix over the state (y, ẏ). Each row has a left and a right block.
 pub type Half<const N: usize> = [[[f64; N]; 2]; N];
 
-/// The blocks `∂ÿ/∂y`, `∂ÿ/∂ẏ`, `∂ÿ/∂u` and the affine remainder of `ÿ`.
+/// The derivatives `∂ÿ/∂y`, `∂ÿ/∂ẏ` and `∂ÿ/∂u`, and the affine remainder of `ÿ`.
 pub type Linear<const N: usize, const M: usize> = (Matrix<N>, Matrix<N>, [[f64; M]; N], [f64; N]);
 
-/// Adds `A B`, where A is a square matrix, given by its rows, and B half a matrix over the state.
+/// Adds the product `A B` of a square matrix A, given by its rows, and half a matrix B over the state.
 ///
-/// Two rows at a time read B half as often as one.
+/// Two rows are computed at a time, so B is read half as often.
 #[inline]
 fn add_product<'a, const N: usize>(
     sum: &mut Half<N>,
@@ -27,8 +27,9 @@ fn add_product<'a, const N: usize>(
     }
 }
 
-/// Some rows of [`add_product`]. It is not inlined: the compiler would vectorize a loop over all rows across them, and read their
-/// entries one by one. The registers hold two rows of up to 14 columns; of longer rows they hold one block.
+/// Computes some rows of [`add_product`]. This function is not inlined, because otherwise the compiler would
+/// vectorize a loop over all rows across the rows and read their entries one by one. The registers hold two
+/// rows of up to 14 columns, or one block of longer rows.
 #[inline(never)]
 fn add_rows<const N: usize, const R: usize>(
     sum: &mut [[[f64; N]; 2]; R],
@@ -76,7 +77,7 @@ fn add_combination<const N: usize, const M: usize>(
     }
 }
 
-/// Adds `factor · a`.
+/// Adds `factor · a` to half a matrix.
 #[inline]
 fn add_scaled_half<const N: usize>(sum: &mut Half<N>, factor: f64, a: &Half<N>) {
     let (sum, a) = (sum.as_flattened_mut(), a.as_flattened());

@@ -1,12 +1,12 @@
-//! Discrete time: the exact zero-order hold of an affine system, and Runge–Kutta steps with their sensitivities.
+//! Discrete time: exact zero-order hold of an affine system, and Runge–Kutta steps with their sensitivities.
 //!
-//! The text of each file is compiled here and pasted into generated modules ([`Text`]); for f32 every `f64` in it is
-//! replaced. Constraints on it: `core` alone, no allocation, no panic, loops over N and M or constants only, no inner
-//! attributes or inner doc comments.
+//! The text of each file is compiled here and pasted into generated modules ([`Text`]). For single precision,
+//! every `f64` in the text is replaced. The texts may only use `core`, must not allocate or panic, have only
+//! loops over N and M or constants, and have no inner attributes or inner doc comments.
 //!
-//! Robots whose positions are not all velocities take the functions `…_on_manifold`, see [`crate::manifold`].
+//! Robots with joints that have quaternions use the functions `…_on_manifold`, see [`crate::manifold`].
 //!
-//! `gelenk-runtime` calls it for modules that were generated without these functions.
+//! `gelenk-runtime` calls this code for modules that were generated without these functions.
 
 include!("sums.rs");
 include!("halves.rs");
@@ -21,38 +21,39 @@ include!("../manifold/runge_kutta.rs");
 include!("../manifold/sensitivities.rs");
 include!("../manifold/zero_order_hold.rs");
 
-/// Parts of [`zero_order_hold`] for the same method over several systems at once.
+/// Parts of [`zero_order_hold`], for implementations of the same method over several systems at once.
 pub mod shared {
-    /// Largest number of doublings of Φ.
+    /// Largest number of doublings of the integral Φ.
     pub const MOST_DOUBLINGS: u32 = super::MOST_DOUBLINGS;
-    /// Terms in each of the three parts of the Taylor polynomial.
+    /// Number of terms in each of the three parts of the Taylor polynomial.
     pub const TERMS: usize = super::TERMS;
-    /// `1/(k + 1)!`, part by part.
+    /// Coefficients `1/(k + 1)!` of the three parts.
     pub const COEFFICIENTS: [[f64; TERMS]; 3] = super::COEFFICIENTS;
 
-    /// Number of halvings of the period (s) for the norms of `∂ÿ/∂y` and `∂ÿ/∂ẏ`; `None` if the system is too fast.
+    /// Number of halvings of the period \[s\] for the norms of `∂ÿ/∂y` and `∂ÿ/∂ẏ`; `None` if more halvings
+    /// than the maximum are needed.
     pub fn halvings(by_y: f64, by_v: f64, period: f64) -> Option<u32> {
         super::halvings(&[[by_y]], &[[by_v]], period)
     }
 }
 
-/// A text, in the order in which they are pasted.
+/// A text. The variants have the order in which the texts are pasted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Text {
     /// Sums of arrays.
     Sums,
     /// Halves of matrices over the state, and their products.
     Halves,
-    /// [`zero_order_hold`]
+    /// Text of [`zero_order_hold`].
     ZeroOrderHold,
-    /// [`runge_kutta`]
+    /// Text of [`runge_kutta`].
     RungeKutta,
-    /// [`runge_kutta_derivatives`]
+    /// Text of [`runge_kutta_derivatives`].
     Sensitivities,
 }
 
 impl Text {
-    /// The Rust items.
+    /// The Rust items of the text.
     pub fn source(self) -> &'static str {
         match self {
             Self::Sums => include_str!("sums.rs"),
@@ -63,10 +64,10 @@ impl Text {
         }
     }
 
-    /// The same operations as C99, with `gelenk_` before every name.
+    /// The same operations in C99. All names begin with `gelenk_`.
     pub fn c_source(self) -> &'static str {
         match self {
-            // They stand among the halves, where C needs them.
+            // In C, these items are part of the text of the halves, which needs them.
             Self::Sums => "",
             Self::Halves => include_str!("halves.c"),
             Self::ZeroOrderHold => include_str!("zero_order_hold.c"),
@@ -76,13 +77,13 @@ impl Text {
     }
 }
 
-/// The acceleration with its derivatives in C99: behind [`Text::Sensitivities`] for robots whose positions are all
-/// velocities. Others have one of their own, [`crate::manifold::Text::Sensitivities`].
+/// The acceleration with its derivatives in C99. It follows [`Text::Sensitivities`] for robots without
+/// quaternions. Robots with quaternions use [`crate::manifold::Text::Sensitivities`] instead.
 pub const C_ACCELERATION: &str = include_str!("acceleration.c");
 
-/// The bodies of the functions over a sample time in C99, as [`Text::c_source`].
+/// The bodies of the functions over a sample time in C99, like [`Text::c_source`].
 ///
-/// [`crate::manifold::c_bodies`] are those of robots whose positions are not all velocities.
+/// [`crate::manifold::c_bodies`] contains the bodies for robots with quaternions.
 pub mod c_bodies {
     /// Zero-order hold of the linearization.
     pub const DISCRETIZE: &str = include_str!("discretize.c");

@@ -1,5 +1,5 @@
-// y = y + h/6 (k1 + 2 k2 + 2 k3 + k4), the last stage of the classical Runge-Kutta method of order 4 (Hairer, Norsett and
-// Wanner, Solving Ordinary Differential Equations I, 1993, table II.1.2).
+// y = y + h/6 (k1 + 2 k2 + 2 k3 + k4), the end of a step of the classical Runge-Kutta method of order 4
+// (Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, 1993, table II.1.2).
 static inline void gelenk_add_rates(int count, double *y, double h, const double *k1, const double *k2,
     const double *k3, const double *k4)
 {

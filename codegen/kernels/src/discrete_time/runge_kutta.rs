@@ -1,6 +1,6 @@
-/// What a Runge–Kutta step advances: coordinates or velocities, with or without their sensitivities.
+/// A quantity that a Runge–Kutta step advances: coordinates or velocities, with or without sensitivities.
 pub trait Advance: Copy {
-    /// `self + factor · rate`
+    /// The sum `self + factor · rate`.
     fn advanced(&self, factor: f64, rate: &Self) -> Self;
 }
 
@@ -13,8 +13,8 @@ impl<const N: usize> Advance for [f64; N] {
     }
 }
 
-/// Steps of the classical Runge–Kutta method of order 4 (Hairer, Nørsett and Wanner, Solving Ordinary Differential
-/// Equations I, 1993, table II.1.2).
+/// Performs steps of the classical Runge–Kutta method of order 4 (Hairer, Nørsett and Wanner, Solving
+/// Ordinary Differential Equations I, 1993, table II.1.2).
 pub fn runge_kutta<V: Advance>(
     mut y: V,
     mut v: V,

@@ -1,11 +1,12 @@
-// Coordinates, velocities or accelerations with their derivatives by the initial state and by the inputs.
+// Coordinates, velocities or accelerations, with their derivatives with respect to the initial state and to
+// the inputs.
 typedef struct {
     double value[GELENK_N];
     double by_state[GELENK_HALF];
     double by_inputs[GELENK_BY_INPUTS];
 } gelenk_motion;
 
-// Coordinates (block 0) or velocities (block 1) of the initial state.
+// Sets coordinates (block 0) or velocities (block 1) of the initial state.
 static gelenk_motion gelenk_initial_motion(const double *value, int block)
 {
     gelenk_motion motion = {{0.0}, {0.0}, {0.0}};
@@ -33,7 +34,8 @@ static void gelenk_add_motion_rates(gelenk_motion *y, double h, const gelenk_mot
         GELENK_N * GELENK_M, y->by_inputs, h, k1->by_inputs, k2->by_inputs, k3->by_inputs, k4->by_inputs);
 }
 
-// Makes an affine remainder and the derivatives by the inputs, which stand in a, the acceleration: by the chain rule.
+// Computes the acceleration a with its derivatives by the chain rule. Initially, a contains the affine
+// remainder and the derivatives with respect to the inputs.
 static void gelenk_add_chain_rule(const double *by_y, const double *by_v, const gelenk_motion *y,
     const gelenk_motion *v, const double *u, gelenk_motion *a)
 {

@@ -1,15 +1,17 @@
-/// Coordinates and velocities after the steps, the blocks of their derivatives by the state and by the inputs.
+/// Coordinates and velocities after the steps, then the blocks of their derivatives with respect to the
+/// initial state and to the inputs.
 pub type Stepped<const N: usize, const M: usize> =
     ([f64; N], [f64; N], [[Matrix<N>; 2]; 2], [[[f64; M]; N]; 2]);
 
-/// Coordinates, velocities or accelerations with their derivatives by the initial state and by the inputs.
+/// Coordinates, velocities or accelerations, with their derivatives with respect to the initial state and to
+/// the inputs.
 #[derive(Clone, Copy)]
 pub struct Motion<const N: usize, const M: usize> {
-    /// The quantity itself.
+    /// Value of the quantity.
     pub value: [f64; N],
-    /// By the initial coordinates and velocities.
+    /// Derivatives with respect to the initial coordinates and velocities.
     pub by_state: Half<N>,
-    /// By the inputs.
+    /// Derivatives with respect to the inputs.
     pub by_inputs: [[f64; M]; N],
 }
 
@@ -28,7 +30,7 @@ impl<const N: usize, const M: usize> Advance for Motion<N, M> {
 }
 
 impl<const N: usize, const M: usize> Motion<N, M> {
-    /// A coordinate (block 0) or velocity (block 1) of the initial state.
+    /// Coordinates (block 0) or velocities (block 1) of the initial state.
     fn initial(value: &[f64; N], block: usize) -> Self {
         let mut by_state = [[[0.0; N]; 2]; N];
         for i in 0..N {
@@ -42,7 +44,7 @@ impl<const N: usize, const M: usize> Motion<N, M> {
         }
     }
 
-    /// The acceleration, by the chain rule.
+    /// Computes the acceleration with its derivatives by the chain rule.
     fn acceleration(linear: &Linear<N, M>, y: &Self, v: &Self, u: &[f64; M]) -> Self {
         let (by_y, by_v, by_u, remainder) = linear;
         let mut a = Self {
@@ -61,7 +63,7 @@ impl<const N: usize, const M: usize> Motion<N, M> {
     }
 }
 
-/// Such steps with their exact derivatives.
+/// Performs the steps of [`runge_kutta`] and computes the exact derivatives of their result.
 pub fn runge_kutta_derivatives<const N: usize, const M: usize>(
     y: &[f64; N],
     v: &[f64; N],

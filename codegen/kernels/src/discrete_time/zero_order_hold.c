@@ -4,10 +4,10 @@
 // Largest number of doublings of a step.
 #define GELENK_MOST_REPETITIONS 18
 
-// Terms in each of the three parts of the Taylor polynomial.
+// Number of terms in each of the three parts of the Taylor polynomial.
 #define GELENK_TERMS 6
 
-// 1/(k + 1)!
+// Coefficients 1/(k + 1)! of the Taylor polynomial.
 #define GELENK_FACTORIAL_6 (1.0 / 2.0 / 3.0 / 4.0 / 5.0 / 6.0)
 #define GELENK_FACTORIAL_12 (GELENK_FACTORIAL_6 / 7.0 / 8.0 / 9.0 / 10.0 / 11.0 / 12.0)
 static const double gelenk_coefficients[3][GELENK_TERMS] = {
@@ -53,10 +53,12 @@ static double gelenk_norm(const double *matrix)
     return largest;
 }
 
-// How often the period is to be halved before nu t <= 5/4; -1 beyond the most doublings and repetitions.
+// Number of halvings of the period until nu h <= 5/4 for the halved period h. Returns -1 if this number
+// exceeds the largest number of doublings of the integral and of steps.
 //
-// No part of the system is faster than the positive root nu of nu^2 = b nu + a, where a and b are the norms of the
-// derivatives by y and by v. So nu t <= 1 where (a t + b) t <= 1; t is the time divided by 5/4.
+// nu is a bound for the rates of the system, the positive root of nu^2 = b nu + a with the norms a and b of
+// the derivatives with respect to y and v. With t = h / (5/4), the condition is equivalent to (a t + b) t <=
+// 1.
 static int gelenk_halvings(const double *by_y, const double *by_v, double period)
 {
     const double a = gelenk_norm(by_y);
@@ -73,7 +75,7 @@ static int gelenk_halvings(const double *by_y, const double *by_v, double period
     return halvings;
 }
 
-// [by_y by_v], the blocks scaled.
+// The matrix [A_y A_v] with scaled blocks.
 static void gelenk_lower_half(const double *by_y, double unit_y, const double *by_v, double unit_v, double *lower)
 {
     for (int i = 0; i < GELENK_N; ++i) {
@@ -84,7 +86,7 @@ static void gelenk_lower_half(const double *by_y, double unit_y, const double *b
     }
 }
 
-// [L R] A = [0 L] + R [A_y A_v].
+// The product [L R] A = [0 L] + R [A_y A_v].
 static void gelenk_times_system(const double *half, const double *lower, double *result)
 {
     for (int i = 0; i < GELENK_N; ++i) {
@@ -98,7 +100,7 @@ static void gelenk_times_system(const double *half, const double *lower, double 
     }
 }
 
-// The terms of one part of the polynomial, added up.
+// The sum of the terms of one part of the polynomial.
 static void gelenk_combination(const double *coefficients, double powers[][GELENK_HALF], double *sum)
 {
     for (int i = 0; i < GELENK_HALF; ++i) {
@@ -109,11 +111,11 @@ static void gelenk_combination(const double *coefficients, double powers[][GELEN
     }
 }
 
-// The upper half of the integral of exp(A s) over one unit of time: the sum of A^k/(k + 1)! up to k = 17, in three parts
-// with the common factor A^6 (Paterson and Stockmeyer 1973).
+// The upper half of the integral of exp(A s) over one unit of time. It is the sum of A^k/(k + 1)! up to k =
+// 17, in three parts with the common factor A^6 (Paterson and Stockmeyer 1973).
 static void gelenk_taylor(const double *lower, double *sum)
 {
-    // Upper halves of A^k; that of A^7 is the lower one of A^6.
+    // Upper halves of A^k. The upper half of A^7 is the lower half of A^6.
     double powers[GELENK_TERMS + 2][GELENK_HALF];
     for (int k = 0; k < 2; ++k) {
         for (int i = 0; i < GELENK_HALF; ++i) {
@@ -140,30 +142,31 @@ static void gelenk_taylor(const double *lower, double *sum)
     }
 }
 
-// The upper half of the integral over twice the time, 2 I + (I A) I.
+// The upper half of the integral I over twice the time: 2 I + (I A) I.
 static void gelenk_double_integral(const double *lower, double *integral)
 {
     double change[GELENK_HALF], next[GELENK_HALF] = {0.0};
     gelenk_times_system(integral, lower, change);
     gelenk_add_scaled(GELENK_HALF, next, 2.0, integral);
     for (int i = 0; i < GELENK_N; ++i) {
-        // The left block of the lower half of I is that of the change, since exp(A t) = 1 + A I as well; so is the right.
+        // The blocks of the lower half of I are obtained from the change I A, because exp(A t) = 1 + A I.
         gelenk_add_row(&next[i * GELENK_ROW], &change[i * GELENK_ROW], integral);
         gelenk_add_row(&next[i * GELENK_ROW], &change[i * GELENK_ROW + GELENK_N], change);
     }
     memcpy(integral, next, sizeof next);
 }
 
-// The halves of A_d - 1, B_d and c_d over a time that suits the fastest rate.
+// The halves of A_d - 1, B_d and c_d over a time t with nu t <= 80. nu is a bound for the rates of the
+// system.
 //
-// With A = [0 1; A_y A_v] the upper half [C P] of the integral I of exp(A s) gives everything: exp(A t) = 1 + I A, whose
-// upper half is [1 0] + [C P] A = [1 + X, Q], the lower one [0 1] + [X Q] A, and B_d = [P B_x; Q B_x]. The integral comes
-// from scaling and squaring (Higham, Functions of Matrices, 2008, section 10.3): from a short time h with nu h <= 5/4 by
-// `doublings`.
+// With A = [0 1; A_y A_v], all results follow from the upper half [C P] of the integral I of exp(A s). exp(A
+// t) is 1 + I A. Its upper half is [1 0] + [C P] A = [1 + X, Q], and its lower half is [0 1] + [X Q] A. B_d
+// is [P B_x; Q B_x]. The integral is computed by scaling and squaring (Higham, Functions of Matrices, 2008,
+// section 10.3): it is known for a short time h with nu h <= 5/4, and is doubled `doublings` times.
 static void gelenk_held(const double *by_y, const double *by_v, const double *by_u, const double *remainder,
     double time, int doublings, double change[2][GELENK_HALF], double *input, double *affine)
 {
-    // In units of the short time h, v counts as h v.
+    // The unit of time is the short time h, so v is scaled to h v.
     const double h = time / (double)(1u << doublings);
     double lower[GELENK_HALF], integral[GELENK_HALF];
     gelenk_lower_half(by_y, h * h, by_v, h, lower);
@@ -192,8 +195,8 @@ static void gelenk_held(const double *by_y, const double *by_v, const double *by
     }
 }
 
-// Two steps as one: A_d - 1, B_d and c_d over twice the time are 2 (A_d - 1) + (A_d - 1)^2, 2 B_d + (A_d - 1) B_d and
-// 2 c_d + (A_d - 1) c_d.
+// Combines two steps to one: over twice the time, A_d - 1, B_d and c_d become 2 (A_d - 1) + (A_d - 1)^2, 2
+// B_d + (A_d - 1) B_d and 2 c_d + (A_d - 1) c_d.
 static void gelenk_twice(double change[2][GELENK_HALF], double *input, double *affine)
 {
     double next[2][GELENK_HALF] = {{0.0}}, next_input[2 * GELENK_BY_INPUTS] = {0.0};
@@ -218,10 +221,11 @@ static void gelenk_twice(double change[2][GELENK_HALF], double *input, double *a
     memcpy(affine, next_affine, sizeof next_affine);
 }
 
-// Exact solution of x' = A x + B_x u + c over a period in which the inputs are held.
+// Exact solution of x' = A x + B_x u + c over a period with constant inputs.
 //
-// Over a part of the period that suits the fastest rate the solution is `held`; two such steps make one of twice the
-// time, until the period is reached. Every entry is infinite where the most repetitions do not suffice.
+// The solution over a part of the period is `held`. The part is so short that `held` is accurate. Two equal
+// steps are combined to one of twice the time until the period is reached. Every entry is infinite if the
+// largest number of doublings of steps does not suffice.
 static void gelenk_zero_order_hold(const double *by_y, const double *by_v, const double *by_u, const double *remainder,
     double period, double *state, double *input, double *affine)
 {

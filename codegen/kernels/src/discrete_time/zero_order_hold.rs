@@ -1,20 +1,21 @@
-/// The blocks of `A_d`, `B_d` and `c_d` in `x⁺ = A_d x + B_d u + c_d` with `x = (y, ẏ)`.
+/// The blocks of `A_d`, `B_d` and `c_d` in `x⁺ = A_d x + B_d u + c_d` with the state `x = (y, ẏ)`.
 pub type Discrete<const N: usize, const M: usize> =
     ([[Matrix<N>; 2]; 2], [[[f64; M]; N]; 2], [[f64; N]; 2]);
 
 /// The halves of `A_d − 1`, `B_d` and `c_d`.
 type Held<const N: usize, const M: usize> = ([Half<N>; 2], [[[f64; M]; N]; 2], [[f64; N]; 2]);
 
-/// Largest number of doublings of Φ. A period that needs more halvings is divided into equal steps.
+/// Largest number of doublings of the integral Φ. A period that needs more halvings is divided into equal
+/// steps.
 const MOST_DOUBLINGS: u32 = 6;
 
 /// Largest number of doublings of a step.
 const MOST_REPETITIONS: u32 = 18;
 
-/// Terms in each of the three parts of the Taylor polynomial.
+/// Number of terms in each of the three parts of the Taylor polynomial.
 const TERMS: usize = 6;
 
-/// `1/(k + 1)!`
+/// Coefficients `1/(k + 1)!` of the Taylor polynomial.
 const COEFFICIENTS: [[f64; TERMS]; 3] = {
     let mut coefficients = [[1.0; TERMS]; 3];
     let (mut k, mut last) = (0, 1.0);
@@ -26,11 +27,12 @@ const COEFFICIENTS: [[f64; TERMS]; 3] = {
     coefficients
 };
 
-/// Exact solution of `ẋ = A x + B_x u + c` over a period in which the inputs are held.
+/// Exact solution of `ẋ = A x + B_x u + c` over a period with constant inputs.
 ///
-/// Over a part of the period that suits the fastest rate the solution is `held`. Two such steps make one of twice the
-/// time, `A_d ← A_d A_d`, `B_d ← (A_d + 1) B_d`, `c_d ← (A_d + 1) c_d`, until the period is reached. Every entry is +∞ where
-/// `MOST_REPETITIONS` do not suffice.
+/// The solution over a part of the period is `held`. The part is so short that `held` is accurate. Two equal
+/// steps are combined to one of twice the time by `A_d ← A_d A_d`, `B_d ← (A_d + 1) B_d`,
+/// `c_d ← (A_d + 1) c_d` until the period is reached. Every entry is +∞ if `MOST_REPETITIONS` doublings of
+/// the step do not suffice.
 pub fn zero_order_hold<const N: usize, const M: usize>(
     linear: &Linear<N, M>,
     period: f64,
@@ -62,10 +64,11 @@ pub fn zero_order_hold<const N: usize, const M: usize>(
     (state, input, affine)
 }
 
-/// How often the period is to be halved before `ν t ≤ 5/4`; `None` beyond `MOST_DOUBLINGS + MOST_REPETITIONS`.
+/// Number of halvings of the period until `ν h ≤ 5/4` for the halved period h. `None` if more than
+/// `MOST_DOUBLINGS + MOST_REPETITIONS` halvings are needed.
 ///
-/// No part of the system is faster than the positive root ν of `ν² = b ν + a` with `a = ‖A_y‖`, `b = ‖A_v‖`. So `ν t ≤ 1`
-/// where `(a t + b) t ≤ 1`; t is the time divided by 5/4.
+/// ν is a bound for the rates of the system, the positive root of `ν² = b ν + a` with `a = ‖A_y‖` and
+/// `b = ‖A_v‖`. With `t = h / (5/4)`, the condition is equivalent to `(a t + b) t ≤ 1`.
 fn halvings<const N: usize>(by_y: &Matrix<N>, by_v: &Matrix<N>, period: f64) -> Option<u32> {
     let (a, b) = (norm(by_y), norm(by_v));
     let mut t = period / 1.25;
@@ -95,7 +98,7 @@ fn norm<const N: usize>(matrix: &Matrix<N>) -> f64 {
     largest
 }
 
-/// `A_d − 1` over twice the time, `2 (A_d − 1) + (A_d − 1)²`, by halves.
+/// The matrix `A_d − 1` over twice the time, `2 (A_d − 1) + (A_d − 1)²`, as two halves.
 fn twice<const N: usize>(change: &[Half<N>; 2]) -> [Half<N>; 2] {
     let mut next = [[[[0.0; N]; 2]; N]; 2];
     for half in 0..2 {
@@ -108,7 +111,7 @@ fn twice<const N: usize>(change: &[Half<N>; 2]) -> [Half<N>; 2] {
     next
 }
 
-/// `B_d` over twice the time, `2 B_d + (A_d − 1) B_d`.
+/// The matrix `B_d` over twice the time, `2 B_d + (A_d − 1) B_d`.
 fn twice_by<const N: usize, const M: usize>(
     change: &[Half<N>; 2],
     input: &[[[f64; M]; N]; 2],
@@ -125,7 +128,7 @@ fn twice_by<const N: usize, const M: usize>(
     next
 }
 
-/// `c_d` over twice the time, `2 c_d + (A_d − 1) c_d`.
+/// The vector `c_d` over twice the time, `2 c_d + (A_d − 1) c_d`.
 fn twice_affine<const N: usize>(change: &[Half<N>; 2], affine: &[[f64; N]; 2]) -> [[f64; N]; 2] {
     let mut next = [[0.0; N]; 2];
     for half in 0..2 {
@@ -139,19 +142,26 @@ fn twice_affine<const N: usize>(change: &[Half<N>; 2], affine: &[[f64; N]; 2]) -
     next
 }
 
-/// The halves of `A_d − 1`, `B_d` and `c_d` over a time that suits the fastest rate.
+/// The halves of `A_d − 1`, `B_d` and `c_d` over a time t with `ν t ≤ 80`. ν is a bound for the rates of the
+/// system.
 ///
-/// With `A = [0 I; A_y A_v]` the upper half `[C P]` of `Φ = ∫ exp(A s) ds` gives everything:
-/// `exp(A t) = I + Φ A`, whose upper half is `[I 0] + [C P] A = [I + X, Q]`, the lower one `[0 I] + [X Q] A`, and
-/// `B_d = [P B_x; Q B_x]`. Φ comes from scaling and squaring (Higham, Functions of Matrices, 2008, section 10.3): from a short
-/// time h with `ν h ≤ 5/4` by `doublings`. These are cheaper than steps of the whole, but while ν t grows they magnify rounding
-/// by the ratio of the rates: they serve up to `ν t = 80`.
+/// With `A = [0 I; A_y A_v]`, all results follow from the upper half `[C P]` of the integral
+/// `Φ = ∫ exp(A s) ds`:
+///
+/// - `exp(A t) = I + Φ A`; its upper half is `[I 0] + [C P] A = [I + X, Q]`, and its lower half is `[0 I] +
+///   [X Q] A`
+/// - `B_d = [P B_x; Q B_x]`
+///
+/// Φ is computed by scaling and squaring (Higham, Functions of Matrices, 2008, section 10.3): Φ is known for
+/// a short time h with `ν h ≤ 5/4`, and is doubled `doublings` times. A doubling of Φ needs fewer operations
+/// than a doubling of the step. However, it multiplies rounding errors by the ratio of the rates, so Φ is
+/// doubled only up to `ν t = 80`.
 fn held<const N: usize, const M: usize>(
     (by_y, by_v, by_u, remainder): &Linear<N, M>,
     time: f64,
     doublings: u32,
 ) -> Held<N, M> {
-    // In units of the short time h, ẏ counts as h ẏ.
+    // The unit of time is the short time h, so ẏ is scaled to h ẏ.
     let h = time / (1_u32 << doublings) as f64;
     let lower = lower_half(by_y, h * h, by_v, h);
     let mut integral = taylor(&lower);
@@ -174,10 +184,11 @@ fn held<const N: usize, const M: usize>(
     (changes, input, affine)
 }
 
-/// The upper half of Φ over one unit of time, `Σ Aᵏ/(k + 1)!` up to k = 17, in three parts with the common factor A⁶
-/// (Paterson and Stockmeyer 1973). For `ν ≤ 5/4` the rest of the series is below `(5/4)¹⁸/19! = 5e-16`.
+/// The upper half of Φ over one unit of time. It is `Σ Aᵏ/(k + 1)!` up to k = 17, in three parts with the
+/// common factor A⁶ (Paterson and Stockmeyer 1973). If `ν ≤ 5/4`, the remaining terms of the series are below
+/// `(5/4)¹⁸/19! = 5e-16`.
 fn taylor<const N: usize>(lower: &Half<N>) -> Half<N> {
-    // Upper halves of Aᵏ; that of A⁷ is the lower one of A⁶.
+    // Upper halves of Aᵏ. The upper half of A⁷ is the lower half of A⁶.
     let mut powers = [[[[0.0; N]; 2]; N]; TERMS + 2];
     for i in 0..N {
         powers[0][i][0][i] = 1.0;
@@ -198,7 +209,7 @@ fn taylor<const N: usize>(lower: &Half<N>) -> Half<N> {
     sum
 }
 
-/// `Σ c_k Aᵏ` over the terms of one part.
+/// The sum `Σ c_k Aᵏ` of the terms of one part.
 fn combination<const N: usize>(
     coefficients: &[f64; TERMS],
     powers: &[Half<N>; TERMS + 2],
@@ -216,13 +227,13 @@ fn double_integral<const N: usize>(lower: &Half<N>, integral: &mut Half<N>) {
     times_system(integral, lower, &mut change);
     let mut next = [[[0.0; N]; 2]; N];
     add_scaled_half(&mut next, 2.0, integral);
-    // The left block of the lower half of Φ is that of the change, since exp(A t) = I + A Φ as well; so is the right.
+    // The blocks of the lower half of Φ are obtained from the change Φ A, because exp(A t) = I + A Φ.
     add_product(&mut next, left(&change), integral);
     add_product(&mut next, right(&change), &change);
     *integral = next;
 }
 
-/// `[L R] A = [0 L] + R [A_y A_v]`.
+/// The product `[L R] A = [0 L] + R [A_y A_v]`.
 fn times_system<const N: usize>(half: &Half<N>, lower: &Half<N>, result: &mut Half<N>) {
     for i in 0..N {
         result[i] = [[0.0; N], half[i][0]];
@@ -240,7 +251,7 @@ fn right<const N: usize>(half: &Half<N>) -> impl Iterator<Item = &[f64; N]> {
     half.iter().map(|row| &row[1])
 }
 
-/// `[A_y A_v]`, the blocks scaled.
+/// The matrix `[A_y A_v]` with scaled blocks.
 fn lower_half<const N: usize>(
     by_y: &Matrix<N>,
     unit_y: f64,

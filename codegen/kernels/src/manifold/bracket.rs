@@ -1,7 +1,8 @@
-/// The Lie bracket `ad_a b` of each joint; 0 for joints with ẏ = v.
+/// The Lie bracket `ad_a b` of each joint; 0 for joints without quaternions.
 ///
-/// `(a_l, a_ω)` and `(b_l, b_ω)` of a floating joint give `(a_ω × b_l + a_l × b_ω, a_ω × b_ω)`. Small deviations
-/// `δ = y ⊖ ȳ` from a motion with the velocities v̄ move with `δ̇ = v − v̄ − ad_v̄ δ`.
+/// For a floating joint, the bracket of `(a_l, a_ω)` and `(b_l, b_ω)` (linear, angular) is
+/// `(a_ω × b_l + a_l × b_ω, a_ω × b_ω)`. Small deviations `δ = y ⊖ ȳ` from a motion with the velocities v̄
+/// have the rate `δ̇ = v − v̄ − ad_v̄ δ`.
 pub fn bracket<const J: usize, const N: usize>(
     widths: &[usize; J],
     a: &[f64; N],
@@ -23,7 +24,7 @@ pub fn bracket<const J: usize, const N: usize>(
     result
 }
 
-/// The bracket of se(3).
+/// The Lie bracket of se(3).
 pub(super) fn pose_bracket([a, b, c, w @ ..]: &[f64; 6], [d, e, f, u @ ..]: &[f64; 6]) -> [f64; 6] {
     let (one, other) = (cross(w, &[*d, *e, *f]), cross(&[*a, *b, *c], u));
     let angular = cross(w, u);

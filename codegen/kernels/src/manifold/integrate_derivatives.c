@@ -1,5 +1,5 @@
 {
-    // The quaternions do not enter: the derivatives are those in the moved frames.
+    // The derivatives are in the frames after the displacement, so they do not depend on the quaternions.
     (void)y;
     for (int i = 0; i < GELENK_N * GELENK_N; ++i) {
         d_dy[i] = 0.0;

@@ -1,4 +1,5 @@
-/// For each joint its number of position entries, its first position entry and its first velocity entry.
+/// For each joint: its number of position entries, and the indices of its first position entry and first
+/// velocity.
 pub(super) fn places<const J: usize>(widths: &[usize; J]) -> [(usize, usize, usize); J] {
     let mut places = [(0, 0, 0); J];
     let (mut position, mut velocity) = (0_usize, 0_usize);
@@ -10,7 +11,7 @@ pub(super) fn places<const J: usize>(widths: &[usize; J]) -> [(usize, usize, usi
     places
 }
 
-/// K entries from the first one on; each is `otherwise` where there are fewer.
+/// Reads K entries from index `first` on. All are NaN if there are fewer than K entries.
 #[inline]
 pub(super) fn read<const K: usize>(entries: &[f64], first: usize) -> [f64; K] {
     match entries.get(first..).and_then(|rest| rest.first_chunk()) {
@@ -19,7 +20,7 @@ pub(super) fn read<const K: usize>(entries: &[f64], first: usize) -> [f64; K] {
     }
 }
 
-/// Sets K entries from the first one on, where there are so many.
+/// Writes K entries from index `first` on, if there are at least K entries.
 #[inline]
 pub(super) fn write<const K: usize>(entries: &mut [f64], first: usize, values: &[f64; K]) {
     if let Some(chunk) = entries

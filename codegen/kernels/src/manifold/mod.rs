@@ -1,17 +1,23 @@
-//! Positions that are not velocities: joints whose attitude is a quaternion.
+//! Positions of robots with quaternions, which do not form a vector space.
 //!
-//! `widths` are the numbers of position entries of the joints: 1 (anything with ẏ = v), 4 (spherical: a quaternion x, y,
-//! z, w), 7 (floating: position in the parent's frame, then the quaternion). Their velocities are 1, 3 (angular) and 6
-//! (linear, then angular) numbers, in the body's own frame. Entries of positions y and of velocities v stand in the
-//! order of the joints. `y ⊕ d` is where a motion with the velocity d leads within one second, `X exp(d)` on SE(3);
-//! `y₂ ⊖ y₁` is its inverse. Derivatives by positions are taken along ⊕ (Solà, Deray and Atchuthan, A Micro Lie Theory
-//! for State Estimation in Robotics, 2018).
+//! `widths` contains the number of position entries of each joint:
 //!
-//! Quaternions are taken to be of unit length. The numbers of entries that `widths` gives must be NY and N: entries
-//! beyond, and those of a width that is none of the three, are NaN.
+//! - 1 for a joint with one velocity, the rate of its position
+//! - 4 for a spherical joint: a quaternion x, y, z, w
+//! - 7 for a floating joint: position in the parent's frame, then the quaternion
 //!
-//! Texts and constraints are as in [`crate::discrete_time`], whose module takes the last three: they are
-//! [`crate::discrete_time::runge_kutta_on_manifold`] and its neighbours.
+//! These joints have 1, 3 (angular) or 6 (linear, then angular) velocities in the frame of the moved body.
+//! Entries of positions y and of velocities v have the order of the joints.
+//!
+//! The sum `y ⊕ d` is the position after a motion with the constant velocity d for one second, on SE(3)
+//! `X exp(d)`. The difference `y₂ ⊖ y₁` is its inverse. Derivatives with respect to positions are taken along
+//! ⊕ (Solà, Deray and Atchuthan, A Micro Lie Theory for State Estimation in Robotics, 2018).
+//!
+//! Quaternions must have unit length. NY and N must be the sums of position entries and velocities that
+//! `widths` defines. Additional entries, and entries of joints with another width, are NaN.
+//!
+//! Texts and their restrictions are as in [`crate::discrete_time`]. The last three texts belong to that
+//! module, for example [`crate::discrete_time::runge_kutta_on_manifold`].
 
 use crate::math::{sin_cos, sqrt};
 
@@ -21,36 +27,36 @@ include!("positions.rs");
 include!("bracket.rs");
 include!("tangents.rs");
 
-/// A text, in the order in which they are pasted.
+/// A text. The variants have the order in which the texts are pasted.
 ///
-/// The first five make a module `manifold`, after `use super::math::{sin_cos, sqrt};` (for f32 their names there end in
-/// `_f32`). The others stand after all those of [`crate::discrete_time::Text`] in the module `discrete_time`, after
-/// [`Text::USED_IN_DISCRETE_TIME`].
+/// The first five texts form a module `manifold`, after `use super::math::{sin_cos, sqrt};` (in single
+/// precision, the imported names end in `_f32`). The other texts belong to the module `discrete_time`. They
+/// follow all texts of [`crate::discrete_time::Text`] and the imports of [`Text::USED_IN_DISCRETE_TIME`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Text {
-    /// Where the joints' entries stand.
+    /// Indices of the joints' entries.
     Joints,
     /// Exponential and logarithm of rotations.
     Rotation,
-    /// [`integrate`], [`difference`], [`normalize`], [`neutral`]
+    /// Texts of [`integrate`], [`difference`], [`normalize`] and [`neutral`].
     Positions,
-    /// [`bracket`]
+    /// Text of [`bracket`].
     Bracket,
-    /// [`integrate_derivatives`], [`difference_derivatives`]
+    /// Texts of [`integrate_derivatives`] and [`difference_derivatives`].
     Tangents,
-    /// [`crate::discrete_time::runge_kutta_on_manifold`]
+    /// Text of [`crate::discrete_time::runge_kutta_on_manifold`].
     RungeKutta,
-    /// [`crate::discrete_time::runge_kutta_on_manifold_derivatives`]
+    /// Text of [`crate::discrete_time::runge_kutta_on_manifold_derivatives`].
     Sensitivities,
-    /// [`crate::discrete_time::zero_order_hold_on_manifold`]
+    /// Text of [`crate::discrete_time::zero_order_hold_on_manifold`].
     ZeroOrderHold,
 }
 
 impl Text {
-    /// What the texts in the module `discrete_time` take from the module `manifold` beside it.
+    /// Items of the module `manifold` that the texts in the module `discrete_time` import.
     pub const USED_IN_DISCRETE_TIME: &str = "use super::manifold::{cross, integrate, places, pose_bracket, pose_tangents, read, rotation_tangents, write};";
 
-    /// The Rust items.
+    /// The Rust items of the text.
     pub fn source(self) -> &'static str {
         match self {
             Self::Joints => include_str!("joints.rs"),
@@ -64,13 +70,15 @@ impl Text {
         }
     }
 
-    /// The same operations as C99, with `gelenk_` before every name; empty where C has no need of a text.
+    /// The same operations in C99. All names begin with `gelenk_`. Empty if C does not need the text.
     ///
-    /// They read the module's constants JOINT_POSITIONS, FIRST_POSITIONS and FIRST_VELOCITIES instead of `widths`, and hold
-    /// nothing that the functions of a generated module do not call: compilers warn of it.
+    /// The texts read the module's constants JOINT_POSITIONS, FIRST_POSITIONS and FIRST_VELOCITIES instead of
+    /// `widths`. They contain only functions that a generated module calls, because compilers warn about
+    /// unused functions.
     pub fn c_source(self) -> &'static str {
         match self {
-            // The constants of the module say where the entries stand; the bracket stands among the steps, its only callers.
+            // Constants of the module contain the indices of entries. The bracket is part of the text of the
+            // steps, which alone call it.
             Self::Joints | Self::Bracket => "",
             Self::Rotation => include_str!("rotation.c"),
             Self::Positions => include_str!("positions.c"),
@@ -82,15 +90,15 @@ impl Text {
     }
 }
 
-/// The bodies of functions in C99, as [`Text::c_source`].
+/// The bodies of functions in C99, like [`Text::c_source`].
 pub mod c_bodies {
-    /// [`super::integrate`]
+    /// Body of [`super::integrate`].
     pub const INTEGRATE: &str = include_str!("integrate.c");
-    /// [`super::difference`]
+    /// Body of [`super::difference`].
     pub const DIFFERENCE: &str = include_str!("difference.c");
-    /// [`super::integrate_derivatives`]
+    /// Body of [`super::integrate_derivatives`].
     pub const INTEGRATE_DERIVATIVES: &str = include_str!("integrate_derivatives.c");
-    /// [`super::normalize`]
+    /// Body of [`super::normalize`].
     pub const NORMALIZE: &str = include_str!("normalize.c");
     /// Zero-order hold of the linearization.
     pub const DISCRETIZE: &str = include_str!("discretize.c");

@@ -13,7 +13,7 @@ static void gelenk_pose_after(const double *pose, const double *d, double *resul
     gelenk_attitude_after(q, w, half, &result[3]);
 }
 
-// (1 - (theta/2) cot(theta/2)) / theta^2 of the length theta < 2 pi of a rotation vector.
+// (1 - (theta/2) cot(theta/2)) / theta^2 for the length theta < 2 pi of a rotation vector.
 static double gelenk_half_cotangent(const double *w)
 {
     double c[6];
@@ -21,7 +21,7 @@ static double gelenk_half_cotangent(const double *w)
     return 0.25 * (c[2] - c[3]) / c[1];
 }
 
-// The logarithm of the pose `to`, seen from the pose `from`, on SE(3).
+// The logarithm of the pose `to` relative to the pose `from`, on SE(3).
 static void gelenk_twist_between(const double *from, const double *to, double *result)
 {
     double back[4], relative[4], difference[3], way[3];
@@ -36,7 +36,8 @@ static void gelenk_twist_between(const double *from, const double *to, double *r
     gelenk_turned(w, way, -0.5, gelenk_half_cotangent(w), result);
 }
 
-// Gives the quaternion unit length, and is true; makes it the identity, and is false, where it has no direction.
+// Normalizes the quaternion and returns 1. If the quaternion is zero or not finite, sets it to the identity
+// and returns 0.
 static bool gelenk_normalize_quaternion(double *q)
 {
     double largest = 0.0;
@@ -52,7 +53,8 @@ static bool gelenk_normalize_quaternion(double *q)
         q[3] = 1.0;
         return false;
     }
-    // Squares of tiny and of huge numbers are out of range; the first division of a subnormal number may be inexact.
+    // The division avoids overflow and underflow of squares. It may be inexact for subnormal numbers, so the
+    // length is corrected once more.
     for (int i = 0; i < 4; ++i) {
         q[i] /= largest;
     }

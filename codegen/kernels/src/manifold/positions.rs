@@ -1,5 +1,5 @@
-/// `y ⊕ d`: the positions that are reached by moving with the velocities d for one second. Quaternions of the result
-/// are of unit length to 1e-15, however often this is repeated.
+/// The sum `y ⊕ d`: the positions after a motion with the velocities d for one second. Quaternions of the
+/// result have unit length with an error of 1e-15, even after many calls.
 pub fn integrate<const J: usize, const N: usize, const NY: usize>(
     widths: &[usize; J],
     y: &[f64; NY],
@@ -27,7 +27,7 @@ pub fn integrate<const J: usize, const N: usize, const NY: usize>(
     next
 }
 
-/// `X exp(d)` on SE(3).
+/// The pose `X exp(d)` on SE(3): the position, then the attitude.
 fn pose_after([x, y, z, q @ ..]: &[f64; 7], [a, b, c, w @ ..]: &[f64; 6]) -> [f64; 7] {
     let half = stumpff(0.25 * inner(w, w));
     let [_, c2, c3, ..] = doubled(&half);
@@ -36,8 +36,9 @@ fn pose_after([x, y, z, q @ ..]: &[f64; 7], [a, b, c, w @ ..]: &[f64; 6]) -> [f6
     [x + way[0], y + way[1], z + way[2], i, j, k, l]
 }
 
-/// `to ⊖ from`: the velocities that lead from one to the other within one second, those of the shortest rotation. Both
-/// signs of a quaternion are the same attitude. Where the rotation is one by π, its sign is arbitrary.
+/// The difference `to ⊖ from`: the velocities that lead from `from` to `to` in one second, with the shortest
+/// rotation. A quaternion and its negative are the same attitude. If the angle of the rotation is π, its sign
+/// is arbitrary.
 pub fn difference<const J: usize, const N: usize, const NY: usize>(
     widths: &[usize; J],
     from: &[f64; NY],
@@ -74,7 +75,8 @@ fn twist_between([x, y, z, from @ ..]: &[f64; 7], [a, b, c, to @ ..]: &[f64; 7])
     [l[0], l[1], l[2], w[0], w[1], w[2]]
 }
 
-/// `(1 − (θ/2) cot(θ/2)) / θ²` of the length θ < 2π of a rotation vector, and its derivative by θ divided by θ.
+/// The function `(1 − (θ/2) cot(θ/2)) / θ²` of the length θ < 2π of a rotation vector, and its derivative
+/// with respect to θ divided by θ.
 fn half_cotangent(w: &[f64; 3]) -> (f64, f64) {
     let [_, c1, c2, c3, c4, c5] = stumpff(0.25 * inner(w, w));
     let square = 0.25 * (c2 - c3) / c1;
@@ -82,7 +84,8 @@ fn half_cotangent(w: &[f64; 3]) -> (f64, f64) {
     (square, slopes / (16.0 * c1))
 }
 
-/// Gives the quaternions unit length. The result is false where one is zero or not finite: it then is the identity.
+/// Normalizes the quaternions. Returns false if a quaternion is zero or not finite. This quaternion is set to
+/// the identity.
 #[must_use]
 pub fn normalize<const J: usize, const NY: usize>(widths: &[usize; J], y: &mut [f64; NY]) -> bool {
     let mut are_attitudes = true;
@@ -97,7 +100,8 @@ pub fn normalize<const J: usize, const NY: usize>(widths: &[usize; J], y: &mut [
     are_attitudes
 }
 
-/// The quaternion with unit length, and true; the identity, and false, where it has no direction.
+/// Returns the normalized quaternion and true. If the quaternion is zero or not finite, returns the identity
+/// and false.
 fn normalized(q: &[f64; 4]) -> ([f64; 4], bool) {
     let mut largest = 0.0;
     for entry in q {
@@ -111,12 +115,13 @@ fn normalized(q: &[f64; 4]) -> ([f64; 4], bool) {
     if largest == 0.0 {
         return ([0.0, 0.0, 0.0, 1.0], false);
     }
-    // Squares of tiny and of huge numbers are out of range; the first division of a subnormal number may be inexact.
+    // The division avoids overflow and underflow of squares. It may be inexact for subnormal numbers, so the
+    // length is corrected once more.
     let scaled = of_unit_length(&q.map(|entry| entry / largest));
     (of_unit_length(&scaled), true)
 }
 
-/// Positions 0 and attitudes of the parent.
+/// Neutral positions: position 0 for each joint, and the identity quaternion for each attitude.
 pub fn neutral<const J: usize, const NY: usize>(widths: &[usize; J]) -> [f64; NY] {
     let mut y = [0.0; NY];
     for (width, position, _) in places(widths) {

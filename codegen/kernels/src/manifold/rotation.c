@@ -1,7 +1,7 @@
-// Terms of the sums below.
+// Number of terms of the sums below.
 #define GELENK_STUMPFF_TERMS 10
 
-// Factorials, rounded as often as they are multiplied.
+// Factorials, rounded after each multiplication.
 #define GELENK_14_FACTORIAL (6227020800.0 * 14.0)
 #define GELENK_15_FACTORIAL (GELENK_14_FACTORIAL * 15.0)
 #define GELENK_16_FACTORIAL (GELENK_15_FACTORIAL * 16.0)
@@ -13,7 +13,7 @@
 #define GELENK_22_FACTORIAL (GELENK_21_FACTORIAL * 22.0)
 #define GELENK_23_FACTORIAL (GELENK_22_FACTORIAL * 23.0)
 
-// 1/(2j + 4)! and 1/(2j + 5)!, with alternating signs.
+// The coefficients 1/(2j + 4)! and 1/(2j + 5)!, with alternating signs.
 static const double gelenk_stumpff_coefficients[GELENK_STUMPFF_TERMS][2] = {
     {1.0 / 24.0, 1.0 / 120.0},
     {-1.0 / 720.0, -1.0 / 5040.0},
@@ -27,11 +27,11 @@ static const double gelenk_stumpff_coefficients[GELENK_STUMPFF_TERMS][2] = {
     {-1.0 / GELENK_22_FACTORIAL, -1.0 / GELENK_23_FACTORIAL},
 };
 
-// The sums of (-z)^j / (2j + k)! for k = 0 to 5, the functions of Stumpff: cos x, sin x / x, (1 - cos x) / x^2 and so on,
-// with z = x^2.
+// The Stumpff functions for k = 0 to 5: the sums of (-z)^j / (2j + k)!. They are cos x, sin x / x, (1 - cos
+// x) / x^2 and so on, with z = x^2.
 //
-// Up to x = pi/2 by the sums, which lose no digits there; beyond by sine and cosine. Errors are a few units in the last
-// place of 1/k!.
+// Up to x = pi/2 the sums are used, because they lose no digits there. For larger x, sine and cosine are
+// used. Errors are a few units in the last place of 1/k!.
 static void gelenk_stumpff(double z, double *c)
 {
     if (z <= 2.5) {
@@ -59,7 +59,8 @@ static void gelenk_stumpff(double z, double *c)
     c[5] = (1.0 / 6.0 - c[3]) / z;
 }
 
-// The functions for k = 1 to 5 of twice the angle, at their k. No difference of near numbers stands in them.
+// The Stumpff functions for k = 1 to 5 of twice the angle, at index k. No difference of nearly equal numbers
+// occurs.
 static void gelenk_stumpff_doubled(const double *c, double *doubled)
 {
     doubled[1] = c[0] * c[1];
@@ -81,7 +82,7 @@ static inline double gelenk_inner(const double *a, const double *b)
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-// a + alpha w x a + beta w x (w x a)
+// The vector a + alpha w x a + beta w x (w x a).
 static inline void gelenk_turned(const double *w, const double *a, double alpha, double beta, double *result)
 {
     double once[3], twice[3];
@@ -92,7 +93,8 @@ static inline void gelenk_turned(const double *w, const double *a, double alpha,
     }
 }
 
-// The vector a, given in the body's frame, in the parent's frame; with the conjugate quaternion the inverse.
+// Transforms the vector a from the body's frame to the parent's frame. The conjugate quaternion gives the
+// inverse transformation.
 static inline void gelenk_rotated(const double *q, const double *a, double *result)
 {
     gelenk_turned(q, a, 2.0 * q[3], 2.0, result);
@@ -118,7 +120,8 @@ static inline void gelenk_quaternion_product(const double *a, const double *b, d
 
 // Divides the quaternion by its length.
 //
-// Near one, a Newton step does that with an error below 1e-16 and without a root. NaN for the quaternion 0.
+// If the length is close to one, a Newton step without a square root is sufficient; its error is below 1e-16.
+// The result for the quaternion 0 is NaN.
 static inline void gelenk_to_unit_length(double *q)
 {
     const double square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
@@ -128,8 +131,8 @@ static inline void gelenk_to_unit_length(double *q)
     }
 }
 
-// The attitude after a rotation by the vector w in the body's frame, q exp(w); `half` are the functions of Stumpff of half
-// the angle.
+// The attitude q exp(w) after a rotation by the vector w in the body's frame. `half` contains the Stumpff
+// functions of half the angle.
 static inline void gelenk_attitude_after(const double *q, const double *w, const double *half, double *result)
 {
     const double s = 0.5 * half[1];
@@ -138,7 +141,7 @@ static inline void gelenk_attitude_after(const double *q, const double *w, const
     gelenk_to_unit_length(result);
 }
 
-// atan t / t for |t| <= 0.21 by its Taylor series; what is left out is below 1e-17.
+// atan t / t for |t| <= 0.21 by its Taylor series. The remainder is below 1e-17.
 static double gelenk_arctangent_over(double t)
 {
     static const double coefficients[12] = {
@@ -153,11 +156,11 @@ static double gelenk_arctangent_over(double t)
     return sum;
 }
 
-// 2 phi / sin of the angle phi of the point (cos, sin) at the distance `length` from the origin, both >= 0; 2 / cos for
-// sin = 0, NaN for the origin.
+// 2 phi / sin, where phi is the angle of the point (cos, sin) with cos, sin >= 0, and `length` is the
+// distance of this point from the origin. The result is 2 / cos for sin = 0, and NaN for the origin.
 //
-// phi = 2 atan u with u = tan(phi/2), and atan u is that of the nearest multiple c of pi/8 plus
-// atan((u - tan c)/(1 + u tan c)).
+// phi is 2 atan u with u = tan(phi/2). atan u is c + atan((u - tan c)/(1 + u tan c)) with the nearest
+// multiple c of pi/8.
 static double gelenk_angle_over_sine(double sine, double cosine, double length)
 {
     const double u = sine / (length + cosine);
@@ -171,8 +174,8 @@ static double gelenk_angle_over_sine(double sine, double cosine, double length)
     return 4.0 * (center + rest * gelenk_arctangent_over(rest)) / sine;
 }
 
-// The shortest rotation vector of an attitude: its length is at most pi. Both signs of the quaternion are the same
-// attitude.
+// The shortest rotation vector of an attitude. Its length is at most pi. A quaternion and its negative are
+// the same attitude.
 static void gelenk_rotation_vector(const double *q, double *result)
 {
     const double square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2];

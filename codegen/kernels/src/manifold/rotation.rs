@@ -1,10 +1,11 @@
-/// `Σ (−z)ʲ / (2j + k)!` for k = 0 to 5, the functions of Stumpff: cos x, sin x / x, (1 − cos x) / x², … with z = x².
+/// The Stumpff functions `Σ (−z)ʲ / (2j + k)!` for k = 0 to 5. They are cos x, sin x / x, (1 − cos x) / x², …
+/// with z = x².
 ///
-/// Up to x = π/2 by the sums, which lose no digits there; beyond by sine and cosine. Errors are a few units in the last
-/// place of 1/k!.
+/// Up to x = π/2 the sums are used, because they lose no digits there. For larger x, sine and cosine are
+/// used. Errors are a few units in the last place of 1/k!.
 fn stumpff(z: f64) -> [f64; 6] {
     const TERMS: usize = 10;
-    // 1/(2j + 4)! and 1/(2j + 5)!, with alternating signs.
+    // The coefficients 1/(2j + 4)! and 1/(2j + 5)!, with alternating signs.
     const COEFFICIENTS: [[f64; 2]; TERMS] = {
         let mut coefficients = [[0.0; 2]; TERMS];
         let (mut j, mut factorial, mut sign) = (0, 6.0, 1.0);
@@ -33,7 +34,7 @@ fn stumpff(z: f64) -> [f64; 6] {
     [cos, c1, c2, c3, (0.5 - c2) / z, (1.0 / 6.0 - c3) / z]
 }
 
-/// The functions for k = 1 to 5 of twice the angle. No difference of near numbers stands in them.
+/// The Stumpff functions for k = 1 to 5 of twice the angle. No difference of nearly equal numbers occurs.
 fn doubled([c0, c1, c2, c3, c4, c5]: &[f64; 6]) -> [f64; 5] {
     [
         c0 * c1,
@@ -58,7 +59,7 @@ fn inner(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// `a + α w × a + β w × (w × a)`
+/// The vector `a + α w × a + β w × (w × a)`.
 #[inline]
 fn turned(w: &[f64; 3], a: &[f64; 3], alpha: f64, beta: f64) -> [f64; 3] {
     let once = cross(w, a);
@@ -66,7 +67,8 @@ fn turned(w: &[f64; 3], a: &[f64; 3], alpha: f64, beta: f64) -> [f64; 3] {
     core::array::from_fn(|i| a[i] + (alpha * once[i] + beta * twice[i]))
 }
 
-/// The vector a, given in the body's frame, in the parent's frame; with the conjugate quaternion the inverse.
+/// Transforms the vector a from the body's frame to the parent's frame. The conjugate quaternion gives the
+/// inverse transformation.
 #[inline]
 fn rotated(q: &[f64; 4], a: &[f64; 3]) -> [f64; 3] {
     turned(&[q[0], q[1], q[2]], a, 2.0 * q[3], 2.0)
@@ -90,7 +92,8 @@ fn product(a: &[f64; 4], b: &[f64; 4]) -> [f64; 4] {
 
 /// The quaternion divided by its length.
 ///
-/// Near one, a Newton step does that with an error below 1e-16 and without a root. NaN for the quaternion 0.
+/// If the length is close to one, a Newton step without a square root is sufficient; its error is below
+/// 1e-16. The result for the quaternion 0 is NaN.
 #[inline]
 fn of_unit_length(q: &[f64; 4]) -> [f64; 4] {
     let square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
@@ -102,16 +105,16 @@ fn of_unit_length(q: &[f64; 4]) -> [f64; 4] {
     [q[0] * factor, q[1] * factor, q[2] * factor, q[3] * factor]
 }
 
-/// The attitude after a rotation by the vector w in the body's frame, `q exp(w)`; `half` are the functions of Stumpff of
-/// half the angle.
+/// The attitude `q exp(w)` after a rotation by the vector w in the body's frame. `half` contains the Stumpff
+/// functions of half the angle.
 #[inline]
 fn attitude_after(q: &[f64; 4], w: &[f64; 3], half: &[f64; 6]) -> [f64; 4] {
     let s = 0.5 * half[1];
     of_unit_length(&product(q, &[s * w[0], s * w[1], s * w[2], half[0]]))
 }
 
-/// The shortest rotation vector of an attitude: its length is at most π. Both signs of the quaternion are the same
-/// attitude.
+/// The shortest rotation vector of an attitude. Its length is at most π. A quaternion and its negative are
+/// the same attitude.
 fn rotation_vector(q: &[f64; 4]) -> [f64; 3] {
     let square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2];
     let (sin, cos) = (sqrt(square), q[3].abs());
@@ -120,10 +123,11 @@ fn rotation_vector(q: &[f64; 4]) -> [f64; 3] {
     [factor * q[0], factor * q[1], factor * q[2]]
 }
 
-/// `2 φ / sin` of the angle φ of the point (cos, sin) at the distance `length` from the origin, both ≥ 0; 2 / cos for
-/// sin = 0, NaN for the origin.
+/// The value `2 φ / sin`, where φ is the angle of the point (cos, sin) with cos, sin ≥ 0, and `length` is the
+/// distance of this point from the origin. The result is 2 / cos for sin = 0, and NaN for the origin.
 ///
-/// φ = 2 atan u with u = tan(φ/2), and atan u is that of the nearest multiple c of π/8 plus atan((u − tan c)/(1 + u tan c)).
+/// φ is 2 atan u with u = tan(φ/2). atan u is c + atan((u − tan c)/(1 + u tan c)) with the nearest multiple c
+/// of π/8.
 fn angle_over_sine(sin: f64, cos: f64, length: f64) -> f64 {
     use core::f64::consts::{FRAC_PI_4, FRAC_PI_8, SQRT_2};
     const TAN_FRAC_PI_8: f64 = SQRT_2 - 1.0;
@@ -140,7 +144,7 @@ fn angle_over_sine(sin: f64, cos: f64, length: f64) -> f64 {
     4.0 * (center + rest * arctangent_over(rest)) / sin
 }
 
-/// `atan t / t` for |t| ≤ 0.21 by its Taylor series; what is left out is below 1e-17.
+/// The value `atan t / t` for |t| ≤ 0.21 by its Taylor series. The remainder is below 1e-17.
 fn arctangent_over(t: f64) -> f64 {
     const TERMS: usize = 12;
     let (z, mut sum) = (t * t, 0.0);

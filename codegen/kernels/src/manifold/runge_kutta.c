@@ -1,4 +1,4 @@
-// The Lie bracket ad_a b of so(3), of 3 entries, and of se(3), of 6.
+// The Lie bracket ad_a b of so(3) (3 entries) or se(3) (6 entries).
 static inline void gelenk_bracket(int size, const double *a, const double *b, double *result)
 {
     if (size == 3) {
@@ -25,8 +25,9 @@ static inline void gelenk_chart_rate(int size, const double *d, const double *v,
     }
 }
 
-// The rate of the displacement d from a fixed position. Steps are those of Munthe-Kaas (High order Runge-Kutta methods on
-// manifolds, 1999): the classical Runge-Kutta method for d in y (+) d. The terms left out are of order 5 in a step.
+// The rate of the displacement d from a fixed position. Steps are computed by the method of Munthe-Kaas (High
+// order Runge-Kutta methods on manifolds, 1999), that is by the classical Runge-Kutta method for d in y (+)
+// d. The neglected terms have order 5 in the step length.
 static void gelenk_displacement_rate(const double *d, const double *v, double *rate)
 {
     for (int joint = 0; joint < GELENK_JOINTS; ++joint) {

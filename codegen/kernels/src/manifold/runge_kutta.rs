@@ -1,6 +1,6 @@
-/// Steps of order 4 for positions on a manifold (Munthe-Kaas, High order Runge–Kutta methods on manifolds, 1999): the
-/// classical Runge–Kutta method for δ in `y ⊕ δ`, with `δ̇ = v + ½ [δ, v] + 1/12 [δ, [δ, v]]`. The terms left out are of
-/// order 5 in a step.
+/// Performs steps of order 4 for positions on a manifold (Munthe-Kaas, High order Runge–Kutta methods on
+/// manifolds, 1999). They apply the classical Runge–Kutta method to δ in `y ⊕ δ`, with the rate
+/// `δ̇ = v + ½ [δ, v] + 1/12 [δ, [δ, v]]`. The neglected terms have order 5 in the step length.
 pub fn runge_kutta_on_manifold<const J: usize, const N: usize, const NY: usize>(
     widths: &[usize; J],
     y: &[f64; NY],
@@ -25,7 +25,8 @@ pub fn runge_kutta_on_manifold<const J: usize, const N: usize, const NY: usize>(
     (y, v)
 }
 
-/// A classical Runge–Kutta step of displacement and velocity from the displacement 0, where its rate is the velocity.
+/// A classical Runge–Kutta step of displacement and velocity. It starts at the displacement 0, at which the
+/// rate of the displacement is the velocity.
 fn step_in_chart<V: Advance>(
     zero: V,
     v: V,
@@ -76,7 +77,7 @@ fn displacement_rate<const J: usize, const N: usize>(
     rate
 }
 
-/// `v + ½ [δ, v] + 1/12 [δ, [δ, v]]`
+/// The rate `v + ½ [δ, v] + 1/12 [δ, [δ, v]]`.
 #[inline]
 fn chart_rate<const K: usize>(
     bracket: impl Fn(&[f64; K], &[f64; K]) -> [f64; K],

@@ -1,4 +1,4 @@
-// Adds the products of a joint's block and the derivatives of a motion.
+// Adds the product of a joint's block and the derivatives of a motion.
 static void gelenk_add_block(int size, const double *block, const gelenk_motion *motion, int first, gelenk_motion *sum)
 {
     for (int i = 0; i < size; ++i) {
@@ -11,7 +11,8 @@ static void gelenk_add_block(int size, const double *block, const gelenk_motion 
     }
 }
 
-// The derivatives of y (+) d from those of y and of d. Its value counts as 0: the affine remainder knows of none.
+// The derivatives of y (+) d from the derivatives of y and d. The value of the result is 0, because the
+// affine remainder refers to the displacement 0.
 static void gelenk_moved_on(const gelenk_motion *y, const gelenk_motion *d, gelenk_motion *sum)
 {
     const gelenk_motion zero = {{0.0}, {0.0}, {0.0}};
@@ -25,7 +26,7 @@ static void gelenk_moved_on(const gelenk_motion *y, const gelenk_motion *d, gele
     }
 }
 
-// The derivatives of v + 1/2 [d, v] + 1/12 [d, [d, v]] by d and by v.
+// The derivatives of v + 1/2 [d, v] + 1/12 [d, [d, v]] with respect to d and v.
 static void gelenk_chart_rates(int size, const double *d, const double *v, double *by_d, double *by_v)
 {
     double once[6] = {0.0};
@@ -63,7 +64,7 @@ static void gelenk_displacement_rates(const gelenk_motion *d, const gelenk_motio
     }
 }
 
-// The acceleration at the positions y, by the chain rule; of these only the derivatives count in `moved`.
+// The acceleration at the positions y, by the chain rule. Only the derivatives in `moved` are used.
 static void gelenk_acceleration_motion(const double *y, const gelenk_motion *moved, const gelenk_motion *v,
     const double *u, const gelenk_parameters *p, gelenk_motion *a)
 {

@@ -1,11 +1,13 @@
-/// Positions and velocities after the steps, the blocks of their derivatives by the state and by the inputs; those of
-/// positions, and by positions, are taken along ⊕.
+/// Positions and velocities after the steps, then the blocks of their derivatives with respect to the initial
+/// state and to the inputs. Derivatives of positions, and with respect to positions, are taken along ⊕.
 pub type SteppedOnManifold<const N: usize, const M: usize, const NY: usize> =
     ([f64; NY], [f64; N], [[Matrix<N>; 2]; 2], [[[f64; M]; N]; 2]);
 
-/// Such steps with their exact derivatives: of the method's result, by the chain rule over its stages.
+/// Performs the steps of [`runge_kutta_on_manifold`], and computes the exact derivatives of their result by
+/// the chain rule over the stages.
 ///
-/// `linearize` gives `∂v̇/∂y` along ⊕, `∂v̇/∂v`, `∂v̇/∂u` and the affine remainder `v̇ − ∂v̇/∂v v − ∂v̇/∂u u`.
+/// `linearize` returns `∂v̇/∂y` along ⊕, `∂v̇/∂v`, `∂v̇/∂u`, and the affine remainder
+/// `v̇ − ∂v̇/∂v v − ∂v̇/∂u u`.
 pub fn runge_kutta_on_manifold_derivatives<
     const J: usize,
     const N: usize,
@@ -21,7 +23,8 @@ pub fn runge_kutta_on_manifold_derivatives<
     linearize: impl Fn(&[f64; NY], &[f64; N]) -> Linear<N, M>,
 ) -> SteppedOnManifold<N, M, NY> {
     let h = period / substeps as f64;
-    // Of the position only the derivatives count, its value stands in y: the affine remainder knows of none.
+    // `moved` has only derivatives, and y has the values of the positions, because the affine remainder
+    // refers to the displacement 0.
     let (mut y, mut moved, mut v) = (*y, Motion::initial(&[0.0; N], 0), Motion::initial(v, 1));
     let zero = Motion {
         value: [0.0; N],
@@ -52,7 +55,7 @@ pub fn runge_kutta_on_manifold_derivatives<
     (y, v.value, state, [moved.by_inputs, v.by_inputs])
 }
 
-/// The derivatives of `y ⊕ d` from those of y and of d.
+/// The derivatives of `y ⊕ d` from the derivatives of y and d.
 fn moved_on<const J: usize, const N: usize, const M: usize>(
     widths: &[usize; J],
     y: &Motion<N, M>,
@@ -121,7 +124,7 @@ fn displacement_rates<const J: usize, const N: usize, const M: usize>(
     rate
 }
 
-/// The derivatives of `v + ½ [δ, v] + 1/12 [δ, [δ, v]]` by δ and by v.
+/// The derivatives of `v + ½ [δ, v] + 1/12 [δ, [δ, v]]` with respect to δ and v.
 fn chart_rates<const K: usize>(
     bracket: impl Fn(&[f64; K], &[f64; K]) -> [f64; K],
     d: &[f64; K],

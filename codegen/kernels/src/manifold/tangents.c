@@ -1,5 +1,5 @@
-// The function 1 + linear ad_d + square ad_d^2 of a displacement d, and 1/theta times the derivatives of its coefficients by
-// the angle theta.
+// The function 1 + linear ad_d + square ad_d^2 of a displacement d. The slopes are the derivatives of the
+// coefficients with respect to the angle theta, divided by theta.
 typedef struct {
     double linear;
     double square;
@@ -7,7 +7,7 @@ typedef struct {
     double square_slope;
 } gelenk_polynomial;
 
-// The derivatives of X exp(d) by X and by d: Ad(exp(-d)), and the sum of (-ad_d)^k / (k + 1)!.
+// The derivatives of X exp(d) with respect to X and d: Ad(exp(-d)), and the sum of (-ad_d)^k / (k + 1)!.
 static void gelenk_tangent_polynomials(const double *w, gelenk_polynomial *by_pose, gelenk_polynomial *by_d)
 {
     double half[6], c[6];
@@ -23,7 +23,7 @@ static void gelenk_tangent_polynomials(const double *w, gelenk_polynomial *by_po
     by_d->square_slope = 3.0 * c[5] - c[4];
 }
 
-// alpha w x + beta w x w x, 3 x 3
+// The matrix alpha w x + beta w x w x, 3 x 3.
 static inline void gelenk_cross_matrices(double alpha, double beta, const double *w, double *matrix)
 {
     const double s[3] = {alpha * w[0], alpha * w[1], alpha * w[2]};
@@ -41,7 +41,7 @@ static inline void gelenk_cross_matrices(double alpha, double beta, const double
     matrix[8] = -(xx + yy);
 }
 
-// On SO(3), 3 x 3.
+// The function on SO(3), 3 x 3.
 static void gelenk_on_rotation(const gelenk_polynomial *polynomial, const double *w, double *matrix)
 {
     gelenk_cross_matrices(polynomial->linear, polynomial->square, w, matrix);
@@ -50,8 +50,8 @@ static void gelenk_on_rotation(const gelenk_polynomial *polynomial, const double
     }
 }
 
-// On SE(3), 6 x 6: since ad_d = [w x, l x; 0, w x], the upper right block is the derivative of that on SO(3) in the
-// direction l.
+// The function on SE(3), 6 x 6. Since ad_d = [w x, l x; 0, w x], the upper right block is the derivative of
+// the function on SO(3) in the direction l.
 static void gelenk_on_pose(const gelenk_polynomial *polynomial, const double *d, double *matrix)
 {
     const double *l = d, *w = &d[3];
@@ -72,7 +72,7 @@ static void gelenk_on_pose(const gelenk_polynomial *polynomial, const double *d,
     }
 }
 
-// The derivatives of y (+) d by y and by d for one joint, and their size: 1, 3 or 6.
+// The derivatives of y (+) d with respect to y and d for one joint. Returns their size: 1, 3 or 6.
 static int gelenk_joint_tangents(int joint, const double *d, double *by_y, double *by_d)
 {
     const double *own = &d[GELENK_FIRST_VELOCITIES[joint]];

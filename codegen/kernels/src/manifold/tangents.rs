@@ -1,5 +1,5 @@
-/// The function `1 + c₁ ad_d + c₂ ad_d²` of a displacement, and `1/θ` times the derivatives of its coefficients by the
-/// angle θ.
+/// The function `1 + c₁ ad_d + c₂ ad_d²` of a displacement d. The slopes are the derivatives of the
+/// coefficients with respect to the angle θ, divided by θ.
 struct Polynomial {
     linear: f64,
     square: f64,
@@ -8,7 +8,7 @@ struct Polynomial {
 }
 
 impl Polynomial {
-    /// `Ad(exp(−d))`
+    /// The adjoint matrix `Ad(exp(−d))`.
     fn adjoint(w: &[f64; 3]) -> Self {
         let [c1, c2, c3, c4, _] = doubled(&stumpff(0.25 * inner(w, w)));
         Self {
@@ -19,7 +19,7 @@ impl Polynomial {
         }
     }
 
-    /// `J_r(d) = Σ (−ad_d)ᵏ / (k + 1)!`
+    /// The right Jacobian `J_r(d) = Σ (−ad_d)ᵏ / (k + 1)!`.
     fn right(w: &[f64; 3]) -> Self {
         let [_, c2, c3, c4, c5] = doubled(&stumpff(0.25 * inner(w, w)));
         Self {
@@ -30,7 +30,8 @@ impl Polynomial {
         }
     }
 
-    /// `J_r⁻¹(d)`, with −1 in place of 1 `J_l⁻¹(d)`.
+    /// The inverse `J_r⁻¹(d)` of the right Jacobian if `side` is 1, or the inverse `J_l⁻¹(d)` of the left
+    /// Jacobian if `side` is −1.
     fn inverse(w: &[f64; 3], side: f64) -> Self {
         let (square, square_slope) = half_cotangent(w);
         Self {
@@ -41,7 +42,7 @@ impl Polynomial {
         }
     }
 
-    /// On SO(3).
+    /// The function on SO(3).
     fn of_rotation(&self, w: &[f64; 3]) -> [[f64; 3]; 3] {
         let mut matrix = combination(self.linear, self.square, w);
         for i in 0..3 {
@@ -50,7 +51,8 @@ impl Polynomial {
         matrix
     }
 
-    /// On SE(3): since `ad_d = [ω× l×; 0 ω×]`, the upper right block is the derivative of that on SO(3) in the direction l.
+    /// The function on SE(3). Since `ad_d = [ω× l×; 0 ω×]`, the upper right block is the derivative of the
+    /// function on SO(3) in the direction l.
     fn of_pose(&self, [a, b, c, w @ ..]: &[f64; 6]) -> [[f64; 6]; 6] {
         let l = [*a, *b, *c];
         let (diagonal, along) = (self.of_rotation(w), inner(w, &l));
@@ -70,7 +72,7 @@ impl Polynomial {
     }
 }
 
-/// `α w× + β w× w×`
+/// The matrix `α w× + β w× w×`.
 #[inline]
 fn combination(alpha: f64, beta: f64, w: &[f64; 3]) -> [[f64; 3]; 3] {
     let (s, t) = (w.map(|w| alpha * w), w.map(|w| beta * w));
@@ -83,7 +85,7 @@ fn combination(alpha: f64, beta: f64, w: &[f64; 3]) -> [[f64; 3]; 3] {
     ]
 }
 
-/// The derivatives of `X exp(d)` on SE(3) by X and by d.
+/// The derivatives of `X exp(d)` on SE(3) with respect to X and d.
 pub(super) fn pose_tangents(d: &[f64; 6]) -> [[[f64; 6]; 6]; 2] {
     let [_, _, _, w @ ..] = d;
     [
@@ -92,7 +94,7 @@ pub(super) fn pose_tangents(d: &[f64; 6]) -> [[[f64; 6]; 6]; 2] {
     ]
 }
 
-/// The same on SO(3).
+/// The derivatives of `X exp(d)` on SO(3) with respect to X and d.
 pub(super) fn rotation_tangents(w: &[f64; 3]) -> [[[f64; 3]; 3]; 2] {
     [
         Polynomial::adjoint(w).of_rotation(w),
@@ -100,7 +102,8 @@ pub(super) fn rotation_tangents(w: &[f64; 3]) -> [[[f64; 3]; 3]; 2] {
     ]
 }
 
-/// The derivatives of the logarithm d of a pose by it, and by that which it is counted from.
+/// The derivatives of the logarithm d of the relative pose, with respect to the pose `to` and to the pose
+/// `from`.
 fn pose_differences(d: &[f64; 6]) -> [[[f64; 6]; 6]; 2] {
     let [_, _, _, w @ ..] = d;
     let by_from = Polynomial::inverse(w, -1.0).of_pose(d);
@@ -110,7 +113,7 @@ fn pose_differences(d: &[f64; 6]) -> [[[f64; 6]; 6]; 2] {
     ]
 }
 
-/// The same on SO(3).
+/// The derivatives of the logarithm on SO(3), with respect to the attitudes `to` and `from`.
 fn rotation_differences(w: &[f64; 3]) -> [[[f64; 3]; 3]; 2] {
     let by_from = Polynomial::inverse(w, -1.0).of_rotation(w);
     [
@@ -119,7 +122,8 @@ fn rotation_differences(w: &[f64; 3]) -> [[[f64; 3]; 3]; 2] {
     ]
 }
 
-/// The derivatives of `y ⊕ d` by y and by d, both along ⊕ at the result: `Ad(exp(−d))` and the right Jacobian `J_r(d)`.
+/// The derivatives of `y ⊕ d` with respect to y and d, along ⊕ at the result: `Ad(exp(−d))` and the right
+/// Jacobian `J_r(d)`.
 pub fn integrate_derivatives<const J: usize, const N: usize>(
     widths: &[usize; J],
     d: &[f64; N],
@@ -144,9 +148,10 @@ pub fn integrate_derivatives<const J: usize, const N: usize>(
     (by_y, by_d)
 }
 
-/// The derivatives of `d = to ⊖ from` by `to`, `J_r⁻¹(d)`, and by `from`, `−J_l⁻¹(d)`, both along ⊕.
+/// The derivatives of `d = to ⊖ from` along ⊕: `J_r⁻¹(d)` with respect to `to`, and `−J_l⁻¹(d)` with respect
+/// to `from`.
 ///
-/// The rotations in d are at most π; the derivatives jump there, as d does.
+/// The angles of rotations in d are at most π. At π, d and its derivatives are discontinuous.
 pub fn difference_derivatives<const J: usize, const N: usize>(
     widths: &[usize; J],
     d: &[f64; N],
@@ -170,7 +175,7 @@ pub fn difference_derivatives<const J: usize, const N: usize>(
     (by_to, by_from)
 }
 
-/// NaN on the diagonal until the joint's block is written.
+/// A matrix with NaN on the diagonal, which remains for joints without a block.
 fn unknown<const N: usize>() -> [[f64; N]; N] {
     let mut matrix = [[0.0; N]; N];
     for i in 0..N {

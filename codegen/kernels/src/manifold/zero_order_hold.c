@@ -1,4 +1,4 @@
-// Adds the rows of b, so many entries in each, times the entries of a.
+// Adds the rows of b times the entries of a. Each row has `columns` entries.
 static void gelenk_add_rows(int columns, double *sum, const double *a, const double *b)
 {
     for (int k = 0; k < GELENK_N; ++k) {
@@ -6,9 +6,11 @@ static void gelenk_add_rows(int columns, double *sum, const double *a, const dou
     }
 }
 
-// Exact solution of d' = D d + v, v' = A_y d + A_v v + B_x u + c over a period in which the inputs are held, with x = (d, v).
+// Exact solution of d' = D d + v, v' = A_y d + A_v v + B_x u + c over a period with constant inputs, for the
+// state x = (d, v).
 //
-// With w = D d + v this is d' = w, w' = (A_y - A_v D) d + (A_v + D) w + B_x u + c, what `zero_order_hold` solves.
+// With w = D d + v, the system is d' = w, w' = (A_y - A_v D) d + (A_v + D) w + B_x u + c, which
+// `zero_order_hold` solves.
 static void gelenk_zero_order_hold_on_manifold(const double *by_y, const double *by_v, const double *by_u,
     const double *remainder, const double *drift, double period, double *state, double *input, double *affine)
 {
@@ -24,7 +26,7 @@ static void gelenk_zero_order_hold_on_manifold(const double *by_y, const double 
         gelenk_add_scaled(GELENK_N, &by_w[i * GELENK_N], 1.0, &drift[i * GELENK_N]);
     }
     gelenk_zero_order_hold(by_d, by_w, by_u, remainder, period, state, input, affine);
-    // The rate w counts as velocity v and D d: first in the state before, then in the one after.
+    // The rate w is replaced by v + D d, first in the initial state, then in the final state.
     for (int half = 0; half < 2; ++half) {
         for (int i = 0; i < GELENK_N; ++i) {
             double *left = &state[2 * half * square + i * GELENK_N];

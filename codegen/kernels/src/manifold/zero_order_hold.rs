@@ -1,11 +1,12 @@
-/// The blocks of [`Linear`], and D in `δ̇ = D δ + v`.
+/// The blocks of [`Linear`], and the matrix D in `δ̇ = D δ + v`.
 pub type LinearOnManifold<const N: usize, const M: usize> =
     (Matrix<N>, Matrix<N>, [[f64; M]; N], [f64; N], Matrix<N>);
 
-/// Exact solution of `δ̇ = D δ + v`, `v̇ = A_y δ + A_v v + B_x u + c` over a period in which the inputs are held, with
-/// `x = (δ, v)`.
+/// Exact solution of `δ̇ = D δ + v`, `v̇ = A_y δ + A_v v + B_x u + c` over a period with constant inputs, for
+/// the state `x = (δ, v)`.
 ///
-/// With `w = D δ + v` this is `δ̇ = w`, `ẇ = (A_y − A_v D) δ + (A_v + D) w + B_x u + c`, what [`zero_order_hold`] solves.
+/// With `w = D δ + v`, the system is `δ̇ = w`, `ẇ = (A_y − A_v D) δ + (A_v + D) w + B_x u + c`, which
+/// [`zero_order_hold`] solves.
 pub fn zero_order_hold_on_manifold<const N: usize, const M: usize>(
     (by_y, by_v, by_u, remainder, drift): &LinearOnManifold<N, M>,
     period: f64,
@@ -17,7 +18,7 @@ pub fn zero_order_hold_on_manifold<const N: usize, const M: usize>(
     }
     let (mut state, mut input, mut affine) =
         zero_order_hold(&(by_d, by_w, *by_u, *remainder), period);
-    // The rate w counts as velocity v and D δ: first in the state before, then in the one after.
+    // The rate w is replaced by v + D δ, first in the initial state, then in the final state.
     for [by_d, by_w] in &mut state {
         for (by_d, by_w) in by_d.iter_mut().zip(by_w) {
             add_combination(by_d, by_w, drift);

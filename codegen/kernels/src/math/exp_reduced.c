@@ -1,6 +1,6 @@
-// x = k ln 2 + r with |r| <= ln 2 / 2, ln 2 in two parts (Cody and Waite, Software Manual for the Elementary Functions,
-// 1980, ch. 6), then a minimax polynomial (Remez exchange): exp x = (hi + low) 2^k with |low| < 0.08; the returned k
-// wraps around zero.
+// The argument is reduced to x = k ln 2 + r with |r| <= ln 2 / 2 and ln 2 in two parts (Cody and Waite,
+// Software Manual for the Elementary Functions, 1980, ch. 6). A minimax polynomial follows (Remez exchange):
+// exp x = (hi + low) 2^k with |low| < 0.08. A negative k is returned in two's complement.
 GELENK_INLINE uint64_t gelenk_exp_reduced(double x, double *hi_part, double *low_part)
 {
     const double log2_e = 1.4426950408889634;

@@ -1,7 +1,9 @@
-// What exp.rs and tanh.rs share: x = k ln 2 + r with |r| ≤ ln 2 / 2, ln 2 in two parts (Cody and Waite, Software Manual
-// for the Elementary Functions, 1980, ch. 6), then a minimax polynomial (Remez exchange, minimax.py).
+// Common part of exp.rs and tanh.rs. The argument is reduced to x = k ln 2 + r with |r| ≤ ln 2 / 2 and ln 2
+// in two parts (Cody and Waite, Software Manual for the Elementary Functions, 1980, ch. 6). A minimax
+// polynomial follows (Remez exchange, minimax.py).
 
-/// `exp x = (hi + low) 2^k` with `|low| < 0.08`; `k` wraps around zero.
+/// Returns hi, low and k with `exp x = (hi + low) 2^k` and `|low| < 0.08`. A negative `k` is in two's
+/// complement.
 #[inline(always)]
 fn exp_reduced(x: f64) -> (f64, f64, u64) {
     const LN_2: [f64; 2] = [0.6931471805598903, 5.497923018708371e-14];

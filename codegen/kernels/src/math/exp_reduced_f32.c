@@ -1,5 +1,6 @@
-// x = k ln 2 + r with |r| <= ln 2 / 2, ln 2 in two parts (Cody and Waite), then a minimax polynomial (Remez exchange):
-// exp x = (hi + low) 2^k with |low| < 0.08; the returned k wraps around zero.
+// The argument is reduced to x = k ln 2 + r with |r| <= ln 2 / 2 and ln 2 in two parts (Cody and Waite). A
+// minimax polynomial follows (Remez exchange): exp x = (hi + low) 2^k with |low| < 0.08. A negative k is
+// returned in two's complement.
 GELENK_INLINE uint32_t gelenk_exp_reduced_f32(float x, float *hi_part, float *low_part)
 {
     const float log2_e = 1.442695f;

@@ -1,7 +1,8 @@
-// What exp_f32.rs and tanh_f32.rs share, in f32 (after exp_reduced.rs): x = k ln 2 + r with |r| ≤ ln 2 / 2, ln 2 in two parts,
-// then a minimax polynomial (minimax.py).
+// Common part of exp_f32.rs and tanh_f32.rs, in f32 (after exp_reduced.rs). The argument is reduced to x = k
+// ln 2 + r with |r| ≤ ln 2 / 2 and ln 2 in two parts. A minimax polynomial follows (minimax.py).
 
-/// `exp x = (hi + low) 2^k` with `|low| < 0.08`; `k` wraps around zero.
+/// Returns hi, low and k with `exp x = (hi + low) 2^k` and `|low| < 0.08`. A negative `k` is in two's
+/// complement.
 #[inline(always)]
 fn exp_reduced_f32(x: f32) -> (f32, f32, u32) {
     const LN_2: [f32; 2] = [0.69314575, 1.4286068e-6];

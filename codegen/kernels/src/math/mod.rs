@@ -1,23 +1,25 @@
-//! Elementary functions, in our own text so that they give the same bits on every platform.
+//! Elementary functions whose results have the same bits on every platform.
 //!
-//! The text of each file is compiled here, for the interpreter, and pasted into generated modules by the emitter
-//! ([`Kernel`]), so interpreter and generated code agree bit for bit. Constraints on it: `core` paths only, no
-//! branches on the usual path, no tables, no fused operations, no panic, no inner attributes or inner doc comments. The texts
-//! for f32 compute in f32 throughout: small processors have no f64.
+//! The text of each file is compiled here for the interpreter, and pasted into generated modules by the
+//! emitter ([`Kernel`]), so interpreter and generated code agree bit for bit. The texts use only `core`
+//! paths, have no branches on the usual path, no tables and no fused operations, do not panic, and have no
+//! inner attributes or inner doc comments. The texts for f32 compute only in f32, because small processors
+//! have no f64.
 
-/// The bits of numbers of type `double` in C99, which [`Kernel::c_source`] reads.
+/// C99 text of the functions that convert between `double` and its bits. The texts of [`Kernel::c_source`]
+/// call them.
 pub const C_BITS: &str = include_str!("bits.c");
 
-/// The bits of numbers of type `float`, for the texts whose names end in `_f32`.
+/// C99 text of the functions that convert between `float` and its bits, for texts whose names end in `_f32`.
 pub const C_BITS_F32: &str = include_str!("bits_f32.c");
 
-/// Makes the enum [`Kernel`] of one row for each kernel: its name, which is also that of its Rust file, the kernel that it
-/// calls, and its files in C99, for one state and for several.
+/// Makes the enum [`Kernel`] from one row for each kernel. A row contains the kernel's name (also the name of
+/// its Rust file), the kernel that it calls, and its C99 files for one state and for several states.
 macro_rules! kernels {
     ($($(#[$doc:meta])* $kernel:ident $name:literal after [$($needs:ident)?] c [$($c:literal)?] lanes [$($lanes:literal)?],)+) => {
         $(include!(concat!($name, ".rs"));)+
 
-        /// Text of one elementary function.
+        /// Text of an elementary function.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
         pub enum Kernel {
             $($(#[$doc])* $kernel,)+
@@ -31,15 +33,16 @@ macro_rules! kernels {
                 }
             }
 
-            /// Text of the Rust items, to be pasted into a module after those of [`Kernel::requires`].
+            /// Text of the Rust items. It follows the items of [`Kernel::requires`] in a module.
             pub fn source(self) -> &'static str {
                 match self {
                     $(Self::$kernel => include_str!(concat!($name, ".rs")),)+
                 }
             }
 
-            /// The same operations as C99, with `gelenk_` before every name, after [`C_BITS`] or [`C_BITS_F32`]. `None` for
-            /// square roots, which C has as an instruction, and for Rust functions over several states.
+            /// The same operations in C99. All names begin with `gelenk_`. The text follows [`C_BITS`] or
+            /// [`C_BITS_F32`]. `None` for square roots, which are an instruction in C, and for Rust functions
+            /// over several states.
             pub fn c_source(self) -> Option<&'static str> {
                 let text: &[&str] = match self {
                     $(Self::$kernel => &[$(include_str!($c))?],)+
@@ -47,9 +50,10 @@ macro_rules! kernels {
                 text.first().copied()
             }
 
-            /// The same operations over several states as C99, for [`Self::c_source`] of the same kernel. `None` if compilers
-            /// make vectors of a loop. Names end in `_lanes`, or in `_lanes_f32`. The texts also need the type `gelenk_group`
-            /// with its functions, which the printer has.
+            /// The same operations over several states in C99. The text follows [`Self::c_source`] of this
+            /// kernel. Names end in `_lanes` or `_lanes_f32`. `None` if compilers vectorize a loop over the
+            /// states. The texts also need the type `gelenk_group` with its functions, which the printer
+            /// writes.
             pub fn c_lanes_source(self) -> Option<&'static str> {
                 let text: &[&str] = match self {
                     $(Self::$kernel => &[$(include_str!($lanes))?],)+
@@ -57,7 +61,8 @@ macro_rules! kernels {
                 text.first().copied()
             }
 
-            /// The kernel whose items this one calls; take them transitively.
+            /// The kernel whose items this kernel calls; `None` if it calls no kernel. That kernel may call
+            /// another kernel.
             pub fn requires(self) -> Option<Self> {
                 let needed: &[Self] = match self {
                     $(Self::$kernel => &[$(Self::$needs)?],)+
@@ -69,44 +74,44 @@ macro_rules! kernels {
 }
 
 kernels! {
-    /// [`sin_cos`]
+    /// Text of [`sin_cos`].
     SinCos "sin_cos" after [] c ["sin_cos.c"] lanes ["sin_cos_lanes.c"],
-    /// [`sin_cos_array`]
+    /// Text of [`sin_cos_array`].
     SinCosArray "sin_cos_array" after [SinCos] c ["sin_cos_array.c"] lanes [],
-    /// [`sin_cos_lanes`]
+    /// Text of [`sin_cos_lanes`].
     SinCosLanes "sin_cos_lanes" after [SinCos] c [] lanes [],
-    /// [`sin_cos_2`]
+    /// Text of [`sin_cos_2`].
     SinCos2 "sin_cos_2" after [SinCosArray] c ["sin_cos_2.c"] lanes [],
-    /// [`sin_cos_4`]
+    /// Text of [`sin_cos_4`].
     SinCos4 "sin_cos_4" after [SinCosArray] c ["sin_cos_4.c"] lanes [],
-    /// [`sin_cos_8`]
+    /// Text of [`sin_cos_8`].
     SinCos8 "sin_cos_8" after [SinCosArray] c ["sin_cos_8.c"] lanes [],
-    /// [`sin_cos_f32`]
+    /// Text of [`sin_cos_f32`].
     SinCosF32 "sin_cos_f32" after [] c ["sin_cos_f32.c"] lanes ["sin_cos_lanes_f32.c"],
-    /// [`sin_cos_array_f32`]
+    /// Text of [`sin_cos_array_f32`].
     SinCosArrayF32 "sin_cos_array_f32" after [SinCosF32] c ["sin_cos_array_f32.c"] lanes [],
-    /// [`sin_cos_lanes_f32`]
+    /// Text of [`sin_cos_lanes_f32`].
     SinCosLanesF32 "sin_cos_lanes_f32" after [SinCosF32] c [] lanes [],
-    /// [`sin_cos_2_f32`]
+    /// Text of [`sin_cos_2_f32`].
     SinCos2F32 "sin_cos_2_f32" after [SinCosArrayF32] c ["sin_cos_2_f32.c"] lanes [],
-    /// [`sin_cos_4_f32`]
+    /// Text of [`sin_cos_4_f32`].
     SinCos4F32 "sin_cos_4_f32" after [SinCosArrayF32] c ["sin_cos_4_f32.c"] lanes [],
-    /// [`sin_cos_8_f32`]
+    /// Text of [`sin_cos_8_f32`].
     SinCos8F32 "sin_cos_8_f32" after [SinCosArrayF32] c ["sin_cos_8_f32.c"] lanes [],
     /// Common part of [`exp`] and [`tanh`].
     ExpReduced "exp_reduced" after [] c ["exp_reduced.c"] lanes ["exp_reduced_lanes.c"],
-    /// [`exp`]
+    /// Text of [`exp`].
     Exp "exp" after [ExpReduced] c ["exp.c"] lanes ["exp_lanes.c"],
     /// Common part of [`exp_f32`] and [`tanh_f32`].
     ExpReducedF32 "exp_reduced_f32" after [] c ["exp_reduced_f32.c"] lanes ["exp_reduced_lanes_f32.c"],
-    /// [`exp_f32`]
+    /// Text of [`exp_f32`].
     ExpF32 "exp_f32" after [ExpReducedF32] c ["exp_f32.c"] lanes ["exp_lanes_f32.c"],
-    /// [`tanh`]
+    /// Text of [`tanh`].
     Tanh "tanh" after [ExpReduced] c ["tanh.c"] lanes ["tanh_lanes.c"],
-    /// [`tanh_f32`]
+    /// Text of [`tanh_f32`].
     TanhF32 "tanh_f32" after [ExpReducedF32] c ["tanh_f32.c"] lanes ["tanh_lanes_f32.c"],
-    /// [`sqrt`]
+    /// Text of [`sqrt`].
     Sqrt "sqrt" after [] c [] lanes [],
-    /// [`sqrt_f32`]
+    /// Text of [`sqrt_f32`].
     SqrtF32 "sqrt_f32" after [] c [] lanes [],
 }

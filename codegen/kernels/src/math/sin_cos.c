@@ -1,14 +1,17 @@
-// Sine and cosine in one pass, without branches below 1e5, tables or fused operations: the same bits on every platform.
+// Sine and cosine in one pass, without branches up to 1e5, tables or fused operations. Results have the same
+// bits on every platform.
 //
-// x = n pi/2 + hi - low with |hi| <= pi/4, pi/2 in three parts (Cody and Waite, Software Manual for the Elementary
-// Functions, 1980, ch. 8); beyond 1e5 by the bits of 2/pi (Payne and Hanek, SIGNUM Newsletter 18, 1983). Then minimax
-// polynomials (Remez exchange). Error below 0.9 ulp for every finite x (0.80 seen); NaN for NaN and infinities;
-// sin -0 = -0.
+// The angle is reduced to x = n pi/2 + hi - low with |hi| <= pi/4. Up to 1e5, pi/2 is used in three parts
+// (Cody and Waite, Software Manual for the Elementary Functions, 1980, ch. 8). Above 1e5, the bits of 2/pi
+// are used (Payne and Hanek, SIGNUM Newsletter 18, 1983). Minimax polynomials follow (Remez exchange). The
+// error is below 0.9 ulp for every finite x (measured: 0.80). The results are NaN for NaN and infinities, and
+// sin -0 is -0.
 
-// Largest angle of the fast path: n pi/2 is exact in the first two parts up to here.
+// Largest angle of the fast path. Up to this angle, n pi/2 is exact in the first two parts.
 #define GELENK_LARGEST_DIRECT_ANGLE 1.0e5
 
-// Sine and cosine of an angle turned by `quadrant` quarters, from those of the angle; the last two bits count.
+// Sine and cosine of an angle after a rotation by `quadrant` quarter turns, from the sine and cosine of the
+// angle. Only the last two bits of `quadrant` are used.
 GELENK_INLINE void gelenk_in_quadrant(double sine, double cosine, uint64_t quadrant, double *sin_x, double *cos_x)
 {
     const uint64_t sine_bits = gelenk_bits(sine);
@@ -18,7 +21,7 @@ GELENK_INLINE void gelenk_in_quadrant(double sine, double cosine, uint64_t quadr
     *cos_x = gelenk_from_bits(cosine_bits ^ exchange ^ (((quadrant + 1) & 2) << 62));
 }
 
-// Sine and cosine of hi - low + quadrant pi/2, where |hi| <= pi/4 and low is of the size of its rounding error.
+// Sine and cosine of hi - low + quadrant pi/2 with |hi| <= pi/4. low has the size of a rounding error of hi.
 GELENK_INLINE void gelenk_sin_cos_quarter(double hi, double low, uint64_t quadrant, double *sin_x, double *cos_x)
 {
     const double z = hi * hi;
@@ -37,7 +40,8 @@ GELENK_INLINE void gelenk_sin_cos_quarter(double hi, double low, uint64_t quadra
     gelenk_in_quadrant(sine, cosine, quadrant, sin_x, cos_x);
 }
 
-// |x| <= 1e5. The first difference is exact, the second one keeps its rounding error (Fast2Sum).
+// Sine and cosine for |x| <= 1e5. The first difference is exact. The rounding error of the second difference
+// is kept (Fast2Sum).
 GELENK_INLINE void gelenk_sin_cos_direct(double x, double *sin_x, double *cos_x)
 {
     const double two_over_pi = 0.6366197723675814;
@@ -51,7 +55,7 @@ GELENK_INLINE void gelenk_sin_cos_direct(double x, double *sin_x, double *cos_x)
     gelenk_sin_cos_quarter(hi, low, gelenk_bits(shifted), sin_x, cos_x);
 }
 
-// The 128 bits of a b, the upper half into `high`.
+// The 128 bits of the product a b. The upper half is written to `high`.
 static uint64_t gelenk_product(uint64_t a, uint64_t b, uint64_t *high)
 {
     const uint64_t low_mask = 0xffffffffu;
@@ -63,10 +67,11 @@ static uint64_t gelenk_product(uint64_t a, uint64_t b, uint64_t *high)
     return (middle << 32) | (ll & low_mask);
 }
 
-// |x| > 1e5, or not a number: x 2/pi modulo 4 from the bits of 2/pi that matter, in integers.
+// Sine and cosine for |x| > 1e5 or NaN. x 2/pi modulo 4 is computed in integers from the relevant bits of
+// 2/pi.
 GELENK_NOINLINE static void gelenk_sin_cos_large(double x, double *sin_x, double *cos_x)
 {
-    // One zero word, then the first 1216 bits of 2/pi.
+    // A zero word, then the first 1216 bits of 2/pi.
     static const uint64_t two_over_pi[20] = {
         UINT64_C(0x0000000000000000), UINT64_C(0xa2f9836e4e441529), UINT64_C(0xfc2757d1f534ddc0),
         UINT64_C(0xdb6295993c439041), UINT64_C(0xfe5163abdebbc561), UINT64_C(0xb7246e3a424dd2e0),
@@ -82,7 +87,7 @@ GELENK_NOINLINE static void gelenk_sin_cos_large(double x, double *sin_x, double
         *sin_x = *cos_x = x - x;
         return;
     }
-    // |x| = mantissa 2^exponent; bits of 2/pi before `start` give multiples of 4.
+    // |x| = mantissa 2^exponent. The bits of 2/pi before `start` only add multiples of 4.
     const uint64_t mantissa = (size & ((UINT64_C(1) << 52) - 1)) | UINT64_C(1) << 52;
     const unsigned start = (unsigned)((size >> 52) - 1075 + 62);
     const unsigned shift = start % 64;
@@ -92,7 +97,8 @@ GELENK_NOINLINE static void gelenk_sin_cos_large(double x, double *sin_x, double
         const uint64_t next = two_over_pi[start / 64 + k + 1];
         bits[k] = shift == 0 ? word : word << shift | next >> (64 - shift);
     }
-    // x 2/pi = (turns modulo 4) / 2^126: two bits of quadrant, then the fraction, taken to [-1/2, 1/2).
+    // x 2/pi = (turns modulo 4) / 2^126. The first two bits are the quadrant. The other bits are a fraction,
+    // which is shifted to [-1/2, 1/2).
     uint64_t carry, middle_high;
     gelenk_product(mantissa, bits[2], &carry);
     const uint64_t product = gelenk_product(mantissa, bits[1], &middle_high);
@@ -112,12 +118,12 @@ GELENK_NOINLINE static void gelenk_sin_cos_large(double x, double *sin_x, double
         low <<= 1;
         ++zeros;
     }
-    // The angle times a power of two, rounded to double; a last bit stands for what lies below.
+    // The angle times a power of two, rounded to double. The last bit is also set if any lower bit is set.
     uint64_t angle_high;
     const uint64_t angle_low = gelenk_product(high, half_pi, &angle_high);
     const double two_64 = 18446744073709551616.0;
     const double hi = (double)(angle_high | (angle_low != 0)) * two_64;
-    // What that lacks: hi is a multiple of 2^64.
+    // The rounding error of hi, which is a multiple of 2^64.
     uint64_t rest_low = 0 - angle_low;
     uint64_t rest_high = (uint64_t)(hi / two_64) - angle_high - (angle_low != 0);
     const int is_rest_negative = rest_high >> 63 != 0;
@@ -138,7 +144,7 @@ GELENK_NOINLINE static void gelenk_sin_cos_large(double x, double *sin_x, double
     *sin_x = x < 0.0 ? -*sin_x : *sin_x;
 }
 
-// Sine and cosine of x with an error below 0.9 ulp each.
+// Sine and cosine of x, each with an error below 0.9 ulp.
 GELENK_INLINE void gelenk_sin_cos(double x, double *sin_x, double *cos_x)
 {
     if (x >= -GELENK_LARGEST_DIRECT_ANGLE && x <= GELENK_LARGEST_DIRECT_ANGLE) {

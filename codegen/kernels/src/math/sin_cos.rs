@@ -1,14 +1,14 @@
-// Sine and cosine in one pass, without branches below 1e5, tables or fused operations: the same bits on every platform.
+// Sine and cosine in one pass, without branches up to 1e5, tables or fused operations. Bits are reproducible.
 //
-// x = n π/2 + hi − low with |hi| ≤ π/4, π/2 in three parts (Cody and Waite, Software Manual for the Elementary
-// Functions, 1980, ch. 8); beyond 1e5 by the bits of 2/π (Payne and Hanek, SIGNUM Newsletter 18, 1983). Then minimax
-// polynomials (Remez exchange, minimax.py). Error below 0.9 ulp for every finite x (0.80 seen); NaN for NaN and ±∞;
-// sin −0 = −0.
+// The angle is reduced to x = n π/2 + hi − low with |hi| ≤ π/4. Up to 1e5, π/2 is used in three parts (Cody
+// and Waite, Software Manual for the Elementary Functions, 1980, ch. 8). Above 1e5, the bits of 2/π are used
+// (Payne and Hanek, SIGNUM Newsletter 18, 1983). Minimax polynomials follow (Remez exchange, minimax.py). The
+// error is below 0.9 ulp for every finite x (measured: 0.80). NaN and ±∞ give NaN, and sin −0 is −0.
 
-/// Largest angle of the fast path: `n π/2` is exact in the first two parts up to here.
+/// Largest angle of the fast path. Up to this angle, `n π/2` is exact in the first two parts.
 const LARGEST_DIRECT_ANGLE: f64 = 1.0e5;
 
-/// `(sin x, cos x)` with an error below 0.9 ulp each.
+/// Returns `(sin x, cos x)`, each with an error below 0.9 ulp.
 #[inline(always)]
 pub fn sin_cos(x: f64) -> (f64, f64) {
     if x.abs() <= LARGEST_DIRECT_ANGLE {
@@ -18,7 +18,7 @@ pub fn sin_cos(x: f64) -> (f64, f64) {
     }
 }
 
-/// `|x| ≤ 1e5`. The first difference is exact, the second one keeps its rounding error (Fast2Sum).
+/// Sine and cosine for `|x| ≤ 1e5`. The first difference is exact. Fast2Sum keeps the error of the second.
 #[inline(always)]
 fn sin_cos_direct(x: f64) -> (f64, f64) {
     const HALF_PI: [f64; 3] = [
@@ -37,7 +37,7 @@ fn sin_cos_direct(x: f64) -> (f64, f64) {
     sin_cos_quarter(hi, low, shifted.to_bits())
 }
 
-/// Sine and cosine of `hi − low + quadrant π/2`, where `|hi| ≤ π/4` and `low` is of the size of its rounding error.
+/// Sine and cosine of `hi − low + quadrant π/2` with `|hi| ≤ π/4`. `low` is a rounding error of `hi`.
 #[inline(always)]
 fn sin_cos_quarter(hi: f64, low: f64, quadrant: u64) -> (f64, f64) {
     let z = hi * hi;
@@ -56,7 +56,8 @@ fn sin_cos_quarter(hi: f64, low: f64, quadrant: u64) -> (f64, f64) {
     in_quadrant(sin, cos, quadrant)
 }
 
-/// Sine and cosine of an angle turned by `quadrant` quarters, from those of the angle; the last two bits count.
+/// Sine and cosine of an angle after a rotation by `quadrant` quarter turns, from the sine and cosine of the
+/// angle. Only the last two bits of `quadrant` are used.
 #[inline(always)]
 fn in_quadrant(sin: f64, cos: f64, quadrant: u64) -> (f64, f64) {
     let exchange = (sin.to_bits() ^ cos.to_bits()) & (quadrant & 1).wrapping_neg();
@@ -68,11 +69,11 @@ fn in_quadrant(sin: f64, cos: f64, quadrant: u64) -> (f64, f64) {
     )
 }
 
-/// `|x| > 1e5`, or not a number: `x · 2/π` modulo 4 from the bits of 2/π that matter, in integers.
+/// Sine and cosine for `|x| > 1e5` or NaN. `x · 2/π` modulo 4 is computed in integers from bits of 2/π.
 #[cold]
 #[inline(never)]
 fn sin_cos_large(x: f64) -> (f64, f64) {
-    // One zero word, then the first 1216 bits of 2/π.
+    // A zero word, then the first 1216 bits of 2/π.
     const TWO_OVER_PI: [u64; 20] = [
         0x0000000000000000,
         0xa2f9836e4e441529,
@@ -99,7 +100,7 @@ fn sin_cos_large(x: f64) -> (f64, f64) {
     if !x.is_finite() {
         return (f64::NAN, f64::NAN);
     }
-    // |x| = mantissa · 2^exponent; bits of 2/π before `start` give multiples of 4.
+    // |x| = mantissa · 2^exponent. The bits of 2/π before `start` only add multiples of 4.
     let exponent = (x.abs().to_bits() >> 52).wrapping_sub(1075);
     let mantissa = u128::from(x.to_bits() & ((1 << 52) - 1) | 1 << 52);
     let start = exponent.wrapping_add(62);
@@ -113,7 +114,7 @@ fn sin_cos_large(x: f64) -> (f64, f64) {
     let low = mantissa * bits(2);
     let middle = mantissa * bits(1) + (low >> 64);
     let high = mantissa.wrapping_mul(bits(0)).wrapping_add(middle >> 64);
-    // x · 2/π = (turns modulo 4) / 2^126: two bits of quadrant, then the fraction, taken to [−1/2, 1/2).
+    // x · 2/π = (turns modulo 4) / 2^126. Two bits are the quadrant. The others are a fraction in [−1/2, 1/2).
     let turns = high << 64 | middle & u128::from(u64::MAX);
     let quadrant = ((turns >> 126) + (turns >> 125 & 1)) as u64;
     let fraction = (turns << 2) as i128;

@@ -1,5 +1,5 @@
-// Sines and cosines of 2 angles that arrive in registers. Never inlined: among scalar code the compiler would undo the
-// lanes.
+// Sines and cosines of 2 angles that are passed in registers. The function is not inlined, because the
+// compiler would undo the vectorization in scalar code.
 GELENK_NOINLINE static void gelenk_sin_cos_2_f32(float a, float b, float *sines_cosines)
 {
     const float angles[2] = {a, b};

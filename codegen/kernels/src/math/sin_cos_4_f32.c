@@ -1,5 +1,5 @@
-// Sines and cosines of 4 angles that arrive in registers. Never inlined: among scalar code the compiler would undo the
-// lanes.
+// Sines and cosines of 4 angles that are passed in registers. The function is not inlined, because the
+// compiler would undo the vectorization in scalar code.
 GELENK_NOINLINE static void gelenk_sin_cos_4_f32(float a, float b, float c, float d, float *sines_cosines)
 {
     const float angles[4] = {a, b, c, d};

@@ -1,5 +1,5 @@
-// Sines and cosines of 8 angles that arrive in registers. Never inlined: among scalar code the compiler would undo the
-// lanes.
+// Sines and cosines of 8 angles that are passed in registers. The function is not inlined, because the
+// compiler would undo the vectorization in scalar code.
 GELENK_NOINLINE static void gelenk_sin_cos_8(
     double a, double b, double c, double d, double e, double f, double g, double h, double *sines_cosines)
 {

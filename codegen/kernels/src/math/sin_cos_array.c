@@ -1,5 +1,5 @@
-// Sines and cosines of several angles of the fast path, the same bits as gelenk_sin_cos of each, the cosines after the
-// sines: the loop has no branch, so it becomes SIMD code. Returns 0 where an angle is too large.
+// Sines and then cosines of several angles of the fast path, bit-identical to gelenk_sin_cos of each angle.
+// The loop has no branch, so it becomes SIMD code. Returns 0 if an angle is too large for the fast path.
 GELENK_INLINE int gelenk_sin_cos_array(int count, const double *x, double *sines_cosines)
 {
     int all_direct = 1;
@@ -12,7 +12,7 @@ GELENK_INLINE int gelenk_sin_cos_array(int count, const double *x, double *sines
     return all_direct;
 }
 
-// As gelenk_sin_cos, out of the way of the usual path.
+// The same results as gelenk_sin_cos. This function is outside of the usual path.
 GELENK_NOINLINE static void gelenk_sin_cos_called(int count, double x, double *sines_cosines)
 {
     gelenk_sin_cos(x, &sines_cosines[0], &sines_cosines[count]);

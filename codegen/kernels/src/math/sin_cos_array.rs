@@ -1,6 +1,7 @@
-// Sine and cosine of several angles at once (after sin_cos.rs): the loop has no branch, so it becomes SIMD code.
+// Sine and cosine of several angles at once (after sin_cos.rs). The loop has no branch, so it becomes SIMD
+// code.
 
-/// `(sin xᵢ, cos xᵢ)`, the same bits as [`sin_cos`] of each.
+/// Returns all `sin xᵢ`, then all `cos xᵢ`, bit-identical to [`sin_cos`] of each angle.
 #[inline(always)]
 pub fn sin_cos_array<const L: usize>(x: [f64; L]) -> ([f64; L], [f64; L]) {
     let (mut sin, mut cos, mut all_direct) = ([0.0; L], [0.0; L], true);

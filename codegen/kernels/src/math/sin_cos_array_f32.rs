@@ -1,6 +1,7 @@
-// Sine and cosine of several angles at once for f32 (after sin_cos_f32.rs): no branch in the loop, so it becomes SIMD code.
+// Sine and cosine of several angles at once for f32 (after sin_cos_f32.rs). The loop has no branch, so it
+// becomes SIMD code.
 
-/// `(sin xᵢ, cos xᵢ)`, the same bits as [`sin_cos_f32`] of each.
+/// Returns all `sin xᵢ`, then all `cos xᵢ`, bit-identical to [`sin_cos_f32`] of each angle.
 #[inline(always)]
 pub fn sin_cos_array_f32<const L: usize>(x: [f32; L]) -> ([f32; L], [f32; L]) {
     let (mut sin, mut cos, mut all_direct) = ([0.0; L], [0.0; L], true);

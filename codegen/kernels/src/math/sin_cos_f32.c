@@ -1,13 +1,14 @@
-// Sine and cosine for float, in float throughout: without branches below 400, tables or fused operations.
+// Sine and cosine for float, computed in float, without branches up to 400, tables or fused operations.
 //
-// x = n pi/2 + hi - low with |hi| <= pi/4, pi/2 in three parts (Cody and Waite); beyond 400 by the bits of 2/pi (Payne and
-// Hanek), in integers of 32 and 64 bits. Then minimax polynomials (Remez exchange). Error below 0.9 ulp of float for every
-// finite x (0.84 seen, of all); NaN for NaN and infinities; sin -0 = -0.
+// The angle is reduced to x = n pi/2 + hi - low with |hi| <= pi/4. Up to 400, pi/2 is used in three parts
+// (Cody and Waite). Above 400, the bits of 2/pi are used (Payne and Hanek), in integers of 32 and 64 bits.
+// Minimax polynomials follow (Remez exchange). The error is below 0.9 ulp of float for every finite x (0.84
+// in a test of all numbers). The results are NaN for NaN and infinities, and sin -0 is -0.
 
-// Largest angle of the fast path, where n <= 255: n pi/2 is exact in the first two parts up to here.
+// Largest angle of the fast path, with n <= 255. Up to this angle, n pi/2 is exact in the first two parts.
 #define GELENK_LARGEST_DIRECT_ANGLE 400.0f
 
-// Sine and cosine of hi - low + quadrant pi/2, where |hi| <= pi/4 and low is of the size of its rounding error.
+// Sine and cosine of hi - low + quadrant pi/2 with |hi| <= pi/4. low has the size of a rounding error of hi.
 GELENK_INLINE void gelenk_sin_cos_quarter_f32(float hi, float low, uint32_t quadrant, float *sin_x, float *cos_x)
 {
     const float z = hi * hi;
@@ -17,7 +18,7 @@ GELENK_INLINE void gelenk_sin_cos_quarter_f32(float hi, float low, uint32_t quad
     const float w = 1.0f - half;
     const float sine = hi - (hi * z * p + low * w);
     const float cosine = w + (((1.0f - w) - half) + (z * z * q + hi * low));
-    // The last two bits of the quadrant count.
+    // Only the last two bits of the quadrant are used.
     const uint32_t sine_bits = gelenk_bits(sine);
     const uint32_t cosine_bits = gelenk_bits(cosine);
     const uint32_t exchange = (sine_bits ^ cosine_bits) & (0 - (quadrant & 1));
@@ -25,7 +26,8 @@ GELENK_INLINE void gelenk_sin_cos_quarter_f32(float hi, float low, uint32_t quad
     *cos_x = gelenk_from_bits(cosine_bits ^ exchange ^ (((quadrant + 1) & 2) << 30));
 }
 
-// |x| <= 400. The first difference is exact, the second one keeps its rounding error (Fast2Sum).
+// Sine and cosine for |x| <= 400. The first difference is exact. The rounding error of the second difference
+// is kept (Fast2Sum).
 GELENK_INLINE void gelenk_sin_cos_direct_f32(float x, float *sin_x, float *cos_x)
 {
     const float two_over_pi = 0.63661975f;
@@ -39,10 +41,11 @@ GELENK_INLINE void gelenk_sin_cos_direct_f32(float x, float *sin_x, float *cos_x
     gelenk_sin_cos_quarter_f32(hi, low, gelenk_bits(shifted), sin_x, cos_x);
 }
 
-// |x| > 400, or not a number: x 2/pi modulo 4 from the 96 bits of 2/pi that matter, in integers.
+// Sine and cosine for |x| > 400 or NaN. x 2/pi modulo 4 is computed in integers from the 96 relevant bits of
+// 2/pi.
 GELENK_NOINLINE static void gelenk_sin_cos_large_f32(float x, float *sin_x, float *cos_x)
 {
-    // One zero word, then the first 224 bits of 2/pi.
+    // A zero word, then the first 224 bits of 2/pi.
     static const uint32_t two_over_pi[8] = {
         0x00000000u, 0xa2f9836eu, 0x4e441529u, 0xfc2757d1u, 0xf534ddc0u, 0xdb629599u, 0x3c439041u, 0xfe5163abu,
     };
@@ -52,7 +55,7 @@ GELENK_NOINLINE static void gelenk_sin_cos_large_f32(float x, float *sin_x, floa
         *sin_x = *cos_x = x - x;
         return;
     }
-    // |x| = mantissa 2^(start - 30). Bits of 2/pi before `start` give multiples of 4.
+    // |x| = mantissa 2^(start - 30). The bits of 2/pi before `start` only add multiples of 4.
     const uint32_t start = (size >> 23) - 120;
     const uint64_t mantissa = (size & 0x7fffffu) | 0x800000u;
     uint64_t product[3];
@@ -60,7 +63,8 @@ GELENK_NOINLINE static void gelenk_sin_cos_large_f32(float x, float *sin_x, floa
         const uint32_t *word = &two_over_pi[start / 32 + k];
         product[k] = mantissa * ((((uint64_t)word[0] << 32) | word[1]) << (start % 32) >> 32);
     }
-    // x 2/pi = (turns modulo 4) / 2^62: two bits of quadrant, then the fraction, taken to [-1/2, 1/2).
+    // x 2/pi = (turns modulo 4) / 2^62. The first two bits are the quadrant. The other bits are a fraction,
+    // which is shifted to [-1/2, 1/2).
     const uint64_t turns = (product[0] << 32) + (product[1] + (product[2] >> 32));
     const uint32_t quadrant = (uint32_t)((turns >> 62) + (turns >> 61 & 1));
     uint64_t fraction = turns << 2;
@@ -78,7 +82,7 @@ GELENK_NOINLINE static void gelenk_sin_cos_large_f32(float x, float *sin_x, floa
     *sin_x = x < 0.0f ? -*sin_x : *sin_x;
 }
 
-// Sine and cosine of x with an error below 0.9 ulp each.
+// Sine and cosine of x, each with an error below 0.9 ulp.
 GELENK_INLINE void gelenk_sin_cos_f32(float x, float *sin_x, float *cos_x)
 {
     if (x >= -GELENK_LARGEST_DIRECT_ANGLE && x <= GELENK_LARGEST_DIRECT_ANGLE) {

@@ -1,5 +1,5 @@
-// Sine and cosine of the angles of several states: the operations of gelenk_sin_cos_direct, gelenk_sin_cos_quarter and
-// gelenk_in_quadrant.
+// Sine and cosine of the angles of several states, by the operations of gelenk_sin_cos_direct,
+// gelenk_sin_cos_quarter and gelenk_in_quadrant.
 GELENK_INLINE void gelenk_sin_cos_direct_lanes(gelenk_group x, gelenk_group *sin_x, gelenk_group *cos_x)
 {
     const double two_over_pi = 0.6366197723675814;
@@ -31,7 +31,7 @@ GELENK_INLINE void gelenk_sin_cos_direct_lanes(gelenk_group x, gelenk_group *sin
     *cos_x = gelenk_group_from_bits(cosine_bits ^ exchange ^ (((quadrant + 1) & 2) << 62));
 }
 
-// As gelenk_sin_cos of each, out of the way of the usual path.
+// The same results as gelenk_sin_cos of each angle. This function is outside of the usual path.
 GELENK_NOINLINE static void gelenk_sin_cos_large_lanes(const double *x, double *sin_x, double *cos_x)
 {
     for (int i = 0; i < GELENK_WIDTH; ++i) {

@@ -1,7 +1,7 @@
-// Sine and cosine of the angles of several states, written in place (after sin_cos.rs): results that are returned
-// would be copied twice.
+// Sine and cosine of the angles of several states, written in place (after sin_cos.rs). Results that are
+// returned by value would be copied twice.
 
-/// Writes the sine and cosine of each angle, the same bits as [`sin_cos`] of each.
+/// Writes the sine and cosine of each angle, bit-identical to [`sin_cos`] of this angle.
 #[inline(always)]
 pub fn sin_cos_lanes<const L: usize>(x: &[f64; L], sin: &mut [f64; L], cos: &mut [f64; L]) {
     let mut all_direct = true;

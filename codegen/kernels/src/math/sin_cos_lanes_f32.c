@@ -1,4 +1,4 @@
-// Sine and cosine of the angles of several states: the operations of gelenk_sin_cos_direct_f32 and
+// Sine and cosine of the angles of several states, by the operations of gelenk_sin_cos_direct_f32 and
 // gelenk_sin_cos_quarter_f32.
 GELENK_INLINE void gelenk_sin_cos_direct_lanes_f32(gelenk_group x, gelenk_group *sin_x, gelenk_group *cos_x)
 {
@@ -25,7 +25,7 @@ GELENK_INLINE void gelenk_sin_cos_direct_lanes_f32(gelenk_group x, gelenk_group 
     *cos_x = gelenk_group_from_bits(cosine_bits ^ exchange ^ (((quadrant + 1) & 2) << 30));
 }
 
-// As gelenk_sin_cos_f32 of each, out of the way of the usual path.
+// The same results as gelenk_sin_cos_f32 of each angle. This function is outside of the usual path.
 GELENK_NOINLINE static void gelenk_sin_cos_large_lanes_f32(const float *x, float *sin_x, float *cos_x)
 {
     for (int i = 0; i < GELENK_WIDTH; ++i) {

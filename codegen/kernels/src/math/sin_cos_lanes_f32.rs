@@ -1,6 +1,6 @@
 // Sine and cosine of the angles of several states for f32, written in place (after sin_cos_f32.rs).
 
-/// Writes the sine and cosine of each angle, the same bits as [`sin_cos_f32`] of each.
+/// Writes the sine and cosine of each angle, bit-identical to [`sin_cos_f32`] of this angle.
 #[inline(always)]
 pub fn sin_cos_lanes_f32<const L: usize>(x: &[f32; L], sin: &mut [f32; L], cos: &mut [f32; L]) {
     let mut all_direct = true;

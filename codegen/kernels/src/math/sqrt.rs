@@ -1,9 +1,10 @@
 // Square root, correctly rounded, without branches on the usual path.
 //
-// `core` has no square root, so that processors' own instruction is out of reach without std. Its result is the same.
-// Newton's iteration for 1/√x starts from the bits of x; the remainder decides the last digit in whole numbers.
+// `core` has no square root, so the instruction of the processor is not available without std. The results
+// are the same. Newton's iteration for 1/√x starts from the bits of x. The remainder, computed in integers,
+// determines the last digit.
 
-/// `√x`, correctly rounded; NaN for x < 0 and NaN.
+/// Square root `√x`, correctly rounded; NaN for x < 0 and NaN.
 #[inline]
 pub fn sqrt(x: f64) -> f64 {
     if !(x > 0.0 && x < f64::INFINITY) {
@@ -20,14 +21,15 @@ pub fn sqrt(x: f64) -> f64 {
     let odd = (exponent & 1) ^ 1;
     let mantissa = (fraction | 0x0010_0000_0000_0000) << odd;
     let v = mantissa as f64 * 2.220_446_049_250_313e-16;
-    // 1/√v with an error of 3.4e-2, which each step squares and multiplies by 1.5.
+    // The initial value of 1/√v has a relative error of 3.4e-2. Each step squares the error and multiplies it
+    // by 1.5.
     let half = 0.5 * v;
     let y = f64::from_bits(0x5FE6_EB50_C7B5_37A9_u64.wrapping_sub(v.to_bits() >> 1));
     let y = y * (1.5 - half * y * y);
     let y = y * (1.5 - half * y * y);
     let y = y * (1.5 - half * y * y);
     let y = y * (1.5 - half * y * y);
-    // The root as a whole number of 2^-52. Its remainder is so small that 64 bits hold it.
+    // The root in units of 2^-52, as an integer. Its remainder is so small that 64 bits suffice.
     let remainder = |root: u64| {
         (mantissa << 52)
             .wrapping_sub(root.wrapping_mul(root))
@@ -38,7 +40,8 @@ pub fn sqrt(x: f64) -> f64 {
     let root = near.wrapping_sub(8).wrapping_add((correction + 8.0) as u64);
     let root = root.wrapping_sub(u64::from(remainder(root) < 0));
     let root = root.wrapping_add(u64::from(remainder(root.wrapping_add(1)) >= 0));
-    // Above the middle between two numbers, (root + 1/2)², it is the larger one. No root lies in the middle.
+    // If v is above (root + 1/2)², the middle between two numbers, the larger number is nearer. The exact
+    // root is never in the middle.
     let root = root.wrapping_add(u64::from(remainder(root) > root.cast_signed()));
     let exponent = exponent.wrapping_add(1023).wrapping_sub(odd) >> 1;
     f64::from_bits((exponent << 52).wrapping_add(root.wrapping_sub(0x0010_0000_0000_0000))) * scale

@@ -1,10 +1,11 @@
 // Hyperbolic tangent (after exp_reduced.rs), without branches, tables or fused operations.
 //
-// |x| < 0.625: x − x³ P(x²)/Q(x²), the eighth convergent of Lambert's continued fraction x/(1 + x²/(3 + x²/(5 + …)))
-// (Lambert 1761), whose coefficients are integers. Beyond: 1 − 2/(exp 2x + 1). Both share the division.
-// Error below 1 ulp (0.86 seen); ±1 exactly from |x| = 19.07 on; tanh −0 = −0; NaN for NaN.
+// For |x| < 0.625 it is x − x³ P(x²)/Q(x²), the eighth convergent of Lambert's continued fraction x/(1 +
+// x²/(3 + x²/(5 + …))) (Lambert 1761), whose coefficients are integers. For larger |x| it is 1 − 2/(exp 2x +
+// 1). Both cases share the division. The error is below 1 ulp (measured: 0.86). The result is exactly ±1 from
+// |x| = 19.07 on, tanh −0 is −0, and tanh NaN is NaN.
 
-/// `tanh x` with an error below 1 ulp. Its derivative is `1 − tanh² x`.
+/// Hyperbolic tangent `tanh x` with an error below 1 ulp. Its derivative is `1 − tanh² x`.
 #[inline(always)]
 pub fn tanh(x: f64) -> f64 {
     let size = x.abs();
@@ -17,7 +18,7 @@ pub fn tanh(x: f64) -> f64 {
     let power = f64::from_bits(k.wrapping_add(1023) << 52);
     let exp = hi + low;
     let sum = exp * power + 1.0;
-    // What `sum` lacks: the rounding errors of both additions.
+    // The rounding errors of both additions in `sum`.
     let missing = (1.0 - (sum - exp * power)) + ((hi - exp) + low) * power;
     let quotient = (if small { size * z * p } else { 2.0 }) / if small { q } else { sum };
     let correction = if small {

@@ -1,7 +1,9 @@
-// Hyperbolic tangent for float, in float throughout.
+// Hyperbolic tangent for float, computed in float.
 //
-// |x| < 0.625: x - x^3 P(x^2)/Q(x^2), the fifth convergent of Lambert's continued fraction, beyond: 1 - 2/(exp 2x + 1). Both
-// share the division. Error below 1 ulp of float (0.89 seen, of all); 1 or -1 exactly from |x| = 9.02 on; tanh -0 = -0; NaN for NaN.
+// For |x| < 0.625 it is x - x^3 P(x^2)/Q(x^2), the fifth convergent of Lambert's continued fraction. For
+// larger |x| it is 1 - 2/(exp 2x + 1). Both cases share the division. The error is below 1 ulp of float (0.89
+// in a test of all numbers). The result is exactly 1 or -1 from |x| = 9.02 on, tanh -0 is -0, and tanh NaN is
+// NaN.
 GELENK_INLINE float gelenk_tanh_f32(float x)
 {
     const float size = fabsf(x);
@@ -15,7 +17,7 @@ GELENK_INLINE float gelenk_tanh_f32(float x)
     const float power = gelenk_from_bits((k + 127) << 23);
     const float exp_x = hi + low;
     const float sum = exp_x * power + 1.0f;
-    // What the sum lacks: the rounding errors of both additions.
+    // The rounding errors of both additions in the sum.
     const float missing = (1.0f - (sum - exp_x * power)) + ((hi - exp_x) + low) * power;
     const float quotient = (is_small ? size * z * p : 2.0f) / (is_small ? q : sum);
     const float correction = is_small ? 0.0f : 0.5f * quotient * quotient * missing;

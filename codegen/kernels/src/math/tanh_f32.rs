@@ -1,9 +1,10 @@
-// Hyperbolic tangent for f32, in f32 throughout (after exp_reduced_f32.rs), as tanh.rs.
+// Hyperbolic tangent for f32, computed in f32 (after exp_reduced_f32.rs), with the method of tanh.rs.
 //
-// |x| < 0.625: x − x³ P(x²)/Q(x²), the fifth convergent of Lambert's continued fraction, beyond: 1 − 2/(exp 2x + 1). Both
-// share the division. Error below 1 ulp of f32 (0.89 seen, of all); ±1 exactly from |x| = 9.02 on; tanh −0 = −0; NaN for NaN.
+// For |x| < 0.625 it is x − x³ P(x²)/Q(x²), the fifth convergent of Lambert's continued fraction. For larger
+// |x| it is 1 − 2/(exp 2x + 1). Both cases share the division. The error is below 1 ulp of f32 (0.89 in a
+// test of all numbers). The result is exactly ±1 from |x| = 9.02 on, tanh −0 is −0, and tanh NaN is NaN.
 
-/// `tanh x` with an error below 1 ulp. Its derivative is `1 − tanh² x`.
+/// Hyperbolic tangent `tanh x` with an error below 1 ulp. Its derivative is `1 − tanh² x`.
 #[inline(always)]
 pub fn tanh_f32(x: f32) -> f32 {
     let size = x.abs();
@@ -16,7 +17,7 @@ pub fn tanh_f32(x: f32) -> f32 {
     let power = f32::from_bits(k.wrapping_add(127) << 23);
     let exp = hi + low;
     let sum = exp * power + 1.0;
-    // What `sum` lacks: the rounding errors of both additions.
+    // The rounding errors of both additions in `sum`.
     let missing = (1.0 - (sum - exp * power)) + ((hi - exp) + low) * power;
     let quotient = (if small { size * z * p } else { 2.0 }) / if small { q } else { sum };
     let correction = if small {

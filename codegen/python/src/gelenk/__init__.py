@@ -7,8 +7,8 @@
     y = np.zeros((1000, robot.N))
     torques = robot.inverse_dynamics(y, 0 * y, 0 * y)
 
-`load` generates C with the program `gelenk`, compiles it with the compiler at hand, and keeps both in a cache.
-`generate`, `report`, `identify`, `online`, `plan`, `reduce` and `merge` are the program's commands.
+`load` generates C with the program `gelenk`, compiles it with a C compiler of the system, and caches module and library.
+`generate`, `report`, `identify`, `online`, `plan`, `reduce` and `merge` run the commands of the program.
 """
 
 from ._acados import acados

@@ -1,4 +1,4 @@
-"""A robot's optimal control problem for acados."""
+"""Optimal control problem of a robot for acados."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ._casadi import external
 from ._robot import generated, read
 
 FUNCTIONS = ("step", "step_derivatives", "input_matrix", "frames")
-"""What acados and the file in Python need, and the poses of frames for costs and constraints."""
+"""Functions that acados and the generated Python file need, and poses of frames for costs and constraints."""
 
 
 def acados(
@@ -30,19 +30,19 @@ def acados(
     fused_multiply_add: bool = False,
     max_operations: int | None = None,
 ) -> ModuleType:
-    """The robot of a description for acados, whose `acados_template` has to be installed, as a module of Python.
+    """Loads a description and returns a Python module for acados. `acados_template` must be installed.
 
-    - `ocp(intervals, period)`: a problem with the robot's discrete dynamics and limits
-    - `track(ocp, state_weight, input_weight, terminal_weight)`: the cost of following references
-    - `soften(ocp, linear, quadratic)`: soft bounds of the states
-    - `solver(ocp)`: the compiled solver
-    - `parameters(period, values)`: the parameters of a stage
-    - `model()`, and the limits of the description as constants
-    - `frame_<name>(y)` and the other functions of `gelenk.casadi` that `functions` allow, for expressions in costs and constraints
+    - `ocp(intervals, period)`: returns a problem with the discrete dynamics and the limits of the robot
+    - `track(ocp, state_weight, input_weight, terminal_weight)`: sets the cost of following references
+    - `soften(ocp, linear, quadratic)`: makes the bounds of the states soft
+    - `solver(ocp)`: returns the compiled solver
+    - `parameters(period, values)`: returns the parameters of a stage
+    - `model()`: returns the model; the limits of the description are constants
+    - `frame_<name>(y)` and the other functions of `gelenk.casadi`, if `functions` contains them, for costs and constraints
 
-    It is the file `NAME_acados.py` that `gelenk generate --language c --for acados` writes. acados compiles in the folder
-    `ocp.code_export_directory`, by default `c_generated_code` in the current one. Dry friction needs `smooth_sign`: solvers follow
-    derivatives, and that of the exact sign is zero. All arguments are those of `load`.
+    The module is the file `NAME_acados.py` that `gelenk generate --language c --for acados` writes. acados compiles in the folder
+    `ocp.code_export_directory`, by default `c_generated_code` in the current folder. Robots with dry friction need `smooth_sign`,
+    because solvers use derivatives and the derivative of the exact sign is zero. All keywords are those of `load`.
     """
     options = _program.switches({
         "functions": [functions] if isinstance(functions, str) else list(functions), "snap_angles": snap_angles,
@@ -56,13 +56,13 @@ def acados(
     [file] = [name for name in told["files"] if name.endswith(".py")]
     module = ModuleType(Path(file).stem)
     module.__file__ = str(folder / file)
-    # An import would write into the cache, where nothing is ever changed.
+    # An import would write a file into the cache, whose entries are never changed.
     text = (folder / file).read_text("utf-8")
     exec(compile(text, module.__file__, "exec"), module.__dict__)
     sources = [name for name in told["files"] if not name.endswith("_acados.c")]
 
     def further(name: str) -> Any:
-        # Compiled where one is asked for; the source of the solver has them as well.
+        # The functions are compiled at the first request. The source of the solver contains them too, so it is left out.
         functions = {} if name.startswith("_") else external(folder, {**told, "files": sources})[1]
         if name not in functions:
             raise AttributeError(f"module {module.__name__!r} has no attribute {name!r}")

@@ -1,11 +1,11 @@
-"""Modules that were generated and compiled before, in the user's folder of caches.
+"""Cache of generated and compiled modules, in the user's cache folder.
 
-A module is known by its content: by the bytes of the description and of all files that it reads, by the options, and
-by the program that generates. A compiled library is known by the module's text and by the compiler. Nothing in the
-folder is ever changed: entries are made next to it and renamed, so that two processes may make the same one at once.
+The key of a module depends on the contents of the description and of all files that it reads, on the options, and on the
+program. The key of a compiled library depends on the text of the module and on the compiler. Entries are never changed.
+A new entry is made in a temporary folder and then renamed, so two processes may make the same entry at once.
 
-What lies here is executed. So the folders have to be the user's own, and each entry has the checksums of its files: one
-that a crash of the machine left half-written is made again.
+Libraries in the cache are executed. Therefore the folders must belong to the user, and each entry has the checksums of its
+files. An entry that a crash of the machine left incomplete is made again.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ from typing import Any, Callable
 from .errors import CacheError
 
 CHECKSUMS = "checksums.json"
-"""The file of an entry with the checksums of the others."""
+"""File of an entry with the checksums of its other files."""
 
 VARIABLE = "GELENK_CACHE"
-"""The environment variable that names the folder."""
+"""Environment variable with the path of the cache folder."""
 
 
 def folder() -> Path:
-    """The folder of the cache, which may not exist yet."""
+    """Returns the cache folder. It may not exist yet."""
     named = os.environ.get(VARIABLE)
     if named:
         return Path(named).absolute()
@@ -43,13 +43,13 @@ def folder() -> Path:
 
 
 def key(*parts: Any) -> str:
-    """A name for values that JSON can hold."""
+    """Returns a key for values that JSON can represent."""
     text = json.dumps(parts, sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:32]
 
 
 def fingerprint(path: str | Path) -> str | None:
-    """The content of a file; none where it cannot be read."""
+    """Returns a hash of the content of a file; `None` if the file cannot be read."""
     try:
         return hashlib.sha256(Path(path).read_bytes()).hexdigest()
     except OSError:
@@ -57,15 +57,15 @@ def fingerprint(path: str | Path) -> str | None:
 
 
 def kind_folder(kind: str) -> Path:
-    """The folder of all entries of a kind, which is made where it is missing.
+    """Returns the folder of all entries of a kind. The folder is made if it is missing.
 
-    Raises `CacheError` where another user owns it, or may write into it.
+    Raises `CacheError` if another user owns the folder or can write to it.
     """
     return _own(_own(folder()) / kind)
 
 
 def find(kind: str, name: str) -> Path | None:
-    """The folder of this name; none where it is missing, or where its files are not those that were written."""
+    """Returns the folder of an entry; `None` if it is missing or its files have wrong checksums."""
     place = kind_folder(kind) / name
     if not place.is_dir():
         return None
@@ -77,7 +77,7 @@ def find(kind: str, name: str) -> Path | None:
 
 
 def entry(kind: str, name: str, make: Callable[[Path], None]) -> Path:
-    """The folder of this name, which `make` fills where it cannot be found."""
+    """Returns the folder of an entry. If it is missing, `make` fills a new folder."""
     place = find(kind, name)
     if place is not None:
         return place
@@ -100,7 +100,7 @@ def entry(kind: str, name: str, make: Callable[[Path], None]) -> Path:
 
 
 def read_json(kind: str, name: str) -> Any:
-    """A value that was kept; none where there is none."""
+    """Reads a JSON value from the cache; `None` if it is missing or damaged."""
     try:
         return json.loads((kind_folder(kind) / f"{name}.json").read_text("utf-8"))
     except (OSError, ValueError):
@@ -108,7 +108,7 @@ def read_json(kind: str, name: str) -> Any:
 
 
 def write_json(kind: str, name: str, value: Any) -> None:
-    """Keeps a value."""
+    """Writes a JSON value to the cache."""
     place = kind_folder(kind) / f"{name}.json"
     handle, new = tempfile.mkstemp(prefix=".new-", dir=place.parent)
     with os.fdopen(handle, "w", encoding="utf-8") as file:
@@ -119,10 +119,10 @@ def write_json(kind: str, name: str, value: Any) -> None:
 def _own(place: Path) -> Path:
     place.mkdir(parents=True, exist_ok=True, mode=0o700)
     found = place.stat()
-    # Windows gives each user a folder of caches, and has no such owners.
+    # Windows has a cache folder per user, but no owners and permission bits of this kind.
     if hasattr(os, "geteuid") and (found.st_uid != os.geteuid() or found.st_mode & 0o022):
         raise CacheError(
-            f"{place} belongs to another user, or others may write into it, and libraries in it would be executed: "
-            f"`chmod go-w` it where it is yours, or name a folder of your own in {VARIABLE}"
+            f"{place} belongs to another user, or other users can write to it, so its libraries are not executed: "
+            f"run `chmod go-w {place}` if the folder is yours, or set {VARIABLE} to a folder of your own"
         )
     return place

@@ -1,4 +1,4 @@
-"""A robot's functions for CasADi."""
+"""Functions of a robot for CasADi."""
 
 from __future__ import annotations
 
@@ -13,28 +13,29 @@ from ._robot import again, compiled, generated, read
 
 
 class CasadiFunctions:
-    """External functions of CasADi, with their derivatives, as attributes: `robot.dynamics(x, u)`.
+    """External functions of CasADi with their derivatives, as attributes: `robot.dynamics(x, u)`.
 
-    - `dynamics`: x = (y, ẏ), u gives xdot
-    - `inverse_dynamics`: y, v, a gives b_u, the forces of the drives at the joints
-    - `step`: x, u, period gives x_next
-    - `frame_<name>`: y gives position, rotation
+    - `dynamics(x, u)` returns xdot, with the state x = (y, ẏ) and the inputs u
+    - `inverse_dynamics(y, v, a)` returns b_u, the forces of the drives at the joints
+    - `step(x, u, period)` returns x_next, the state after the period in s
+    - `frame_<name>(y)` returns position and rotation
 
-    Where joints have quaternions, positions are given as `d`, a small motion from reference positions: y = y_ref ⊕ d, x = (d, v),
-    and d = y ⊖ y_ref is the function `difference(y_ref, y)` of `load`. All functions then take `y_ref` behind the inputs above, and
-    `step` also `y_ref_next`, which the state after it is about. Quaternions of a reference are made unit ones.
+    If joints have quaternions, functions take `d` instead of positions: a small motion from reference positions, y = y_ref ⊕ d,
+    with the state x = (d, v). The function `difference(y_ref, y)` of `load` computes d = y ⊖ y_ref. All functions then take
+    `y_ref` after the arguments above. `step` also takes `y_ref_next`, the reference of x_next. Quaternions of references are
+    normalized.
 
-    Each takes `p` last where the robot has free parameters: all of them, in the order of `parameters`. First derivatives by all
-    inputs are analytic, second ones are central differences of these.
+    If the robot has free parameters, the last argument `p` of each function has all of them, in the order of `parameters`. First
+    derivatives with respect to all arguments are analytic. Second derivatives are central differences of the first derivatives.
     """
 
     def __init__(
         self, library: str, functions: dict[str, Any], parameters: dict[str, float], made_of: tuple[str, list[str], str]
     ):
         self.library = library
-        """The path of the shared library, as `casadi.external` takes it."""
+        """Path of the shared library, for `casadi.external`."""
         self.parameters = parameters
-        """The free parameters by name, with their described values."""
+        """Values of the free parameters in the description, by name."""
         self._functions = functions
         self._made_of = made_of
 
@@ -46,7 +47,7 @@ class CasadiFunctions:
             return self.__dict__["_functions"][name]
         except KeyError:
             known = ", ".join(self.__dict__.get("_functions", {}))
-            raise AttributeError(f"there is no function `{name}` for CasADi; there are {known}") from None
+            raise AttributeError(f"there is no function `{name}` for CasADi; the functions are {known}") from None
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._functions)
@@ -70,10 +71,10 @@ def casadi(
     fused_multiply_add: bool = False,
     max_operations: int | None = None,
 ) -> CasadiFunctions:
-    """The robot of a description as external functions of CasADi, which has to be installed.
+    """Loads a description and returns external functions of CasADi. CasADi must be installed.
 
-    Dry friction needs `smooth_sign`: solvers follow derivatives, and that of the exact sign is zero. All arguments are those of
-    `load`. The functions of a module that derivatives need have to be among `functions` where these are named.
+    Robots with dry friction need `smooth_sign`, because solvers use derivatives and the derivative of the exact sign is zero. All
+    keywords are those of `load`. If you choose `functions`, include the functions that compute the derivatives.
     """
     options = _program.switches({
         "functions": [functions] if isinstance(functions, str) else functions, "snap_angles": snap_angles,
@@ -85,9 +86,10 @@ def casadi(
 
 
 def loaded(description: str, options: list[str], depth: int) -> CasadiFunctions:
-    """The functions of a description by words of the command line.
+    """Returns the functions of a description.
 
-    - `depth`: how many calls above `read` the user stands
+    - `options`: options of the command line
+    - `depth`: number of calls between `read` and the code of the user, for the place of warnings
     """
     path = Path(description)
     module = generated(path, options, "casadi")
@@ -98,7 +100,7 @@ def loaded(description: str, options: list[str], depth: int) -> CasadiFunctions:
 
 
 def external(module: Path, told: Mapping[str, Any]) -> tuple[str, dict[str, Any]]:
-    """The compiled library of a module, and CasADi's functions in it by name."""
+    """Returns the path of the compiled library of a module, and its functions for CasADi by name."""
     tool = importlib.import_module("casadi")
     library = str(compiled(module, told["files"]))
     symbols = ctypes.CDLL(library)

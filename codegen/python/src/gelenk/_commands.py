@@ -1,4 +1,4 @@
-"""The program's commands as functions."""
+"""Functions that run the commands of the program."""
 
 from __future__ import annotations
 
@@ -35,11 +35,11 @@ def generate(
     fused_multiply_add: bool = False,
     max_operations: int | None = None,
 ) -> list[Path]:
-    """Writes the module of a description, as `gelenk generate` does; the files.
+    """Writes the module of a description with `gelenk generate`. Returns the paths of the written files.
 
-    - `output`: a file, or in C a folder
-    - `tools`: further files beside a module in C, the program's `--for`
-    - all others: as `gelenk generate --help` says
+    - `output`: a file or a folder
+    - `tools`: tools that get additional files next to a module in C (option `--for`)
+    - all other keywords: options of `gelenk generate --help`
     """
     options = {
         "output": output, "language": language, "for": list(tools), "functions": functions, "lanes": lanes,
@@ -66,9 +66,9 @@ def report(
     hold: Mapping[str, float] | Iterable[str] = (),
     max_operations: int | None = None,
 ) -> Path:
-    """Writes a page about a robot, as `gelenk report` does; its `index.html`.
+    """Writes a page about a robot with `gelenk report`. Returns the path of its `index.html`.
 
-    Raises `GelenkError` where the functions of the robot disagree with each other, after the page is written.
+    Raises `GelenkError` if the self-check of the page fails. The page is written nevertheless.
     """
     options = {
         "output": output, "snap_angles": snap_angles, "no_friction": no_friction, "ignore_mimic": ignore_mimic,
@@ -78,18 +78,18 @@ def report(
     page = next(Path(file) for file in result["files"] if Path(file).name == "index.html")
     failed = [check["id"] for check in result["self_check"] if check["verdict"] != "holds"]
     if failed:
-        raise GelenkError(f"the functions of {result['robot']} disagree with each other: {', '.join(failed)}; see {page}")
+        raise GelenkError(f"the self-check of {result['robot']} failed: {', '.join(failed)}; see {page}")
     return page
 
 
 @dataclass(frozen=True)
 class Identified:
-    """What `identify` wrote and found."""
+    """Results of `identify`."""
 
     description: Path
-    """The description with the results, which `load` reads."""
+    """Path of the description with the results, for `load`."""
     files: tuple[Path, ...]
-    """The page and its files, where a page was asked for."""
+    """Paths of the page and its files; empty without `report`."""
     found: Mapping[str, Any]
     """All results: joints, parameters with their uncertainties, warnings."""
 
@@ -126,20 +126,20 @@ def identify(
     accept_unphysical: bool = False,
     body: str | None = None,
 ) -> Identified:
-    """Finds friction, inertias and drive gains in logs, as `gelenk identify` does, and writes a description with them.
+    """Estimates friction, inertias and drive gains from logs with `gelenk identify`, and writes a description with the results.
 
-    - `output`: where the description goes; by default <name>_identified.toml in the current folder
-    - `payload`: logs with a load in the robot's hand, `logs` being those without: the description has the load as a body
-    - `columns`: which columns are what, `{"position": "pos_{}", "torque": "tau_{}"}`
-    - `hold`: joints that the logs leave out, at rest at a position in rad or m, `{"finger_*": 0.02}`
-    - `friction`: terms that friction laws are chosen from, `["viscous", "coulomb", "tanh(50*v)"]`, or `"stribeck"`
-    - `method`: how the terms are chosen, `"subset"`, `"stls"`, `"lasso"` or `"all"`
-    - `derivative`: how positions are differentiated, `"filter"` or `"tvdiff"`
-    - `merge`: `logs` are files of moments, which `reduce` wrote
-    - all others: as `gelenk identify --help` says
+    - `output`: path of the description; by default <name>_identified.toml in the current folder
+    - `payload`: logs of the robot with a load, in addition to `logs` without the load; the description has the load as a body
+    - `columns`: patterns of column names by quantity, `{"position": "pos_{}", "torque": "tau_{}"}`
+    - `hold`: joints at rest that have no columns in the logs, with their positions in rad or m, `{"finger_*": 0.02}`
+    - `friction`: candidate terms of the friction laws, `["viscous", "coulomb", "tanh(50*v)"]`, or `"stribeck"`
+    - `method`: method that selects the terms: `"subset"`, `"stls"`, `"lasso"` or `"all"`
+    - `derivative`: method that differentiates the positions: `"filter"` or `"tvdiff"`
+    - `merge`: whether `logs` are files of moments from `reduce`
+    - all other keywords: options of `gelenk identify --help`
     """
     if output is not None and _is_moments(output):
-        raise ValueError("identify writes a description: reduce and merge write *.moments")
+        raise ValueError("`identify` writes a description, so `output` must not end in .moments: reduce and merge write *.moments")
     options = {
         "output": output, "report": report, "payload_on": payload_on, "columns": _patterns(columns), "separator": separator,
         "effort": effort,
@@ -176,9 +176,9 @@ def online(
     accept_unphysical: bool = False,
     body: str | None = None,
 ) -> Mapping[str, Any]:
-    """Replays logs through the estimator of friction of the control loop, as `gelenk identify --online` does; all results.
+    """Replays logs through the online friction estimator of the control loop with `gelenk identify --online`. Returns all results.
 
-    - all keywords: as those of `identify`
+    The keywords are those of `identify`.
     """
     options = {
         "report": report, "columns": _patterns(columns), "separator": separator, "effort": effort,
@@ -212,7 +212,7 @@ def plan(
     accept_unphysical: bool = False,
     body: str | None = None,
 ) -> Path:
-    """Plans a motion that shows the parameters, as `gelenk identify --plan` does; the CSV file."""
+    """Plans a motion that excites the parameters with `gelenk identify --plan`. Returns the path of the CSV file."""
     options = {
         "output": output, "seconds": seconds, "rate": rate, "acceleration": acceleration, "position_share": position_share,
         "turn": turn, "speed_share": speed_share, "effort_share": effort_share, "harmonics": harmonics, "start": start,
@@ -245,9 +245,9 @@ def reduce(
     accept_unphysical: bool = False,
     body: str | None = None,
 ) -> Path:
-    """Reduces logs to their moments, as `gelenk identify --reduce` does; the file `output`, which ends in .moments.
+    """Reduces logs to moments with `gelenk identify --reduce`. Returns the path `output`, which must end in .moments.
 
-    The keywords are those of `identify`. All moments that are merged have to be made with the same ones.
+    The keywords are those of `identify`. Use the same keywords for all moments that are merged.
     """
     options = {
         "output": output, "columns": _patterns(columns), "separator": separator, "effort": effort,
@@ -274,12 +274,12 @@ def merge(
     accept_unphysical: bool = False,
     body: str | None = None,
 ) -> Path:
-    """Adds up files of moments, as `gelenk identify --merge` does; the file `output`, which ends in .moments.
+    """Adds files of moments with `gelenk identify --merge`. Returns the path `output`, which must end in .moments.
 
-    `identify` with `merge=True` identifies from such files.
+    `identify` with `merge=True` estimates from files of moments.
     """
     if not _is_moments(output):
-        raise ValueError(f"merge writes *.moments, not {os.fspath(output)}: identify(..., merge=True) writes a description")
+        raise ValueError(f"`merge` writes *.moments, not {os.fspath(output)}: identify(..., merge=True) writes a description")
     options = {
         "output": output, "friction_on": friction_on, "snap_angles": snap_angles, "no_friction": no_friction,
         "ignore_mimic": ignore_mimic, "base": base, "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical, "body": body,
@@ -289,7 +289,7 @@ def merge(
 
 
 def _listed(terms: str | Iterable[str] | None) -> str | None:
-    """Terms as the program takes them."""
+    """Returns the terms as the value of an option."""
     return terms if terms is None or isinstance(terms, str) else ",".join(terms)
 
 

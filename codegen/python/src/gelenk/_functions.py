@@ -1,4 +1,4 @@
-"""Python functions over the loops of a module: signatures, documentation, and errors that say what is expected."""
+"""Python functions for the compiled loops of a module: signatures, documentation, and errors with the expected shapes."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from typing import Any, Callable, Mapping, Sequence
 import numpy as np
 
 PARAMETERS = "parameters"
-"""The keyword for all free parameters at once."""
+"""Keyword for the array of all free parameters."""
 
 OUT = "out"
-"""The keyword for arrays that take results."""
+"""Keyword for arrays to which results are written."""
 
 
 def identifier(name: str, taken: Sequence[str] = ()) -> str:
-    """A name of C as one of Python."""
+    """Returns the Python name for a name in C. Keywords and taken names get a final underscore."""
     if not name.isidentifier():
         raise ValueError(f"the module has a function or argument of the name {name!r}")
     while keyword.iskeyword(name) or name in taken or name.startswith("_"):
@@ -25,7 +25,7 @@ def identifier(name: str, taken: Sequence[str] = ()) -> str:
 
 
 class Function:
-    """One function of a module: what its interface says, and the text of the Python function over it."""
+    """One function of a module: its interface, and the Python function that calls it."""
 
     def __init__(self, told: Mapping[str, Any], parameters: "Parameters", dtype: np.dtype[Any]):
         self.name = identifier(told["name"])
@@ -39,24 +39,27 @@ class Function:
 
     @property
     def result_name(self) -> str:
-        """Name of the type of several results."""
+        """Name of the named tuple of several results."""
         return "".join(word.capitalize() for word in self.name.split("_"))
 
     def operands(self) -> tuple[list[tuple[int, ...]], list[tuple[int, ...]]]:
-        """Shapes of those inputs and results that have entries."""
+        """Returns the shapes of all inputs and all results that have entries."""
         inputs = self.shapes + ([(len(self.parameters.fields),)] if self.parameters.fields else [])
         has_entries = lambda shape: 0 not in shape  # noqa: E731
         return list(filter(has_entries, inputs)), list(filter(has_entries, self.result_shapes))
 
     def signature(self) -> str:
-        """Arguments as they stand in a definition."""
+        """Returns the text of the parameter list for a `def` statement."""
         words = ["_self", "/", *self.arguments, "*", f"{OUT}=None"]
         if self.parameters.fields:
             words += [f"{PARAMETERS}=None", *(f"{field}=None" for field in self.parameters.fields)]
         return ", ".join(words)
 
     def define(self, call: Callable[..., Any] | None) -> Callable[..., Any]:
-        """A method of the robot, over the loop that NumPy calls; none where no result has entries."""
+        """Defines the method of the robot.
+
+        - `call`: loop of the library as a NumPy function; `None` if no result has entries
+        """
         has_empty = any(0 in shape for shape in self.shapes + self.result_shapes)
         used = with_empty(self, call) if has_empty else call
         names: dict[str, Any] = {
@@ -101,7 +104,7 @@ class Function:
         return function
 
     def result_type(self) -> type:
-        """The type of several results."""
+        """Returns the named tuple type of several results."""
         made = namedtuple(self.result_name, self.results)  # type: ignore[misc]
         made.__doc__ = f"Results of `{self.name}`: {self.told['summary']}"
         for name, told in zip(self.results, self.told["results"]):
@@ -122,21 +125,21 @@ class Function:
                 about = each["description"].strip() or f"parameter {each['name']}"
                 lines += [f"{name} : (...)", f"    {about}{unit}; described as {each['default']!r}"]
             lines += [f"{PARAMETERS} : (..., {len(self.parameters.fields)})"]
-            lines += ["    all free parameters at once, from `pack_parameters`"]
+            lines += ["    array of all free parameters, from `pack_parameters`"]
         lines += [f"{OUT} : " + ("tuple of arrays" if len(self.results) > 1 else "array")]
-        lines += [f"    arrays of {self.dtype} that take the results, and are returned"]
+        lines += [f"    arrays of {self.dtype} to which the results are written; they are also returned"]
         lines += ["", "Returns", "-------"]
         for name, each in zip(self.results, told["results"]):
             symbol = each["symbol"] if each["symbol"] == name else f"{name}, {each['symbol']}"
             lines += [f"{symbol} : {shape_text(each['shape'])}", f"    {each['meaning']}"]
-        lines += ["", "Axes in front count states; those of all arguments are broadcast.", told["cost"]]
+        lines += ["", "Leading axes count states; the leading axes of all arguments are broadcast.", told["cost"]]
         for note in told["notes"]:
             lines += ["", note]
         return "\n".join(lines) + "\n"
 
 
 class Parameters:
-    """The free parameters of a module as keywords."""
+    """Free parameters of a module, which are keywords of its functions."""
 
     def __init__(self, told: Sequence[Mapping[str, Any]], taken: Sequence[str], dtype: np.dtype[Any]):
         self.told = told
@@ -147,7 +150,7 @@ class Parameters:
         self.defaults.flags.writeable = False
 
     def pack(self, parameters: Any = None, **values: Any) -> np.ndarray:
-        """All parameters in one array, those of the description where no value is given."""
+        """Packs all parameters into one array. Parameters without a value keep the value in `parameters`, or in the description."""
         base = self.defaults if parameters is None else np.asarray(parameters)
         if base.ndim == 0 or base.shape[-1] != len(self.fields):
             raise ValueError(
@@ -174,7 +177,7 @@ def shape_text(shape: Sequence[int]) -> str:
 
 
 def meaning(told: Mapping[str, Any]) -> str:
-    """What an argument is, with the unit of each entry."""
+    """Returns the meaning of an argument with the units of its entries."""
     parts: list[str] = []
     for index, entry in enumerate(told["entries"]):
         following = told["entries"][index + 1 : index + 2]
@@ -185,16 +188,16 @@ def meaning(told: Mapping[str, Any]) -> str:
 
 
 def check_dtype(what: str, value: np.ndarray, dtype: np.dtype[Any]) -> None:
-    """Numbers are taken where none of them changes for its type."""
+    """Raises `TypeError` if the conversion to the type of the module could change a number."""
     if not np.can_cast(value.dtype, dtype, "safe"):
         hint = ""
         if value.dtype.kind in "fiu":
-            hint = f"; round them yourself with numpy.asarray(…, numpy.{dtype}) if that is meant"
+            hint = f"; round them yourself with numpy.asarray(…, numpy.{dtype}) if this is intended"
         raise TypeError(f"{what} holds {value.dtype}, which {dtype} does not hold exactly{hint}")
 
 
 def explain(function: Function, error: Exception, values: Sequence[Any]) -> Exception:
-    """The error of a call that NumPy refused, in the words of the robot."""
+    """Returns an error that names the argument, its expected shape and its meaning, for a call that NumPy rejected."""
     batches: list[tuple[str, tuple[int, ...]]] = []
     names, shapes = list(function.arguments), list(function.shapes)
     told = list(function.told["arguments"])
@@ -206,7 +209,7 @@ def explain(function: Function, error: Exception, values: Sequence[Any]) -> Exce
         try:
             array = np.asarray(value)
         except (TypeError, ValueError) as reason:
-            return TypeError(f"{function.name}: `{name}` is no array of numbers: {reason}")
+            return TypeError(f"{function.name}: `{name}` is not an array of numbers: {reason}")
         try:
             check_dtype(f"{function.name}: `{name}`", array, function.dtype)
         except TypeError as reason:
@@ -220,22 +223,22 @@ def explain(function: Function, error: Exception, values: Sequence[Any]) -> Exce
         np.broadcast_shapes(*(batch for _, batch in batches))
     except ValueError:
         axes = ", ".join(f"{batch} of `{name}`" for name, batch in batches)
-        return ValueError(f"{function.name}: the axes in front do not broadcast: {axes}")
+        return ValueError(f"{function.name}: the leading axes do not broadcast: {axes}")
     return error
 
 
 def into(function: Function, call: Callable[..., Any] | None, out: Any, values: Sequence[Any]) -> Any:
-    """A call whose results are written to arrays; these."""
+    """Calls a function, writes its results to the arrays `out`, and returns these arrays."""
     count = len(function.results)
     arrays = out if count > 1 else (out,)
     expected = f"{count} arrays" if count > 1 else "one array"
     if not isinstance(arrays, tuple) or len(arrays) != count or not all(type(each) is np.ndarray for each in arrays):
-        raise TypeError(f"{function.name}: `{OUT}` is not {expected} of NumPy: " + ", ".join(function.results))
+        raise TypeError(f"{function.name}: `{OUT}` must be {expected} of NumPy: " + ", ".join(function.results))
     for name, array in zip(function.results, arrays):
         if array.dtype != function.dtype:
             raise TypeError(f"{function.name}: `{OUT}` for `{name}` holds {array.dtype}, expected {function.dtype}")
     if not isinstance(call, np.ufunc):
-        # Results without entries are not NumPy's.
+        # NumPy has no loops for results without entries.
         found = call(*values) if call is not None else ()
         for array, result in zip(arrays, found if count > 1 else (found,)):
             if array.shape != result.shape:
@@ -246,7 +249,7 @@ def into(function: Function, call: Callable[..., Any] | None, out: Any, values: 
 
 
 def with_empty(function: Function, call: Callable[..., Any] | None) -> Callable[..., Any]:
-    """A call with arguments or results without entries, which NumPy's loops do not have."""
+    """Returns a call for arguments or results without entries, which the loops of NumPy do not support."""
     has_entries = [0 not in shape for shape in function.shapes]
     has_entries += [True] * bool(function.parameters.fields)
     shapes = function.shapes + [(len(function.parameters.fields),)] * bool(function.parameters.fields)
@@ -255,7 +258,7 @@ def with_empty(function: Function, call: Callable[..., Any] | None) -> Callable[
         arrays = [np.asarray(value) for value in values]
         for array, shape in zip(arrays, shapes):
             if array.ndim < len(shape) or array.shape[array.ndim - len(shape) :] != shape:
-                raise ValueError("a wrong shape")
+                raise ValueError("an argument has a wrong shape")
         batch = np.broadcast_shapes(*(a.shape[: a.ndim - len(s)] for a, s in zip(arrays, shapes)))
         passed = [
             np.broadcast_to(array, batch + shape)
@@ -265,7 +268,7 @@ def with_empty(function: Function, call: Callable[..., Any] | None) -> Callable[
         if call is not None:
             made = call(*passed)
             made = made if isinstance(made, tuple) else (made,)
-            # Without arguments there was no batch to follow.
+            # Without passed arguments the results do not have the batch axes yet.
             made = tuple(np.broadcast_to(each, batch + np.shape(each)) if not passed else each for each in made)
         full = iter(made)
         results = tuple(

@@ -9,38 +9,38 @@ import numpy as np
 
 DEFAULTS = {"error_on_fail": True, "print_time": False, "print_header": False, "print_iteration": False, "print_status": False}
 QP = {"qpsol": "hpipm", "qpsol_options": {"hpipm": {"mode": "balance"}, "error_on_fail": False}}
-"""The QP solver: it uses the structure of stages, which it finds from the order of variables and constraints. Its mode `speed` takes
-four fifths of the time, but does not solve all QPs of the tests. What it does not solve ends the iterations without success."""
+"""Options of the QP solver HPIPM, which finds the stages from the order of variables and constraints. Its mode `speed` takes four
+fifths of the time, but does not solve all QPs of the tests. If a QP is not solved, the iterations end without success."""
 
 
 class Motion(NamedTuple):
     """The solution of an optimal control problem."""
 
     x: np.ndarray
-    """States, a row for each stage, the one at the end included."""
+    """States, one row per stage, including the terminal stage."""
     u: np.ndarray
-    """Inputs, a row for each interval."""
+    """Inputs, one row per interval."""
     cost: float
-    """The sum of all ½ rᵀ W r."""
+    """Cost: the sum of ½ rᵀ W r over all stages, with the residuals r and weights W."""
 
 
 class Shooting:
-    """An optimal control problem with a solver, as `gelenk.gauss_newton` makes it."""
+    """An optimal control problem with its solver. `gelenk.gauss_newton` makes it."""
 
     def __init__(self, solver: Any, sizes: Sequence[int], stage: np.ndarray, rows: np.ndarray):
         self.solver = solver
-        """CasADi's solver of the variables (x_0, u_0, x_1, …, x_N), of the constraints (x_{k+1} − x⁺, rows) of each interval, and of
-        parameters p_0, …, p_N."""
+        """Solver of CasADi. Its variables are (x_0, u_0, x_1, …, x_N). Each interval has the constraints (x_{k+1} − x⁺, rows), with
+        the state x⁺ after the step. Its parameters are p_0, …, p_N."""
         self._sizes, self._stage, self._rows = tuple(sizes), stage, rows
 
     def solve(self, x0: Any, p: Any = (), guess: Motion | None = None) -> Motion:
-        """The best motion from a state.
+        """Returns the optimal motion from the initial state `x0`.
 
-        - `p`: parameters of all stages [parameters], or of each [N + 1, parameters]
-        - `guess`: where iterations begin, by default at rest in `x0` without inputs
+        - `p`: parameters, of shape [parameters] for all stages together, or [N + 1, parameters] for each stage
+        - `guess`: start of the iterations; by default the state `x0` at all stages, with inputs 0
 
-        Raises CasADi's `RuntimeError` where the solver does not succeed, unless its option `error_on_fail` is false; then
-        `solver.stats()` has its status.
+        Raises CasADi's `RuntimeError` if the solver does not succeed. If its option `error_on_fail` is false, nothing is raised, and
+        `solver.stats()` has the status.
         """
         nx, nu, parameters, n = self._sizes
         x0 = np.asarray(x0, float)
@@ -75,24 +75,25 @@ def gauss_newton(
     row_limits: Any = None,
     options: Mapping[str, Any] | None = None,
 ) -> Shooting:
-    """An optimal control problem over `intervals` N, which CasADi solves by SQP with the Hessians JᵀWJ of its residuals r:
+    """Returns an optimal control problem over N = `intervals`. CasADi solves it by SQP with Gauss–Newton Hessians JᵀWJ:
 
         min  Σ ½ r(x_k, u_k, p_k)ᵀ W r + ½ r_N(x_N, p_N)ᵀ W_N r_N    subject to    x_{k+1} = step(x_k, u_k, p_k)
 
-    - `step`, `residual`, `terminal`: expressions of CasADi from symbols x [states], u [inputs], p [parameters]:
-      `lambda x, u, p: robot.step(x, u, 0.02)`
-    - `weights`, `terminal_weights`: W and W_N, numbers or diagonals
-    - `state_limits`, `input_limits`: lowest and highest values, [2, states] and [2, inputs]; the state at the begin is given
-    - `rows`, `row_limits`: further expressions, limited by [2, rows] in every interval
-    - `options`: of CasADi's `sqpmethod`; by default QPs are solved by HPIPM
+    - `step`, `residual`, `terminal`: functions from CasADi symbols x [states], u [inputs], p [parameters] to the expressions
+      x_{k+1}, r and r_N, for example `lambda x, u, p: robot.step(x, u, 0.02)`; `terminal` takes only x and p
+    - `states`, `inputs`, `parameters`: lengths of x, u and p
+    - `weights`, `terminal_weights`: W and W_N, as numbers or diagonals
+    - `state_limits`, `input_limits`: lowest and highest values, of shapes [2, states] and [2, inputs]; the initial state is fixed
+    - `rows`: function for further expressions, which the limits `row_limits` of shape [2, rows] bound in every interval
+    - `options`: options of CasADi's `sqpmethod`; by default HPIPM solves the QPs
     """
     if (rows is None) != (row_limits is None):
-        raise ValueError("`rows` and `row_limits` belong together")
+        raise ValueError("`rows` and `row_limits` belong together: give both or neither")
     ca = importlib.import_module("casadi")
     n, size = intervals, states + inputs
     x, u, p = (ca.MX.sym(name, count) for name, count in [("x", states), ("u", inputs), ("p", parameters)])
     further = ca.MX(0, 1) if rows is None else rows(x, u, p)
-    # Functions of their own: a Hessian or a cost alone takes no step.
+    # Separate functions, so that the evaluation of a Hessian or a cost does not evaluate the step.
     constraint = ca.Function("constraint", [x, u, p], [ca.vertcat(step(x, u, p), further)])
     cost, hessian = _cost(ca, residual(x, u, p), [x, u, p], ca.vertcat(x, u), weights)
     last_cost, last_hessian = _cost(ca, terminal(x, p), [x, p], x, terminal_weights)
@@ -117,7 +118,7 @@ def gauss_newton(
 
 
 def _cost(ca: Any, r: Any, arguments: list[Any], z: Any, weights: Any) -> tuple[Any, Any]:
-    """½ rᵀ W r, and the upper half of JᵀWJ, as functions."""
+    """Returns ½ rᵀ W r and the upper triangle of JᵀWJ as functions."""
     diagonal = ca.DM(np.broadcast_to(np.asarray(weights, float), (r.numel(),)).copy())
     jacobian = ca.jacobian(r, z)
     hessian = ca.triu(ca.mtimes(jacobian.T, ca.mtimes(ca.diag(diagonal), jacobian)))

@@ -1,8 +1,8 @@
 """Loops of a compiled module as NumPy's generalized universal functions.
 
-NumPy's C interface is a table of pointers that compiled extensions read from a capsule; its order is fixed for good,
-since they would break otherwise. `PyUFunc_FromFuncAndDataAndSignature` is read from it here, so that a call costs what
-NumPy's own functions cost, and neither headers of Python nor of NumPy are needed where a robot is loaded.
+NumPy's C interface is a table of pointers, which compiled extensions read from a capsule. The order of the table never
+changes, because extensions depend on it. This module reads `PyUFunc_FromFuncAndDataAndSignature` from the table. A call
+therefore costs as much as a call of a NumPy function, and loading a robot needs no headers of Python or NumPy.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ except ImportError:  # before NumPy 2
     _umath = importlib.import_module("numpy.core._multiarray_umath")
 
 FROM_FUNCTION_WITH_SIGNATURE = 31
-"""Place of `PyUFunc_FromFuncAndDataAndSignature` in the table `_UFUNC_API`, from `numpy/__ufunc_api.h`."""
+"""Index of `PyUFunc_FromFuncAndDataAndSignature` in the table `_UFUNC_API`, from `numpy/__ufunc_api.h`."""
 
 NO_IDENTITY = -1
 
 _kept: list[Any] = []
-"""What NumPy points to without holding it: a ufunc may be called as long as the process lives."""
+"""Objects to which NumPy keeps pointers without a reference. They must live as long as the process, because a ufunc may."""
 
 
 def _maker() -> Any:
@@ -52,9 +52,10 @@ def gufunc(
     results: list[tuple[int, ...]],
     dtype: np.dtype[Any],
 ) -> np.ufunc:
-    """A loop of the library as a function of arrays.
+    """Returns a loop of the library as a function of arrays.
 
-    - `inputs`, `results`: their shapes for one state; all have entries
+    - `symbol`: name of the loop in the library
+    - `inputs`, `results`: shapes for one state, all with entries
     """
     def shapes(all: list[tuple[int, ...]]) -> str:
         return ",".join("(" + ",".join(map(str, shape)) + ")" for shape in all)

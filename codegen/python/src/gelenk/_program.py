@@ -1,4 +1,4 @@
-"""The program `gelenk`: where it is, and how it is run."""
+"""Finds and runs the program `gelenk`."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from typing import Any, Iterable, Mapping
 from .errors import DescriptionError, Diagnostic, ProgramError
 
 VARIABLE = "GELENK_PROGRAM"
-"""The environment variable that names the program, before all other places."""
+"""Environment variable with the path of the program. It precedes all other places."""
 
 
 def find() -> Path:
-    """The program that came with this package, else the one on the path.
+    """Returns the path of the program: the program of this package, otherwise the program on the PATH.
 
-    Raises `ProgramError` where there is none.
+    Raises `ProgramError` if no program is found.
     """
     named = os.environ.get(VARIABLE)
     if named:
         if not Path(named).is_file():
-            raise ProgramError(f"{VARIABLE} names {named}, which is no file")
+            raise ProgramError(f"{VARIABLE} names {named}, which is not a file")
         return Path(named)
     name = "gelenk.exe" if sys.platform == "win32" else "gelenk"
     schemes = [sysconfig.get_path("scripts")]
@@ -44,19 +44,20 @@ def find() -> Path:
 
 
 def identity(program: Path) -> list[Any]:
-    """What tells one build of the program from another."""
+    """Returns values that distinguish builds of the program: path, size and time of the file."""
     found = program.resolve().stat()
     return [str(program.resolve()), found.st_size, found.st_mtime_ns]
 
 
 def run(words: Iterable[str | os.PathLike[str]], *, may_fail: bool = False, folder: Path | None = None) -> Any:
-    """Runs the program; what it prints as JSON.
+    """Runs the program and returns its JSON output.
 
-    - `folder`: where it runs; by default the current one
-    - `may_fail`: whether a result with exit code 1 is one, as that of a page with a failed self-check
+    - `words`: arguments of the command line
+    - `folder`: working directory; by default the current directory
+    - `may_fail`: whether an output with exit code 1 is accepted, for example a page with a failed self-check
 
-    Raises `DescriptionError` where a description is at fault, `ValueError` for words that the program refuses, and
-    `ProgramError` for all else.
+    Raises `DescriptionError` if a description has errors, `ValueError` for arguments that the program rejects, and
+    `ProgramError` for all other failures.
     """
     command = [str(find().absolute()), "--format", "json", *[os.fspath(word) for word in words]]
     done = subprocess.run(command, cwd=folder, capture_output=True, encoding="utf-8", errors="replace")
@@ -70,19 +71,19 @@ def run(words: Iterable[str | os.PathLike[str]], *, may_fail: bool = False, fold
     message = _message(done.stderr)
     if done.returncode == 2:
         raise ValueError(message)
-    raise ProgramError(message or f"{command[0]} ended with exit code {done.returncode} and said nothing")
+    raise ProgramError(message or f"{command[0]} ended with exit code {done.returncode} and without a message")
 
 
 def diagnostics(entries: Iterable[Mapping[str, Any]]) -> tuple[Diagnostic, ...]:
-    """Diagnostics from what the program prints."""
+    """Converts entries of the JSON output to diagnostics."""
     keys = Diagnostic.__dataclass_fields__
     return tuple(Diagnostic(**{key: entry[key] for key in keys}) for entry in entries)
 
 
 def switches(options: Mapping[str, Any]) -> list[str]:
-    """Words of the command line from keyword arguments: `no_friction=True` is `--no-friction`.
+    """Converts keyword arguments to options of the command line: `no_friction=True` becomes `--no-friction`.
 
-    `None`, `False` and empty lists say nothing. Patterns of `hold` are a switch each.
+    `None`, `False` and empty lists give no option. Each pattern of `hold` gives one option.
     """
     words: list[str] = []
     for name, value in options.items():
@@ -117,7 +118,7 @@ def _json(text: str) -> Any:
 
 
 def _message(text: str) -> str:
-    """What the program says, without the lines about its progress."""
+    """Returns the message of the program without progress lines."""
     lines = [line for line in text.splitlines() if not line.startswith("gelenk: ")]
     message = "\n".join(lines).strip()
     message = message.removeprefix("error: ")

@@ -1,4 +1,4 @@
-"""From a description to an object with its functions."""
+"""Loads a description as an object with the functions of the robot."""
 
 from __future__ import annotations
 
@@ -22,41 +22,42 @@ from ._numpy import gufunc
 from .errors import DescriptionWarning, Diagnostic, GelenkError
 
 FORMAT = 2
-"""Changes with what entries of the cache hold."""
+"""Version of the contents of cache entries."""
 
 CLOCK = 0.05
-"""Seconds by which the times of files may be late: systems take them from a coarse clock."""
+"""Largest error of file times in seconds, because operating systems take them from a coarse clock."""
 
 
 class Robot:
-    """A robot's functions over NumPy arrays, as `gelenk.load` makes them.
+    """A robot with functions over NumPy arrays. `gelenk.load` makes it.
 
-    Functions and constants are those of the generated module: `robot.inverse_dynamics(y, v, a)`, `robot.N`,
-    `robot.JOINT_NAMES`. `help(robot.inverse_dynamics)` says what a function takes and returns. Axes in front count states,
-    and the loop over them is compiled.
+    The object has the functions and constants of the generated module: `robot.inverse_dynamics(y, v, a)`, `robot.N`,
+    `robot.JOINT_NAMES`. `help(robot.inverse_dynamics)` shows the arguments and results of a function. Leading axes of arrays
+    are batch axes: they count states, and the loop over them is compiled.
     """
 
     name: str
     """Name of the robot."""
     description: tuple[str, ...]
-    """What its description says about it."""
+    """Lines of the key `description`."""
     dtype: np.dtype[Any]
     """Type of all numbers."""
     notes: tuple[Diagnostic, ...]
-    """What the program noted about the description."""
+    """Notes and warnings of the program about the description."""
     default_parameters: dict[str, float]
-    """The described values of the free parameters."""
+    """Values of the free parameters in the description."""
     folder: Path
-    """Where the module in C and its library lie."""
+    """Folder with the module in C and its compiled library."""
     N: int
     """Number of coordinates."""
     M: int
     """Number of inputs."""
 
     def pack_parameters(self, **values: Any) -> np.ndarray:
-        """All free parameters in one array, for the keyword `parameters` of every function.
+        """Packs all free parameters into one array, for the keyword `parameters` of every function.
 
-        Those without a value are as described. Calls in a loop are faster with it than with single keywords.
+        Parameters without a value have the value of the description. Calls in a loop are faster with this array than with
+        one keyword per parameter. Raises `TypeError` for an unknown name.
         """
         unknown = [name for name in values if name not in self._parameters.fields]
         if unknown:
@@ -65,10 +66,10 @@ class Robot:
         return self._parameters.pack(None, **values)
 
     def stub(self) -> str:
-        """The text of a type stub: a class with the functions and constants of this robot.
+        """Returns the text of a type stub: a class with the functions and constants of this robot.
 
-        Written to `ur5.pyi`, and imported where `TYPE_CHECKING`, it tells editors and type checkers what
-        `robot: "Ur5" = gelenk.load("ur5.toml")` has.
+        Write the text to `ur5.pyi` and import the class under `if TYPE_CHECKING`. Editors and type checkers then know the
+        functions of `robot: "Ur5" = gelenk.load("ur5.toml")`.
         """
         return stub(self)
 
@@ -100,19 +101,20 @@ def load(
     fused_multiply_add: bool = False,
     max_operations: int | None = None,
 ) -> Any:
-    """The robot of a description, TOML, URDF or MJCF, as an object with its functions.
+    """Loads a description (TOML, URDF or MJCF) and returns the robot with its functions.
 
-    The program generates C, and the compiler at hand compiles it: `CC` where that is set, else cc, gcc, clang or
-    zig cc. Both are kept in a cache by their content, so that the next call only reads the description.
+    The program `gelenk` generates C, and a C compiler compiles it: `CC` if it is set, otherwise cc, gcc, clang or zig cc.
+    Module and library are cached by content, so the next call only reads the description.
 
-    - `functions`: their names; by default those of the description, else all
-    - `lanes`: functions that compute eight states of a batch at once even where that makes them large; those that are
-      straight-line code do so in any case
-    - `scalar`: `f64`, or `f32` for functions in single precision
-    - `base`: `"floating"` for a robot whose first link moves freely
-    - all others: as `gelenk generate --help` says
+    - `functions`: names of the functions; by default the functions in the description, otherwise all
+    - `lanes`: functions that compute eight states of a batch at once even if this makes their code large; straight-line
+      functions always do
+    - `scalar`: `"f64"`, or `"f32"` for functions in single precision
+    - `base`: `"floating"` for a robot with a floating base
+    - all other keywords: options of `gelenk generate --help`
 
-    Raises `DescriptionError`, `CompilerError`, `ProgramError`, and `ValueError` for an option that the program refuses.
+    Raises `DescriptionError` for a wrong description, `CompilerError`, `ProgramError`, and `ValueError` for an option that the
+    program rejects.
     """
     options = _program.switches({
         "functions": [functions] if isinstance(functions, str) else functions,
@@ -133,9 +135,10 @@ def load(
 
 
 def loaded(description: str, options: list[str], depth: int) -> Any:
-    """The robot of a description by words of the command line.
+    """Returns the robot of a description.
 
-    - `depth`: how many calls above `read` the user stands
+    - `options`: options of the command line
+    - `depth`: number of calls between `read` and the code of the user, for the place of warnings
     """
     path = Path(description)
     module = generated(path, options, "python")
@@ -147,9 +150,9 @@ def loaded(description: str, options: list[str], depth: int) -> Any:
 
 
 def again(make: Callable[[str, list[str], int], Any], description: str, options: list[str], module: str) -> Any:
-    """What was pickled, in this process.
+    """Makes a pickled object again in this process.
 
-    Raises `GelenkError` where the description is another one than at that time.
+    Raises `GelenkError` if the description or the program has changed since the object was pickled.
     """
     made = make(description, options, 5)
     if made._made_of[2] != module:
@@ -158,7 +161,7 @@ def again(make: Callable[[str, list[str], int], Any], description: str, options:
 
 
 def read(module: Path, description: Path, depth: int = 3) -> tuple[dict[str, Any], tuple[Diagnostic, ...]]:
-    """What the program said about a module, and its notes. Warnings become those of Python, in the name of whoever loads the robot."""
+    """Reads the output of the program for a module, and its notes. Warnings become Python warnings at the line that loads the robot."""
     told = json.loads((module / "module.json").read_text("utf-8"))
     folder = description.parent
     notes = _program.diagnostics(_at(note, lambda file: os.path.join(folder, file)) for note in told["notes"])
@@ -169,7 +172,7 @@ def read(module: Path, description: Path, depth: int = 3) -> tuple[dict[str, Any
 
 
 def _at(note: dict[str, Any], place: Callable[[str], str]) -> dict[str, Any]:
-    """A note on the file at another place."""
+    """Returns the note with another path of its file."""
     if note["file"] is None:
         return note
     file = place(note["file"])
@@ -177,12 +180,12 @@ def _at(note: dict[str, Any], place: Callable[[str], str]) -> dict[str, Any]:
 
 
 def generated(description: Path, options: list[str], tool: str) -> Path:
-    """The folder with the module in C and what the program said about it.
+    """Returns the folder with the module in C and the output of the program.
 
-    - `tool`: for whom there are files beside the module: `python`, `casadi` or `acados`
+    - `tool`: tool that gets additional files: `python`, `casadi` or `acados`
 
-    The cache remembers which files the program read for a description and a choice of options, and the module for
-    their contents. Where they lie does not matter, except to each other.
+    The cache holds the list of files that the program reads for a description and its options, and the module for the
+    contents of these files. Only relative paths between the files matter.
     """
     program = _program.find()
     content = _cache.fingerprint(description)
@@ -201,7 +204,7 @@ def _generate(description: Path, options: list[str], tool: str, asked: str) -> P
     try:
         start = time.time()
         words = ["generate", str(description), "--language=c", f"--for={tool}", f"--output={scratch}{os.sep}", *options]
-        # A module says how it was made, from where the program runs.
+        # The header of the module has the command, with paths relative to the folder of the program.
         [told] = _program.run(words, folder=scratch)
         told["files"] = [Path(file).name for file in told["files"]]
         told["notes"] = [_at(note, lambda file: os.path.relpath(file, description.parent)) for note in told["notes"]]
@@ -215,7 +218,7 @@ def _generate(description: Path, options: list[str], tool: str, asked: str) -> P
 
         name = _cache.key(FORMAT, kept, texts)
         place = _cache.entry("modules", name, fill)
-        # A file that was written while the program read may have another content than it read: the next call asks again.
+        # A file that changed while the program ran may differ from the text that was read. The next call then runs the program again.
         if all(Path(file).stat().st_mtime < start - CLOCK for file in told["read"]):
             read = [os.path.relpath(file, description.parent) for file in told["read"]]
             _cache.write_json("read", asked, read)
@@ -226,7 +229,7 @@ def _generate(description: Path, options: list[str], tool: str, asked: str) -> P
 
 
 def compiled(module: Path, files: Iterable[str]) -> Path:
-    """The shared library of a module with these files."""
+    """Returns the path of the shared library of a module with these files."""
     sources = [name for name in files if name.endswith(".c")]
 
     def fill(place: Path) -> None:
@@ -240,12 +243,12 @@ def compiled(module: Path, files: Iterable[str]) -> Path:
 
 
 def robot(told: Mapping[str, Any], notes: tuple[Diagnostic, ...], path: Path, dtype: np.dtype[Any]) -> Robot:
-    """The object over a compiled module."""
+    """Returns the robot of a compiled module."""
     interface = told["interface"]
     library = ctypes.CDLL(str(path))
     arguments = {each["name"] for function in interface["functions"] for each in function["arguments"]}
     parameters = Parameters(interface["parameters"], sorted(arguments), dtype)
-    # Functions of positions alone take no parameters.
+    # Functions of positions only have no parameters.
     none = Parameters([], [], dtype)
     functions = [Function(each, parameters if each["takes_parameters"] else none, dtype) for each in interface["functions"]]
     names: dict[str, Any] = {each["name"]: constant(each, dtype) for each in interface["constants"]}
@@ -264,7 +267,7 @@ def robot(told: Mapping[str, Any], notes: tuple[Diagnostic, ...], path: Path, dt
     }
     for function in functions:
         if hasattr(Robot, function.name) or function.name in names:
-            raise ValueError(f"the module has a function `{function.name}`, which is the name of something else")
+            raise ValueError(f"the module has a function `{function.name}`, but a constant or attribute of the robot has this name")
         inputs, results = function.operands()
         symbol = f"{interface['prefix']}_python_{function.told['name']}"
         call = gufunc(library, symbol, function.name, inputs, results, dtype) if results else None
@@ -274,7 +277,7 @@ def robot(told: Mapping[str, Any], notes: tuple[Diagnostic, ...], path: Path, dt
 
 
 def constant(told: Mapping[str, Any], dtype: np.dtype[Any]) -> Any:
-    """A constant of the module: numbers as arrays that cannot be written, names as tuples."""
+    """Returns a constant of the module. Numbers are read-only arrays, names are tuples."""
     kind, value = told["kind"], told["value"]
     if kind == "count":
         return value
@@ -283,21 +286,21 @@ def constant(told: Mapping[str, Any], dtype: np.dtype[Any]) -> Any:
     if kind == "sparse":
         return tuple((row, column, dtype.type(float(number))) for row, column, number in value)
     types = {"indices": np.dtype(int), "numbers": dtype, "pattern": np.dtype(bool)}
-    # Infinity is a text in JSON, which float understands.
+    # JSON has infinity as a text, which `float` can read.
     array = np.array(value, np.float64 if kind == "numbers" else types[kind]).astype(types[kind])
     array.flags.writeable = False
     return array
 
 
 def class_name(name: str) -> str:
-    """The name of a robot as that of a class."""
+    """Returns the class name for the name of a robot."""
     words = [word for word in re.split(r"[^0-9A-Za-z]+", name) if word]
     joined = "".join(word[0].upper() + word[1:] for word in words)
     return identifier(joined if joined[:1].isalpha() else f"Robot{joined}")
 
 
 def stub(robot: Robot) -> str:
-    """The text of a type stub."""
+    """Returns the text of a type stub for the robot."""
     cls = type(robot)
     lines = [
         "from typing import NamedTuple", "", "import numpy as np", "from numpy.typing import ArrayLike, NDArray", "",

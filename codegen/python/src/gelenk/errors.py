@@ -1,4 +1,4 @@
-"""What can go wrong."""
+"""Errors, warnings and diagnostics of this package."""
 
 from __future__ import annotations
 
@@ -7,32 +7,35 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Diagnostic:
-    """What the program says about a place in a description."""
+    """A message of the program about a place in a description."""
 
     severity: str
     """`error`, `warning` or `note`."""
     code: str
-    """A short name that does not change, e.g. `missing-key`."""
+    """Short fixed name of the kind of message, for example `missing-key`."""
     message: str
+    """Description of the problem."""
     file: str | None
+    """Path of the file; `None` without a place."""
     line: int | None
-    """Counted from 1."""
+    """Line, counted from 1."""
     column: int | None
+    """Column, counted from 1."""
     help: str | None
-    """What to do."""
+    """Remedy."""
     text: str
-    """All of it as the program prints it, with the line of the file."""
+    """Complete text that the program prints, with the line of the file."""
 
     def __str__(self) -> str:
         return self.text
 
 
 class GelenkError(Exception):
-    """Something that this package could not do."""
+    """Base class of all errors of this package."""
 
 
 class DescriptionError(GelenkError):
-    """A description is at fault: `diagnostics` says where and what to do."""
+    """A description has errors. `diagnostics` has their places and remedies."""
 
     def __init__(self, diagnostics: tuple[Diagnostic, ...]):
         super().__init__("\n\n".join(each.text for each in diagnostics))
@@ -40,7 +43,7 @@ class DescriptionError(GelenkError):
 
 
 class DescriptionWarning(UserWarning):
-    """A description is read, but something in it is doubtful."""
+    """A description is usable, but probably contains a mistake."""
 
 
 class ProgramError(GelenkError):
@@ -48,8 +51,8 @@ class ProgramError(GelenkError):
 
 
 class CompilerError(GelenkError):
-    """There is no C compiler, or it refused the module."""
+    """There is no C compiler, or the compiler rejected the module."""
 
 
 class CacheError(GelenkError):
-    """The folder of the cache is not the user's own."""
+    """The cache folder belongs to another user, or other users can write to it."""

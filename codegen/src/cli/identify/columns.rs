@@ -12,12 +12,18 @@ use super::super::print;
 use super::logs::settings;
 use super::read::read;
 
-/// Prints the columns of the first log as a line for `--columns`. If columns are missing, all columns of the
-/// log are printed, too, and the exit code is [`FAULT`].
+/// Prints the columns of the first log as a line for `--columns`. If columns are missing, it also prints
+/// all columns of the log, and the exit code is [`FAULT`].
 pub(super) fn print(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
     let (_, robot) = read(arguments)?;
     let settings = settings(arguments)?;
-    let Some(log) = arguments.logs.first() else { return Err(Failure::Usage("name a log".to_owned())) };
+    let Some(log) = arguments.logs.first() else {
+        return Err(Failure::Usage(
+            "no log is given: name a log whose columns are \
+                                                                             to be printed"
+                .to_owned(),
+        ));
+    };
     let guess = guess_columns(log, &robot, &settings.columns)?;
     let code = if guess.faults.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(FAULT) };
     if format == Format::Json {

@@ -15,7 +15,7 @@ fn uncertain(p: &Uncertain) -> Value {
     json!({"value": p.value, "standard_error": p.standard_error, "interval": p.interval})
 }
 
-/// How the efforts of the logs include the robot's weight, as text.
+/// Returns how the efforts of the logs include the robot's weight, as text.
 fn gravity(gravity: Gravity) -> &'static str {
     match gravity {
         Gravity::Recorded => "recorded",
@@ -24,7 +24,7 @@ fn gravity(gravity: Gravity) -> &'static str {
     }
 }
 
-/// Identified values and the paths of the written files, as JSON.
+/// Returns the identified values and the paths of the written files as JSON.
 pub(super) fn as_json(
     (found, findings): (&Identification, &[Finding]),
     validation: &[JointValidation],

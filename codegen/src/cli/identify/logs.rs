@@ -31,27 +31,27 @@ use crate::model::{Drive, Input, Joint, Model, Motion};
 use crate::read::Loaded;
 use crate::wording::{list, quoted};
 
-/// Sees: wrenches of the description that no log has.
-/// Matters: they are assumed to be zero.
+/// Sees: wrenches of the description without columns in the logs.
+/// Matters: these wrenches are assumed to be zero.
 /// Example: a wrench at the tool.
 /// Fixture: `codegen/tests/findings/online.rs`.
 const WRENCHES: Rule = Rule::note("wrenches-zero");
 
-/// Sees: described friction that is not estimated.
-/// Matters: it stays as described.
-/// Example: friction of a joint that follows another one.
+/// Sees: described friction that is not identified.
+/// Matters: this friction stays as described.
+/// Example: friction of a joint that follows another joint.
 /// Fixture: `codegen/tests/coupled_identification/described.rs`.
 const KEPT: Rule = Rule::note("friction-kept");
 
 /// Sees: rotors without an input.
-/// Matters: no key of the written description has their inertia.
+/// Matters: a description has no key for their identified inertia.
 /// Example: `armature` of a joint without an actuator in MJCF.
 /// Fixture: `codegen/tests/coupled_identification/described.rs`.
 const ROTORS: Rule = Rule::note("rotors-kept");
 
-/// Sees: friction under load that is described and was not identified.
+/// Sees: load-dependent friction that is described but was not identified.
 /// Matters: laws of the velocity alone replace it.
-/// Example: `load` of a described friction, without `--load-friction`.
+/// Example: the key `load` of a described friction, without `--load-friction`.
 /// Fixture: `codegen/tests/identified_friction.rs`.
 const LOAD_LOST: Rule = Rule::note("load-friction-replaced");
 
@@ -138,7 +138,7 @@ pub(super) fn settings(arguments: &Identify) -> Result<IdentificationSettings, F
     Ok(settings)
 }
 
-/// A finding about parts of the description with these names; `None` if there are no names.
+/// Returns a finding about parts of the description with these names; `None` if there are no names.
 fn about<'a>(
     rule: Rule,
     names: impl Iterator<Item = &'a str>,
@@ -148,16 +148,17 @@ fn about<'a>(
     (!names.is_empty()).then(|| rule.found(said(list(names.into_iter()))))
 }
 
-/// Finding about wrenches of the description, which are taken as zero.
+/// Returns the finding about wrenches of the description, which are assumed to be zero.
 fn without_wrenches(model: &Model) -> Option<Finding> {
     about(WRENCHES, model.wrenches.iter().map(|wrench| wrench.name.as_str()), |names| {
         format!(
-            "the wrenches {names} are assumed to be zero; if one acts, describe it as an input (`[[inputs]]`), and log it"
+            "the wrenches {names} are assumed to be zero; if a wrench acts, describe it as an input (`[[inputs]]`), and add \
+             its columns to the log"
         )
     })
 }
 
-/// Finding about friction of shafts in the description that is not identified.
+/// Returns the finding about described friction of shafts that is not identified.
 fn as_described(arguments: &Identify, model: &Model, robot: &InterpretedRobot) -> Option<Finding> {
     let kept = robot.shafts_as_described();
     let names = model.rubbing_drives().map(|drive| drive.name.as_str()).filter(|name| kept.contains(name));
@@ -165,39 +166,43 @@ fn as_described(arguments: &Identify, model: &Model, robot: &InterpretedRobot) -
         FrictionPlace::Joints => "--friction-on joints was given",
         FrictionPlace::Shafts => "other drives move the same joints",
     };
-    about(KEPT, names, |names| format!("friction on the shafts of {names} stays as described: {reason}"))
+    about(KEPT, names, |names| {
+        format!("friction on the shafts of {names} stays as described, because {reason}")
+    })
 }
 
-/// Finding about friction of followers, which is not identified.
+/// Returns the finding about friction of followers, which is not identified.
 fn friction_of_followers(model: &Model) -> Option<Finding> {
     let joints = model.links.iter().filter_map(|link| link.joint.as_ref());
     let follows = |joint: &&Joint| matches!(joint.motion, Motion::Follower(_)) && !joint.friction.is_empty();
     about(KEPT, joints.filter(follows).map(|joint| joint.name.as_str()), |names| {
-        format!("friction of joints that follow others ({names}) stays as described")
+        format!(
+            "friction of joints that follow other joints ({names}) is not identified and stays as described"
+        )
     })
 }
 
-/// Finding about rotors without an input, for which a description has no key: `armature` of MJCF joints
-/// without an actuator.
+/// Returns the finding about rotors without an input, for example `armature` of MJCF joints without an
+/// actuator. A description has no key for such rotors.
 fn rotors_without_input(model: &Model) -> Option<Finding> {
     let drives = model.moving_drives().filter(|drive| drive.input == Input::None);
     about(ROTORS, drives.map(|drive| drive.name.as_str()), |names| {
         format!(
-            "rotors without an input ({names}) stay in the file as described: only the table of parameters has their \
+            "rotors without an input ({names}) stay as described in the written file: only the table of parameters has their \
              identified inertia"
         )
     })
 }
 
-/// Finding about load-dependent friction of the description that laws of the velocity replace.
+/// Returns the finding about described load-dependent friction that is replaced by laws of the velocity.
 fn replaced_load(model: &Model, found: &Identification) -> Option<Finding> {
     let laws = || found.friction.iter().filter_map(|joint| joint.report.as_ref().ok());
     let replaced = |name: &str| laws().any(|law| law.result.joint == name && law.result.load.is_empty());
     let described = model.joints().filter(|joint| !joint.load_friction.is_empty());
     about(LOAD_LOST, described.map(|joint| joint.name.as_str()).filter(|name| replaced(name)), |names| {
         format!(
-            "the described friction under load of {names} was not identified: laws of the velocity replace it \
-             (--load-friction identifies it)"
+            "the described load-dependent friction of {names} was not identified, and laws of the velocity replace it \
+             (use `--load-friction` to identify it)"
         )
     })
 }
@@ -213,7 +218,7 @@ pub(super) fn output(arguments: &Identify, loaded: &Loaded, kind: &str) -> Resul
     Ok(output)
 }
 
-/// The command for the file and the page. It does not depend on the machine.
+/// Returns the command line for the file and the page. It does not depend on the machine.
 pub(super) fn command(arguments: &Identify) -> String {
     let workspace = Workspace::find();
     let files = std::iter::once(&arguments.description).chain(&arguments.logs);
@@ -247,12 +252,12 @@ pub(super) fn command(arguments: &Identify) -> String {
     words.chain(arguments.reading.words()).collect::<Vec<_>>().join(" ")
 }
 
-/// Word of an option's value on the command line.
+/// Returns the word for an option's value on the command line.
 fn name_of(value: impl ValueEnum) -> Option<String> {
     Some(value.to_possible_value()?.get_name().to_owned())
 }
 
-/// The option `--friction-on joints` if it was given.
+/// Returns the option `--friction-on joints` if it was given.
 pub(super) fn on_joints(arguments: &Identify) -> Option<String> {
     (arguments.friction_on == FrictionPlace::Joints).then(|| "--friction-on joints".to_owned())
 }
@@ -267,7 +272,8 @@ fn describe(
     let values: Vec<f64> = found.estimate.parameters.iter().map(|parameter| parameter.value).collect();
     let (links, others) = values.split_at(PER_LINK * robot.bodies());
     if !found.estimate.consistent {
-        let message = "the estimate has a body that is not physical; nothing is written";
+        let message = "the estimate contains a body that is physically impossible, so that nothing is written: record a \
+                       motion that excites the bodies more";
         return Err(Failure::Problem(message.to_owned()));
     }
     let bodies_of = |parameters: &[f64]| {
@@ -304,10 +310,10 @@ fn describe(
     )?)
 }
 
-/// Lines of TOML for the drives under `[[drives]]`, and for the joints whose rows are replaced by rows of
-/// shafts.
+/// Returns lines of TOML for the drives under `[[drives]]`, and for the joints whose rows are replaced by
+/// rows of shafts.
 ///
-/// - `others`: the inertial parameters after those of the bodies
+/// - `others`: inertial parameters after those of the bodies
 fn drive_tables(
     described: &Model,
     robot: &InterpretedRobot,
@@ -333,7 +339,7 @@ fn drive_tables(
     Ok(tables)
 }
 
-/// Identified values of a drive under `[[drives]]`.
+/// Returns the identified values of a drive under `[[drives]]`.
 fn identified_drive<'a>(
     found: &'a Identification,
     drive: &'a Drive,
@@ -353,7 +359,7 @@ fn identified_drive<'a>(
     }
 }
 
-/// Comments at the top of the written description: command, hashes of the logs, fits and findings.
+/// Returns comments for the top of the written description: command, hashes of the logs, fits and findings.
 fn provenance(found: &Identification, findings: &[Finding], command: &str) -> Vec<String> {
     let hashes = found.recording.hashes.iter().map(|(path, hash)| {
         let name = path.rsplit(['/', '\\']).next().unwrap_or(path);
@@ -379,13 +385,13 @@ fn provenance(found: &Identification, findings: &[Finding], command: &str) -> Ve
         .collect()
 }
 
-/// Residual of a joint with its unit, as text.
+/// Returns the residual of a joint with its unit as text.
 fn residual(joint: &JointEstimate) -> String {
     format!("{} {}", plain(joint.sigma, 3), joint.unit)
 }
 
-/// Path of the extended description. It is relative if the description is in or below the folder of the
-/// output, otherwise absolute.
+/// Returns the path of the extended description. The path is relative if the description is in the folder
+/// of the output or below it, otherwise absolute.
 pub(super) fn relative(description: &Path, output: &Path) -> Result<String, Failure> {
     let fault = |error| Failure::Problem(format!("{}: {error}", description.display()));
     let description = description.canonicalize().map_err(fault)?;
@@ -429,7 +435,7 @@ fn as_text(
     text
 }
 
-/// Table about the prediction of the logs of `--validate`; empty if there are none.
+/// Returns the table about the prediction of the logs of `--validate`; empty if there are no such logs.
 fn validated(validation: &[JointValidation]) -> String {
     if validation.is_empty() {
         return String::new();

@@ -15,9 +15,14 @@ use std::process::ExitCode;
 use super::arguments::{Format, Identify};
 use super::failure::Failure;
 
-/// Runs the task that the arguments choose: identification from logs or moments, reduction of logs to
-/// moments, the plan of a motion, identification of a load, replay of a log, or the columns of a log. Moments
-/// are sums of products of a log's samples.
+/// Runs the task that the arguments choose:
+///
+/// - identification from logs or from moments (sums of products of a log's samples)
+/// - reduction of logs to moments
+/// - plan of a motion
+/// - identification of a load
+/// - replay of a log
+/// - list of the columns of a log
 pub(super) fn identify(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
     match arguments {
         _ if read::stated(arguments).asks() => columns::print(arguments, format),

@@ -1,4 +1,5 @@
-//! The commands `gelenk identify --reduce` and `--merge`. Moments are sums of products of a log's samples.
+//! The commands `gelenk identify --reduce` and `--merge`. Moments are sums of products of a log's samples,
+//! to which a log can be reduced.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -19,7 +20,7 @@ use crate::identify::InterpretedRobot;
 use crate::read::Loaded;
 use crate::wording::quoted;
 
-/// Extension of files of moments.
+/// Extension of files with moments.
 const MOMENTS: &str = "moments";
 
 /// Reduces logs to one file of moments.
@@ -28,7 +29,7 @@ pub(super) fn write_reduced(arguments: &Identify, format: Format) -> Result<Exit
     let path = output(arguments, &loaded, "identified")?;
     if !is_moments(&path) {
         return Err(Failure::Usage(format!(
-            "--reduce writes moments: name a file *.{MOMENTS} with --output"
+            "`--reduce` writes a file of moments: name a file *.{MOMENTS} with --output"
         )));
     }
     let settings = settings(arguments)?;
@@ -40,13 +41,17 @@ pub(super) fn write_reduced(arguments: &Identify, format: Format) -> Result<Exit
     write(&LogMoments::sum(parts)?, &description, &path, format)
 }
 
-/// Identifies the robot from files of moments, or adds the moments and writes them to one file.
+/// Identifies the robot from files of moments. If the output is also a file of moments, the moments are
+/// only added.
 pub(super) fn write_merged(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
     let (loaded, robot) = read(arguments)?;
     let path = output(arguments, &loaded, "identified")?;
     let of_results = [("--report", arguments.report.is_some()), ("--method", arguments.method.is_some())];
     if let Some((option, _)) = of_results.iter().find(|(_, is_given)| is_moments(&path) && *is_given) {
-        return Err(Failure::Usage(format!("{option} needs a result: name a description with --output")));
+        return Err(Failure::Usage(format!(
+            "{option} needs the result of an identification: name a description (*.toml) with \
+                                           --output"
+        )));
     }
     let description = Description::of(arguments, &loaded, &robot)?;
     let files = arguments.logs.iter();
@@ -109,8 +114,8 @@ fn as_json(moments: &LogMoments, path: &Path) -> Value {
     })
 }
 
-/// Identity of the description to which moments belong: the bytes of its files, and the options for reading
-/// it.
+/// Identity of the description to which moments belong: the bytes of its files, and the options with which
+/// it was read.
 struct Description {
     files: Vec<Vec<u8>>,
     reading: String,
@@ -123,7 +128,7 @@ impl Description {
         };
         let files = loaded.files.iter().map(read).collect::<Result<_, _>>()?;
         let mut reading = arguments.reading.keys().join("\n");
-        // Moments of shafts and of joints must not be added, even if their sizes are equal.
+        // Moments of shafts must not be added to moments of joints, even if their sizes are equal.
         if !robot.shafts().is_empty() {
             reading.push_str("\nrows of shafts");
         }
@@ -135,8 +140,8 @@ impl Description {
     }
 }
 
-/// The command for the file and the page. It does not depend on the order in which moments were named and
-/// added. The names of the logs follow it in the file.
+/// Returns the command line for the file and the page. It does not depend on the order of the files of
+/// moments. In the file, the names of the logs follow.
 fn command(arguments: &Identify) -> String {
     let workspace = place::Workspace::find();
     let description = quoted(&place::shown(&arguments.description, workspace.as_ref()));

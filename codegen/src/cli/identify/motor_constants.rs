@@ -1,4 +1,4 @@
-//! Findings about motor constants, which are identified from logs of currents if the description has none.
+//! Findings about motor constants. If the description has none, they are identified from logs of currents.
 
 use gelenk_findings::digits::{plain, rounded};
 use gelenk_identification::estimation::{JointEstimate, Uncertain};
@@ -7,7 +7,7 @@ use gelenk_identification::identify::Identification;
 use gelenk_findings::{Finding, Rule};
 
 /// Sees: motor constants that are estimated from logs of currents.
-/// Matters: they are as accurate as the described masses.
+/// Matters: the estimated constants are only as accurate as the described masses.
 /// Example: 0.12 N·m/A.
 /// Fixture: `codegen/tests/external_arm/main.rs`.
 const ESTIMATED: Rule = Rule::note("motor-constant");
@@ -18,24 +18,25 @@ const ESTIMATED: Rule = Rule::note("motor-constant");
 /// Fixture: `codegen/tests/external_arm/said.rs`.
 const DOUBTFUL_CONSTANT: Rule = Rule::warning("motor-constant-doubtful");
 
-/// Smallest and largest usual motor constant of a revolute joint, including gears that the description lacks
-/// [N m/A].
+/// Smallest and largest usual motor constant of a revolute joint in N m/A, including gears that the
+/// description lacks.
 const USUAL: [f64; 2] = [1e-3, 100.0];
 
-/// Motor constants that are known within a factor of 2.
+/// Returns the motor constants that are known within a factor of 2.
 fn known(found: &Identification) -> impl Iterator<Item = (&JointEstimate, Uncertain)> {
     let constants = found.estimate.joints.iter().filter_map(|joint| Some((joint, joint.gain?)));
     constants.filter(|(_, constant)| constant.has_one_size())
 }
 
-/// Findings that state the identified motor constants with confidence intervals.
+/// Returns findings that state the identified motor constants with confidence intervals.
 pub(super) fn findings(found: &Identification) -> Vec<Finding> {
     let level = 100.0 * found.estimate.confidence;
     let finding = |(joint, constant): (&JointEstimate, Uncertain)| {
         let Uncertain { value, interval: [low, high], .. } = constant;
         let [value, low, high] = [value, low, high].map(|x| rounded(x, Some(0.5 * (high - low))));
         let message = format!(
-            "its motor constant is {value} N·m/A, {level:.0} % interval {low} to {high}, for described masses and centres of mass"
+            "its motor constant is {value} N·m/A with the {level:.0} % interval {low} to {high}, if the described masses \
+             and centres of mass are correct"
         );
         ESTIMATED.found(message).joint(&joint.name)
     };
@@ -51,7 +52,8 @@ pub(super) fn add_doubts(found: &mut Identification) {
 fn doubt((joint, constant): (&JointEstimate, Uncertain)) -> Option<Finding> {
     let value = constant.value;
     let doubt = if value < 0.0 {
-        "is negative: current and position have opposite positive directions".to_owned()
+        "is negative, so that current and position have opposite positive directions: give a negative factor, as in \
+         --columns 'current=…[-1 A]'".to_owned()
     } else if joint.unit == "N·m" && !(USUAL[0]..=USUAL[1]).contains(&value) {
         format!(
             "is outside the usual range ({} to {}): check the unit of the current, as in --columns 'current=…[mA]', \

@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use gelenk_adaptation::TERM_NAMES;
 use gelenk_findings::Finding;
 use gelenk_findings::digits::{plain, rounded};
 use gelenk_identification::log::runs;
@@ -18,8 +17,8 @@ use super::read::{read, say};
 use crate::identify::{DescribedForces, InterpretedRobot, OnlineJoint, Replay, online_page, replay};
 use crate::wording::list;
 
-/// Replays logs through the friction estimator of the control loop. Prints friction terms with intervals,
-/// trust, and prediction errors, and writes the page.
+/// Replays logs through the friction estimator of the control loop. It prints the friction terms with
+/// intervals, the trust in the learned law and the prediction errors, and writes the page.
 pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
     let (loaded, robot) = read(arguments)?;
     let forces = DescribedForces::new(&loaded.model, arguments.gravity_compensated)
@@ -51,7 +50,7 @@ fn learned(found: &Replay, robot: &InterpretedRobot) -> Vec<OnlineJoint> {
     learned.map(|(name, unit, replay)| OnlineJoint::new(name, unit, replay)).collect()
 }
 
-/// Names of the joints that are not learned.
+/// Returns the names of the joints whose friction is not learned.
 fn unlearned(found: &Replay, robot: &InterpretedRobot) -> Vec<String> {
     let named = robot.joint_names().into_iter().zip(&found.joints);
     named.filter(|(_, replay)| replay.is_none()).map(|(name, _)| name).collect()
@@ -81,22 +80,25 @@ fn as_text(
         let errors = [described, learned, by_run, batch, hindsight, learned / by_run].map(|x| plain(x, 3));
         state.into_iter().chain([since]).chain(errors).collect::<Vec<_>>()
     };
-    text.push_str("\nrms error of predictions [N m or N]:\n");
+    text.push_str("\nrms error of predictions in N m or N:\n");
     text.push_str(&table(&head, joints.iter().map(row)));
     let head = ["joint", "term", "learned", "±", "acting", "excited by the motion"];
     let rows = joints.iter().flat_map(|joint| {
-        let state = &joint.replay.state;
-        TERM_NAMES.iter().enumerate().map(move |(k, term)| {
-            let half = Some(state.half_widths[k]);
-            let shown = if state.is_excited[k] { "yes" } else { "no" };
-            let values = [state.learned[k], state.half_widths[k], state.acting[k]].map(|x| rounded(x, half));
-            let names = [joint.name.clone(), (*term).to_owned()];
+        joint.replay.state.terms().map(|term| {
+            let shown = if term.is_excited { "yes" } else { "no" };
+            let values =
+                [term.learned, term.half_width, term.acting].map(|x| rounded(x, Some(term.half_width)));
+            let names = [joint.name.clone(), term.name.to_owned()];
             names.into_iter().chain(values).chain([shown.to_owned()]).collect::<Vec<_>>()
         })
     });
     if !unlearned.is_empty() {
         let names = list(unlearned.iter().map(String::as_str));
-        text.extend(["\nnot learned, because the input or some efforts are missing: ", &names, "\n"]);
+        text.extend([
+            "\nfriction of these joints is not learned, because the input or some efforts are missing: ",
+            &names,
+            "\n",
+        ]);
     }
     text.push_str("\nterms that are added to the described friction, with 90 % intervals:\n");
     text.push_str(&table(&head, rows));
@@ -116,10 +118,10 @@ fn as_json(
 ) -> Value {
     let one = |joint: &OnlineJoint| {
         let (replay, state) = (&joint.replay, &joint.replay.state);
-        let terms = TERM_NAMES.iter().enumerate().map(|(k, term)| {
+        let terms = state.terms().map(|term| {
             json!({
-                "name": term, "learned": state.learned[k], "half_width": state.half_widths[k], "acting": state.acting[k],
-                "shown": state.is_excited[k],
+                "name": term.name, "learned": term.learned, "half_width": term.half_width, "acting": term.acting,
+                "shown": term.is_excited,
             })
         });
         let [described, learned, acting, by_run, batch, hindsight] = joint.errors();

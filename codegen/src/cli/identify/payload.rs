@@ -23,7 +23,7 @@ use crate::wording::list;
 /// Name of the load's body in the written description.
 const NAME: &str = "payload";
 
-/// Identifies the load, and writes a description in which the load is a body.
+/// Identifies a load in the hand, and writes a description in which the load is a body.
 pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
     let (loaded, robot) = read(arguments)?;
     let output = output(arguments, &loaded, "payload")?;
@@ -47,8 +47,8 @@ struct Carrier {
     link: String,
 }
 
-/// The link of `--payload-on`, which may also be the name of the joint that moves the link; by default the
-/// last moving link.
+/// Returns the link of `--payload-on`. The option may also name the joint that moves the link. By default, the
+/// last moving link is used.
 fn carrier(arguments: &Identify, robot: &InterpretedRobot) -> Result<Carrier, Failure> {
     let model = robot.model();
     let joints = model.carrying_joints();
@@ -64,7 +64,9 @@ fn carrier(arguments: &Identify, robot: &InterpretedRobot) -> Result<Carrier, Fa
     found.ok_or_else(|| {
         let of = arguments.payload_on.as_deref().unwrap_or_default();
         let known = list((0..joints.len()).map(link));
-        Failure::Usage(format!("--payload-on {of}: not a moving link; the moving links are {known}"))
+        Failure::Usage(format!(
+            "--payload-on {of}: there is no moving link with this name; the moving links are {known}"
+        ))
     })
 }
 
@@ -100,7 +102,7 @@ fn describe(
     )?)
 }
 
-/// A name that no body of the description has, because a body with the same name would be replaced.
+/// Returns a name that no body of the description has, because a body with the same name would be replaced.
 fn free_name(model: &Model) -> String {
     let is_taken =
         |name: &str| model.links.iter().flat_map(|link| &link.bodies).any(|body| body.name == name);
@@ -109,7 +111,7 @@ fn free_name(model: &Model) -> String {
     names.find(|name| !is_taken(name)).unwrap_or_else(|| NAME.to_owned())
 }
 
-/// Identified values of the load: name, unit and value.
+/// Returns the identified values of the load: name, unit and value.
 fn values(payload: &Payload) -> Vec<(&'static str, &'static str, Uncertain)> {
     const CENTRE: [&str; 3] = ["centre of mass x", "centre of mass y", "centre of mass z"];
     const MOMENTS: [&str; 6] = ["Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz"];

@@ -24,7 +24,7 @@ const MOST_ROWS: f64 = 1e6;
 pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
     if arguments.seconds * arguments.rate > MOST_ROWS {
         return Err(Failure::Usage(format!(
-            "a plan has at most {MOST_ROWS} rows: lower --rate or --seconds"
+            "the plan would have more than {MOST_ROWS} rows: use a smaller --rate or --seconds"
         )));
     }
     let (loaded, robot) = read(arguments)?;
@@ -63,28 +63,29 @@ fn posture(text: &str, names: &[String]) -> Result<Vec<f64>, Failure> {
     for part in text.split(',').map(str::trim).filter(|part| !part.is_empty()) {
         let (name, value) = part
             .split_once('=')
-            .ok_or_else(|| fault(format!("'{part}' is not of the form JOINT=POSITION")))?;
+            .ok_or_else(|| fault(format!("'{part}' does not have the form JOINT=POSITION")))?;
         let place = names.iter().position(|joint| joint == name.trim());
         let place = place.ok_or_else(|| {
             fault(format!("there is no joint '{}'; the joints are {}", name.trim(), names.join(", ")))
         })?;
         let value: Option<f64> = value.trim().parse().ok().filter(|value: &f64| value.is_finite());
-        let value = value.ok_or_else(|| fault(format!("'{part}' needs a number [rad or m]")))?;
+        let value = value.ok_or_else(|| fault(format!("'{part}' needs a number in rad or m after `=`")))?;
         if positions[place].replace(value).is_some() {
-            return Err(fault(format!("joint {} is given twice", name.trim())));
+            return Err(fault(format!("joint {} is given twice: remove one of its positions", name.trim())));
         }
     }
     let without = names.iter().zip(&positions).filter(|(_, position)| position.is_none());
     let without: Vec<&str> = without.map(|(name, _)| name.as_str()).collect();
     match without.as_slice() {
         [] => Ok(positions.into_iter().flatten().collect()),
-        missing => {
-            Err(fault(format!("a posture needs a position for each joint; missing: {}", missing.join(", "))))
-        }
+        missing => Err(fault(format!(
+            "a position for each joint is needed; add the positions of {}",
+            missing.join(", ")
+        ))),
     }
 }
 
-/// Sentence about how the robot reaches the beginning of the motion.
+/// Returns a sentence about how the robot reaches the beginning of the motion.
 fn beginning(plan: &Plan, robot: &InterpretedRobot) -> String {
     let [start, ..] = plan.motion.instant(0.0);
     let joints = robot.joint_names();
@@ -98,21 +99,23 @@ fn beginning(plan: &Plan, robot: &InterpretedRobot) -> String {
     let listed = format!("{}{turns}", listed.collect::<Vec<_>>().join(","));
     match &plan.approach {
         Some(approach) => format!(
-            "the first {:.2} s are a straight path in joint space from the given start to the start of the motion: {listed}\n",
+            "in the first {:.2} s, the robot moves on a straight path in joint space from the given start to the start of \
+             the motion: {listed}\n",
             approach.seconds
         ),
         None => format!("the motion begins at {listed}; move the robot there first, or give --start\n"),
     }
 }
 
-/// Returns an error if the file exists and is not a plan, so that no log is overwritten.
+/// Fails if the file exists and is not a plan, so that no log is overwritten.
 fn require_plan_or_nothing(path: &Path, header: &str) -> Result<(), Failure> {
     match fs::read(path) {
         Ok(found) if !found.is_empty() && !found.starts_with(header.as_bytes()) => {
-            let message = "is not a plan for this robot; name another file with --output, or remove it first";
+            let message =
+                "is not a plan for this robot; name another file with --output, or remove this file first";
             Err(Failure::Problem(format!("{} {message}", path.display())))
         }
-        // What cannot be read fails when it is to be written.
+        // If the file cannot be read, writing it fails later.
         _ => Ok(()),
     }
 }
@@ -161,12 +164,13 @@ fn as_text(plan: &Plan, robot: &InterpretedRobot, path: &Path) -> String {
     text.push_str(&inputs_text(plan, robot));
     text.push_str(&print::lines(&plan.findings));
     text.push_str(
-        "note: the plan does not check obstacles or collisions of links: check the motion before the robot executes it\n",
+        "note: the plan does not take obstacles and collisions of links into account: check the motion before the robot \
+         executes it\n",
     );
     text
 }
 
-/// Table of the ranges of the inputs along the motion; empty if no input acts at a frame.
+/// Returns a table with the ranges of the inputs along the motion; empty if no input acts at a frame.
 fn inputs_text(plan: &Plan, robot: &InterpretedRobot) -> String {
     if plan.inputs.is_empty() {
         return String::new();

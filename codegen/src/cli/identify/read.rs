@@ -9,7 +9,7 @@ use crate::identify::{InterpretedRobot, RobotChoices};
 use crate::model::Model;
 use crate::read::{self, Loaded, ReadOptions};
 
-/// Reads the description, and prepares the robot with its regressors.
+/// Reads the description, and derives the robot's functions for the identification.
 pub(super) fn read(arguments: &Identify) -> Result<(Loaded, InterpretedRobot), Failure> {
     let at_fault = |problems| Failure::Descriptions(vec![problems]);
     let loaded = read::read(&arguments.description, &arguments.reading.options()).map_err(at_fault)?;
@@ -26,19 +26,19 @@ pub(super) fn read(arguments: &Identify) -> Result<(Loaded, InterpretedRobot), F
         let robot = of(&loaded.model)?;
         return Ok((loaded, robot));
     }
-    // A log has the motion of all joints, but not the forces that move driven joints.
+    // A log contains the motion of all joints, but not the forces that move driven joints.
     let options = ReadOptions { free_driven: true, ..arguments.reading.options() };
     let freed = read::read(&arguments.description, &options).map_err(at_fault)?;
     let robot = of(&freed.model)?;
     Ok((loaded, robot))
 }
 
-/// Options about the columns of logs from the command line.
+/// Returns the options of the command line about the columns of logs.
 pub(super) fn stated(arguments: &Identify) -> ColumnOptions {
     ColumnOptions { columns: arguments.columns.clone(), ..ColumnOptions::default() }
 }
 
-/// Names of the joints that are not in the logs.
+/// Returns the names of the joints that are not in the logs.
 fn held(arguments: &Identify, model: &Model) -> Result<Vec<String>, Failure> {
     let names: Vec<String> = model.joints().map(|joint| joint.name.clone()).collect();
     let held = stated(arguments).held(&names)?;

@@ -180,7 +180,7 @@ fn ros_name(name: String) -> Result<String, Failure> {
         return Ok(name);
     }
     Err(Failure::Usage(format!(
-        "`{name}` is not a valid ROS package name\n  = help: use small letters, digits and `_`, for example \
+        "`{name}` is not a valid ROS package name\n  = help: use lower-case letters, digits and `_`, for example \
          `gelenk new my_arm --ros2`"
     )))
 }

@@ -33,7 +33,7 @@ impl Project {
                 "build.rs generates its equations, and src/main.rs simulates it",
             ),
         };
-        // A model with dry friction is for the plant; controllers get one without.
+        // With dry friction, the plant gets the exact model and controllers get a smooth model.
         let build = match robot.has_dry_friction {
             true => include_str!("../template/rust/build_both.rs"),
             false => include_str!("../template/rust/build.rs"),
@@ -122,7 +122,7 @@ impl Project {
     }
 }
 
-/// A string of YAML, which is one of JSON.
+/// A string of YAML. Each JSON string is also a YAML string.
 fn yaml_text(text: &str) -> String {
     serde_json::Value::from(text).to_string()
 }

@@ -14,7 +14,7 @@ use crate::wording::{quoted, toml_text};
 pub(super) struct Robot {
     /// Text of `robot.toml`.
     pub(super) description: String,
-    /// Whether its friction is discontinuous at rest.
+    /// Whether the friction of the robot is discontinuous at rest.
     pub(super) has_dry_friction: bool,
     /// Files that the description extends: paths in the project, and contents.
     pub(super) copies: Vec<(String, Vec<u8>)>,
@@ -71,7 +71,8 @@ pub(super) fn robot(xml: Option<&Path>, reading: &Reading) -> Result<Robot, Fail
     })
 }
 
-/// The file must be one that can be generated: half a crate helps nobody.
+/// Reads the robot of a URDF or MJCF. Returns an error if no module can be generated from the file, so that no
+/// incomplete project is created.
 fn from_xml(path: &Path, reading: &Reading) -> Result<Robot, Failure> {
     let wrong = |why| Failure::Descriptions(vec![why]);
     let mut files = DescriptionFiles::of(path);
@@ -113,7 +114,7 @@ struct Kind {
     key: &'static str,
     /// Whether the file has motors. Otherwise every joint is an input.
     has_motors: bool,
-    /// Comment on drives and friction, which the file may leave open.
+    /// Comment on drives and friction, which the file may lack.
     drives: &'static str,
     /// Comment on one joint.
     joint: &'static str,
@@ -157,7 +158,7 @@ impl Kind {
         text + drives + joints.as_str()
     }
 
-    /// The file and those that it includes, in their places relative to it.
+    /// Returns copies of the file and of its included files, with their paths relative to the file.
     fn copies(&self, path: &Path, files: &DescriptionFiles) -> Result<Vec<(String, Vec<u8>)>, Failure> {
         let folder = path.parent().unwrap_or(Path::new(""));
         let copy = |(file, bytes): (&Path, &[u8])| {
@@ -188,7 +189,8 @@ fn is_inside(place: &Path) -> bool {
     place.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
 }
 
-/// The program of a new crate does not control a robot that nothing moves, or a floating one with passive joints.
+/// Returns an error if no motor moves the robot, or if a robot with a floating base has passive joints. The
+/// program of a new crate does not control these robots.
 fn require_motors(path: &Path, model: &Model, passive: &[String]) -> Result<(), Failure> {
     let floats = !model.quaternion_joints.is_empty();
     let enough = !floats && passive.len() < described_joints(model).count();
@@ -196,7 +198,7 @@ fn require_motors(path: &Path, model: &Model, passive: &[String]) -> Result<(), 
         return Ok(());
     }
     Err(Failure::Usage(format!(
-        "{} has no motor at {}; the program of a new crate moves {}\n  = help: add `<motor joint=\"{}\"/>` to its <actuator>",
+        "{} has no motor at {}; the program of a new crate needs a motor for {}\n  = help: add `<motor joint=\"{}\"/>` to its <actuator>",
         path.display(),
         passive.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "),
         if floats { "each joint of a robot with a floating base" } else { "at least one joint" },
@@ -204,7 +206,8 @@ fn require_motors(path: &Path, model: &Model, passive: &[String]) -> Result<(), 
     )))
 }
 
-/// The program of a robot that moves freely takes its first position and velocity entries for those of the base.
+/// Returns an error if the robot has a joint with a quaternion that is not its floating base. The program of a
+/// new crate treats the first position and velocity entries of such a robot as those of the base.
 fn require_base(path: &Path, model: &Model) -> Result<(), Failure> {
     let Some(joint) = model.quaternion_joints.first() else {
         return Ok(());
@@ -224,14 +227,14 @@ fn require_base(path: &Path, model: &Model) -> Result<(), Failure> {
     )))
 }
 
-/// The joints that the description may say more of, with their links; not those that the base floats by.
+/// Joints with one position entry and their links. The description can add drives and friction to these joints.
 fn described_joints(model: &Model) -> impl Iterator<Item = (&Joint, usize)> {
     let moves = model.coordinates.iter().enumerate();
     let plain = moves.filter(|(coordinate, _)| model.position_of(*coordinate).is_some());
     plain.filter_map(|(_, &link)| Some((model.links.get(link)?.joint.as_ref()?, link)))
 }
 
-/// Joints that no drive moves.
+/// Names of the joints that no drive moves.
 fn without_motor(model: &Model) -> impl Iterator<Item = &str> {
     let driven = |coordinate: usize| {
         model.drives.iter().any(|drive| drive.acts_on.iter().any(|of| of.coordinate == coordinate))

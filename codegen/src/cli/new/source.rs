@@ -7,14 +7,14 @@ use super::super::arguments::New;
 use super::super::failure::Failure;
 use crate::wording::toml_text;
 
-/// Where the crates of this project come from.
+/// Source of the crates of gelenk.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Source {
-    /// A checkout.
+    /// Folder of a checkout.
     Path(PathBuf),
-    /// A repository.
+    /// URL of a Git repository.
     Git(String),
-    /// A registry.
+    /// Version in a registry.
     Version(String),
 }
 
@@ -49,15 +49,16 @@ pub(super) fn source(arguments: &New) -> Result<Source, Failure> {
     Ok(Source::Path(folder))
 }
 
-/// The checkout of the package that this program was built from, which may have moved since; `None` where
-/// that package came from a registry: Cargo unpacks it to a folder called by its name and version.
+/// Returns the checkout from which this program was built. It may have moved since. Returns `None` if the
+/// package came from a registry, because Cargo then unpacks it to a folder with its name and version.
 fn checkout_of(package: &Path) -> Option<&Path> {
     let unpacked = concat!(env!("CARGO_PKG_NAME"), "-", env!("CARGO_PKG_VERSION"));
     let folder = package.parent()?;
     (!package.ends_with(unpacked)).then_some(folder)
 }
 
-/// Cargo takes addresses with a scheme, none of the short form `git@host:path`.
+/// Checks the address of a Git repository. Cargo accepts addresses with a scheme, but not the short form
+/// `git@host:path`.
 fn git(url: &str) -> Result<Source, Failure> {
     let is_whole = url.split_once("://").is_some_and(|(scheme, rest)| !scheme.is_empty() && !rest.is_empty());
     if is_whole && !url.contains(char::is_whitespace) {
@@ -72,7 +73,7 @@ fn git(url: &str) -> Result<Source, Failure> {
     )))
 }
 
-/// One to three numbers with an optional suffix, as Cargo reads versions.
+/// Checks a version of the registry. Cargo reads one to three numbers with an optional suffix.
 fn registry(version: &str) -> Result<Source, Failure> {
     let numbers = version.trim_start_matches(['^', '=', '~']);
     let core = numbers.split(['-', '+']).next().unwrap_or_default();
@@ -87,7 +88,7 @@ fn registry(version: &str) -> Result<Source, Failure> {
 }
 
 impl Source {
-    /// The Python package as a line of requirements.
+    /// The Python package as a line of `requirements.txt`.
     pub(super) fn requirement(&self) -> Result<String, Failure> {
         match self {
             Self::Path(folder) => {

@@ -2,10 +2,10 @@
 //! Gautier 1991).
 //!
 //! The rows of the regressor at random states are stacked. Gram–Schmidt orthogonalization visits the columns
-//! from the first to the last. An independent column leads a new group. A column that depends on earlier
-//! columns is added to their groups, so parameters move towards the base. The method is numerical, because
-//! the known rules cover neither branches with special axes nor gravity along an axis. The states come from a
-//! fixed seed, and sums have a fixed order, so the groups are the same on every platform.
+//! from the first to the last. An independent column starts a new group. A dependent column is added to the
+//! groups of the earlier columns on which it depends, so parameters move towards the base. The method is
+//! numerical, because the known rules do not cover branches with special axes or gravity along an axis. The
+//! states come from a fixed seed, and sums have a fixed order, so the groups are the same on every platform.
 //!
 //! If free lengths, gear ratios or gravity enter the regressor, groups are formed at several values of these
 //! parameters. A coefficient that differs between the values is not constant, for example the factor i² of a
@@ -21,44 +21,45 @@ use crate::program::flow::operands;
 use crate::program::interpret::interpret;
 use crate::program::{GraphOutput, InputArray, Operand, Program, Shape, lower};
 
-/// Largest part of a column's length that is left after the projection on earlier columns if the column
-/// depends on them. Exact dependencies leave about 1e-15, angles with nine digits 1e-9.
+/// A column depends on earlier columns if at most this part of its length remains after the projection on
+/// them. Exact dependencies leave about 1e-15, angles with nine digits leave 1e-9.
 const DEPENDENT: f64 = 1e-7;
 
-/// A column shorter than this part of the longest column is rounding.
+/// A column is treated as zero if it is shorter than this part of the longest column.
 const ROUNDING: f64 = 1e-13;
 
-/// Factor for rounding: coefficients below 1 keep 12 decimals, others 13 digits. Further digits are rounding
-/// of the factorization.
+/// Factor for rounding: coefficients below 1 keep 12 decimals, and larger coefficients keep 13 digits.
+/// Further digits are rounding errors of the factorization.
 const DIGITS: f64 = 1e12;
 
-/// Coefficients with a smaller magnitude are zero.
+/// Coefficients with a smaller magnitude are treated as zero.
 const SMALLEST: f64 = 1e-10;
 
-/// Smallest number of states of the stacked regressor. One row depends on a link on the base, so ten states
-/// would be just enough.
+/// Smallest number of states of the stacked regressor. A link on the base has one row per state for its ten
+/// parameters, so at least ten states are needed.
 const STATES: usize = 25;
 
-/// Number of values of the free parameters for which groups are formed, if the regressor depends on them.
+/// Number of tested values of the free parameters if the regressor depends on them.
 const VALUES: usize = 3;
 
-/// Largest difference of two equal coefficients at different values of the free parameters, about a hundred
-/// times the rounding of the factorization. It is relative to the larger coefficient if that is above 1.
+/// Coefficients at different values of the free parameters are equal if they differ by at most this value.
+/// The difference is relative to the larger coefficient if that coefficient is above 1. The value is about a
+/// hundred times the rounding error of the factorization.
 const SAME: f64 = 1e-9;
 
-/// Base parameters of a model for almost all values of its free parameters. A model with special values, for
-/// example a length of zero, may have fewer base parameters.
+/// Base parameters of a model, valid for almost all values of its free parameters. Special values, for
+/// example a length of zero, may reduce the number of base parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BaseParameters {
-    /// Indices of the parameters that lead a group, in ascending order. Their columns of the regressor are
-    /// the base regressor.
+    /// Indices of the leading parameter of each group, in ascending order. The base regressor has the columns
+    /// of the regressor for these parameters.
     pub leaders: Vec<usize>,
-    /// Terms of all groups, in the order of the groups. A group's leader is its first term.
+    /// Terms of all groups, in the order of the groups. The first term of a group is the leading parameter.
     pub terms: Vec<Term>,
 }
 
-/// A term of a group. The base parameter of a group is the sum of coefficient · parameter over the group's
-/// terms.
+/// A term of a group. The base parameter of a group is the sum of coefficient times parameter over the terms
+/// of the group.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Term {
     /// Index of the group.
@@ -118,7 +119,7 @@ impl BaseParameters {
         Self { leaders, terms }
     }
 
-    /// Base parameters from the columns of a stacked regressor.
+    /// Finds the base parameters from the columns of a stacked regressor.
     fn of_columns(columns: &[Vec<f64>]) -> Self {
         let longest = columns.iter().map(|c| dot(c, c).sqrt()).fold(0.0, f64::max);
         let mut basis = Basis::default();
@@ -147,7 +148,7 @@ impl BaseParameters {
         Self { leaders, terms }
     }
 
-    /// Terms of each group. The leader is the first term.
+    /// Terms of each group. The first term is the leading parameter.
     pub fn groups(&self) -> impl Iterator<Item = &[Term]> {
         self.terms.chunk_by(|a, b| a.group == b.group)
     }
@@ -160,8 +161,8 @@ fn is_same(one: &Term, other: &Term) -> bool {
     }
 }
 
-/// Whether a free parameter enters the regressor. This can be a length, a gear ratio or gravity, but not a
-/// mass.
+/// Whether a free parameter enters the regressor. Lengths, gear ratios and gravity can enter the regressor,
+/// masses cannot.
 fn reads_parameters(program: &Program) -> bool {
     let is_parameter = |operand: &Operand| matches!(operand, Operand::Parameter(_));
     let mut read = program.instructions.iter().flat_map(|made| operands(made.operation));
@@ -169,7 +170,7 @@ fn reads_parameters(program: &Program) -> bool {
     read.any(|operand| is_parameter(&operand)) || entries.any(is_parameter)
 }
 
-/// The regressor as a program of y, v, a.
+/// The regressor as a program with the arguments y, v and a.
 fn regressor_program(model: &Model, mechanism: &Mechanism<Number>) -> Program {
     let graph = Graph::new();
     let (free, n) = (model.coordinates.len(), model.motion_count());
@@ -190,7 +191,7 @@ fn regressor_program(model: &Model, mechanism: &Mechanism<Number>) -> Program {
     lower(&graph, inputs.into(), &[output])
 }
 
-/// Columns of the regressor, with the rows of all states one below the other.
+/// Columns of the regressor, stacked over all states.
 fn stacked_columns(model: &Model, program: &Program, parameters: &[f64]) -> Vec<Vec<f64>> {
     let ranges = position_ranges(model);
     let rows = model.coordinates.len();
@@ -214,9 +215,9 @@ fn stacked_columns(model: &Model, program: &Program, parameters: &[f64]) -> Vec<
     columns
 }
 
-/// Number of states that distinguishes all columns. Each column is counted at the row with the fewest
-/// non-zero columns among the rows where it is not zero. The number of states is at least twice the largest
-/// count of a row.
+/// Number of states that is sufficient to distinguish all columns. Each column is assigned to one row among
+/// the rows in which it is not zero: the row with the fewest non-zero columns. The number of states is at
+/// least twice the largest number of columns that are assigned to one row.
 fn state_count(entries: &[Operand], rows: usize) -> usize {
     let count = entries.len() / rows.max(1);
     let sees = |row: usize, column: usize| entries[row * count + column] != Operand::Constant(0.0);
@@ -232,7 +233,7 @@ fn state_count(entries: &[Operand], rows: usize) -> usize {
     own.iter().fold(STATES, |most, own| most.max(2 * own))
 }
 
-/// The coefficient with the digits of [`DIGITS`].
+/// Rounds the coefficient to the digits of [`DIGITS`].
 fn without_rounding(coefficient: f64) -> f64 {
     match coefficient.abs() < 1.0 {
         true => (coefficient * DIGITS).round() / DIGITS,
@@ -240,7 +241,7 @@ fn without_rounding(coefficient: f64) -> f64 {
     }
 }
 
-/// Largest magnitude of each coordinate: π for angles, 1 m for prismatic joints.
+/// Largest magnitude of the random position of each coordinate: π for angles, 1 m for prismatic joints.
 fn position_ranges(model: &Model) -> Vec<f64> {
     let joints = model.joints().chain(model.driven_joints());
     joints
@@ -251,11 +252,12 @@ fn position_ranges(model: &Model) -> Vec<f64> {
         .collect()
 }
 
-/// Orthonormal directions of the independent columns so far.
+/// Orthonormal basis of the independent columns that were visited.
 #[derive(Default)]
 struct Basis {
     directions: Vec<Vec<f64>>,
-    /// Column k of R has the components of the k-th independent column in these directions.
+    /// Column k of the triangular matrix R contains the components of the k-th independent column in the
+    /// basis.
     triangle: Vec<Vec<f64>>,
 }
 
@@ -271,7 +273,7 @@ impl Basis {
         let length = dot(column, column).sqrt();
         let mut rest = column.to_vec();
         let mut shares = vec![0.0; self.directions.len()];
-        // The second pass removes the rounding of the first pass.
+        // The second pass removes rounding errors of the first pass.
         for _ in 0..2 {
             for (share, direction) in shares.iter_mut().zip(&self.directions) {
                 let along = dot(direction, &rest);
@@ -292,7 +294,7 @@ impl Basis {
         Projection::Independent
     }
 
-    /// Solves `R x = shares`.
+    /// Solves `R x = shares` with the triangular matrix R.
     fn solve(&self, mut shares: Vec<f64>) -> Vec<f64> {
         for k in (0..shares.len()).rev() {
             shares[k] /= self.triangle[k][k];
@@ -327,7 +329,7 @@ impl SplitMix64 {
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         z ^= z >> 31;
-        // The upper 53 bits fill the significand.
+        // The upper 53 bits are the significand.
         let unit = (z >> 11) as f64 / (1_u64 << 53) as f64;
         range * (2.0 * unit - 1.0)
     }

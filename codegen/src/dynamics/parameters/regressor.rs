@@ -1,17 +1,17 @@
 //! Regressor of the inertial parameters: `W π = M ÿ + k − q_gravity`.
 //!
 //! Each link that a joint moves has ten parameters in the link's frame: m, m c_x, m c_y, m c_z, I_xx, I_xy,
-//! I_yy, I_xz, I_yz, I_zz about the frame's origin (order of Pinocchio). Links that are fixed to the link are
-//! included. A unit of a parameter requires the force F and the moment n
+//! I_yy, I_xz, I_yz, I_zz about the frame's origin (order of Pinocchio). They include links that are fixed to
+//! the link. One unit of a parameter requires the force F and the moment n
 //!
 //! ```text
 //! m: F = a          m c: F = U e, n = e × a          I: n = E ω̇ + ω × E ω
 //! ```
 //!
-//! with the acceleration a of the origin minus gravity, and U = ω̇× + ω× ω× (Atkeson, An and Hollerbach
-//! 1986). E is the unit matrix of the inertia entry, e a unit vector. The entry in the row of a joint is the
-//! power of F and n at a unit of the joint's velocity. For this, the screws of the joints are passed to the
-//! leaves, instead of wrenches to the base. Each rotor adds one column.
+//! with the acceleration a of the origin minus gravity, and with U = ω̇× + ω× ω× (Atkeson, An and Hollerbach
+//! 1986). E is the unit matrix of an inertia entry, and e is a unit vector. The regressor's entry in the row
+//! of a joint is the power of F and n at a unit of the joint's velocity. Therefore the screws of the joints
+//! are passed towards the leaves, instead of wrenches towards the base. Each rotor adds one column.
 
 use crate::dynamics::formulation::Formulation;
 use crate::dynamics::matrix::Matrix;
@@ -30,8 +30,8 @@ pub const PER_LINK: usize = 10;
 /// Symbols of the inertial parameters of a link, in their order.
 pub const SYMBOLS: [&str; PER_LINK] = ["m", "mcx", "mcy", "mcz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz"];
 
-/// Drives with a rotor, that is all drives except ideal ones. The drives of the inputs come first in the
-/// order of the inputs, then the drives without an input.
+/// Drives with a rotor, that is all drives except ideal drives. Drives with an input come first, in the order
+/// of the inputs, then drives without an input.
 pub fn drives_with_rotor(model: &Model) -> impl Iterator<Item = &Drive> {
     let inputless = model.moving_drives().filter(|drive| drive.input == Input::None);
     model.input_drives().chain(inputless).filter(|drive| !is_ideal(drive))
@@ -61,8 +61,8 @@ pub fn inertial_parameters<'g>(graph: &'g Graph, model: &Model) -> Vec<Scalar<'g
     links.chain(rotors).collect()
 }
 
-/// Regressor W. Rows are coordinates, columns have the order of [`parameter_names`]. The mechanism must be in
-/// metres, with the masses of the description.
+/// Regressor W. Rows have the order of the coordinates, and columns have the order of [`parameter_names`].
+/// The mechanism must be in metres, with the masses of the description.
 pub fn inertial_regressor<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     model: &Model,
@@ -78,7 +78,8 @@ pub fn inertial_regressor<'g>(
     let of_links = PER_LINK * carrying.len();
     let columns = of_links + rotors.len();
     let mut matrix = vec![vec![zero; columns]; mechanism.coordinates];
-    // Slides of helical joints, and velocities of a quaternion before the last, carry no link.
+    // Slides of helical joints carry no link. In a joint with a quaternion, only the last velocity carries a
+    // link.
     let bodies = mechanism.bodies.iter().enumerate().filter(|(_, body)| !body.is_screw_slide);
     for (index, body) in bodies {
         let Some(block) = carrying.iter().position(|joint| joint.index == body.joint) else { continue };
@@ -109,7 +110,7 @@ struct Screw<'g> {
     motion: Motion<'g>,
 }
 
-/// For each body the screws of all joints that move it.
+/// For each body, the screws of all joints that move it.
 fn joint_screws<'g>(mechanism: &Mechanism<Scalar<'g>>, placements: &[Placement<'g>]) -> Vec<Vec<Screw<'g>>> {
     let zero = mechanism.graph.constant(0.0);
     let mut screws: Vec<Vec<Screw<'g>>> = Vec::with_capacity(mechanism.bodies.len());
@@ -140,9 +141,9 @@ struct LinkMotion<'g> {
     /// Acceleration of the origin, minus gravity.
     acceleration: Vector3<Scalar<'g>>,
     omega: Vector3<Scalar<'g>>,
-    /// ω̇
+    /// Angular acceleration ω̇.
     angular: Vector3<Scalar<'g>>,
-    /// U
+    /// Matrix U = ω̇× + ω× ω×.
     spread: Matrix3<'g>,
 }
 
@@ -170,7 +171,7 @@ impl<'g> LinkMotion<'g> {
         Motion { angular: rotate(&self.rotation, motion.angular), linear: rotate(&self.rotation, at_origin) }
     }
 
-    /// Power that a unit of each parameter requires at the velocity `screw`.
+    /// Power that a unit of each inertial parameter requires at the velocity `screw`.
     fn powers(&self, screw: Motion<'g>) -> [Scalar<'g>; PER_LINK] {
         let (a, u, turn) = (self.acceleration, &self.spread, screw.angular);
         let by_force = Vector3([0, 1, 2].map(|k| u.column(k).dot(screw.linear)));
@@ -180,8 +181,8 @@ impl<'g> LinkMotion<'g> {
         [mass, first[0], first[1], first[2], xx, xy, yy, xz, yz, zz]
     }
 
-    /// Moments that units of I_xx, I_xy, I_yy, I_xz, I_yz, I_zz require. Most of their components are entries
-    /// of U.
+    /// Moments that one unit of I_xx, I_xy, I_yy, I_xz, I_yz or I_zz requires. Most components of these
+    /// moments are entries of U.
     fn inertia_moments(&self) -> [Vector3<Scalar<'g>>; 6] {
         let (u, w, e) = (&self.spread, self.omega, self.angular);
         let (xy, xz, yz) = (w[0] * w[1], w[0] * w[2], w[1] * w[2]);
@@ -196,9 +197,10 @@ impl<'g> LinkMotion<'g> {
     }
 }
 
-/// Forces by coordinate that a unit of a rotor's axial inertia requires. The rotor spins with `a · ω + i ẏ`
-/// about its axis a. It requires the moment `a (a · ω̇ + i ÿ) + ω × a (a · ω + i ẏ)` on its carrier and `i (a
-/// · ω̇ + i ÿ)` at its joint.
+/// Forces by coordinate that one unit of a rotor's axial inertia requires. The rotor has the speed
+/// `a · ω + i ẏ` about its axis a, with the angular velocity ω of its carrier and the gear ratio i. It
+/// requires the moment `a (a · ω̇ + i ÿ) + ω × a (a · ω + i ẏ)` on the carrier and the force
+/// `i (a · ω̇ + i ÿ)` at its joint.
 fn rotor_column<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     drive: &Drive,

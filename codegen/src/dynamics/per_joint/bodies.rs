@@ -11,10 +11,10 @@ pub(super) struct Motions {
     /// Velocity that each joint adds to the velocity of its parent.
     pub joint_velocity: ArrayId,
     pub velocity: ArrayId,
-    /// Rate Ṡ of the joint's screw. For joints without quaternions it is equal to Ψ̇, see [`super`].
+    /// Rate Ṡ of the joint's screw S. It is equal to Ψ̇ (see [`super`]) for robots without quaternions.
     pub screw_rate: ArrayId,
-    /// Acceleration a minus gravity. In the inverse dynamics it contains the joints' accelerations, otherwise
-    /// only the terms of velocities.
+    /// Acceleration a minus gravity. For the inverse dynamics, it contains the joints' accelerations. For the
+    /// forward dynamics, it contains only velocity terms.
     pub acceleration: ArrayId,
     /// Acceleration that each joint adds to the acceleration of its parent.
     pub joint_acceleration: ArrayId,
@@ -29,8 +29,8 @@ pub(super) struct Composites {
     pub force: ArrayId,
 }
 
-/// Rows of one body: inertia, momentum, rate of the screw, acceleration that the joint adds, and rate of the
-/// momentum.
+/// Computes the rows of one body: inertia, momentum, rate of the screw, acceleration that the joint adds, and
+/// rate of the momentum.
 fn body_in_motion<'g>(
     [axes, origin, moments, screw, rate, gravity, velocity]: [&Rows<'g>; 7],
     acceleration: Option<Scalar<'g>>,
@@ -53,8 +53,8 @@ fn body_in_motion<'g>(
     ]
 }
 
-/// Computes velocities, accelerations and forces of the bodies. The second result is the array of `2 ∫ ṙ dm`
-/// and `2 ∫ ṙ rᵀ dm` of each body.
+/// Adds steps that compute velocities, accelerations and forces of the bodies. The second result is the array
+/// of `2 ∫ ṙ dm` and `2 ∫ ṙ rᵀ dm` of each body.
 pub(super) fn move_bodies(
     builder: &mut ArrayBuilder,
     setup: &Setup,

@@ -1,5 +1,5 @@
-//! Builder of array forms: functions as straight-line code (the setup), then loops over joints (the steps).
-//! An array has one column per joint or coordinate, and one or more rows.
+//! Builder of functions in array form: straight-line code (the setup) is followed by loops over joints (the
+//! steps). An array has one column per joint or coordinate, and one or more rows.
 
 use crate::graph::{Edge, Graph, Scalar};
 use crate::layout::{Dimension, Extent};
@@ -11,7 +11,7 @@ use crate::program::{GraphOutput, InputArray, Program, Shape, lower, lower_from_
 /// The values of an array at one joint, one for each row.
 pub(super) type Rows<'g> = [Scalar<'g>];
 
-/// An array form while it is built.
+/// An array form under construction.
 pub(super) struct ArrayBuilder {
     form: Arrays,
     /// Arrays that the setup computes.
@@ -21,7 +21,7 @@ pub(super) struct ArrayBuilder {
 impl ArrayBuilder {
     /// - `joints`: tree of the joints
     /// - `coordinates`: coordinates that the joints follow; `None` if each joint is independent
-    /// - `chains`: for each joint with a quaternion the joints of the loops that are its velocities
+    /// - `chains`: for each joint with a quaternion, the joints of the loops that are its velocities
     pub(super) fn new(joints: Tree, coordinates: Option<Coordinates>, chains: Vec<Vec<usize>>) -> Self {
         Self {
             form: Arrays {
@@ -56,18 +56,18 @@ impl ArrayBuilder {
         self.form.arrays.len() - 1
     }
 
-    /// An array over joints.
+    /// Declares an array over joints.
     fn array(&mut self, name: &str, rows: usize) -> ArrayId {
         self.array_over(Over::Joints, name, rows)
     }
 
-    /// An array over coordinates.
+    /// Declares an array over coordinates.
     fn of_coordinates(&mut self, name: &str, rows: usize) -> ArrayId {
         let over = if self.form.coordinates.is_some() { Over::Coordinates } else { Over::Joints };
         self.array_over(over, name, rows)
     }
 
-    /// A square matrix over coordinates.
+    /// Declares a square matrix over coordinates.
     fn matrix(&mut self, name: &str) -> ArrayId {
         self.of_coordinates(name, self.form.coordinates().len())
     }
@@ -90,8 +90,8 @@ impl ArrayBuilder {
         array
     }
 
-    /// Adds a step that computes arrays joint by joint, with the same code for each joint. `build` makes the
-    /// values of `writes` at a joint from the values of `reads` at this joint.
+    /// Adds a step that computes arrays with the same code at each joint. `build` computes the values of the
+    /// arrays `writes` at a joint from the values of the arrays `reads` at this joint.
     pub(super) fn map<const R: usize, const W: usize>(
         &mut self,
         name: &str,
@@ -144,7 +144,7 @@ impl ArrayBuilder {
         to
     }
 
-    /// Adds a step that computes a matrix over pairs of joints. See [`Pairs`] for the entries.
+    /// Adds a step that computes a matrix over pairs of joints. [`Pairs`] defines the entries.
     pub(super) fn pairs(
         &mut self,
         before: (ArrayId, ArrayId),
@@ -203,8 +203,8 @@ impl ArrayBuilder {
         to
     }
 
-    /// Adds a step that copies the values at the last velocity of each joint with a quaternion to all
-    /// velocities of the joint. Returns the array itself for robots without quaternions.
+    /// Adds a step that copies values from the last velocity of each joint with a quaternion to all
+    /// velocities of this joint. Returns the array itself for robots without quaternions.
     pub(super) fn gather_last(&mut self, from: ArrayId, name: &str) -> ArrayId {
         if !self.has_quaternions() {
             return from;
@@ -214,7 +214,7 @@ impl ArrayBuilder {
         to
     }
 
-    /// `matrix − other`; `other` must have exactly one row per coordinate.
+    /// Adds a step that computes `matrix − other`. `other` must have exactly one row per coordinate.
     pub(super) fn subtract(&mut self, matrix: ArrayId, other: ArrayId, [step, name]: [&str; 2]) -> ArrayId {
         let (rows, n) = (self.form.joints.len(), self.form.coordinates().len());
         let about = format!("Subtracts `{}`.", self.form.arrays[other].name);
@@ -225,7 +225,8 @@ impl ArrayBuilder {
         difference
     }
 
-    /// Adds a step that inverts a matrix over coordinates, which must have the zeros of the mass matrix.
+    /// Adds a step that inverts a matrix over coordinates. The matrix must have the same zeros as the mass
+    /// matrix.
     pub(super) fn invert(&mut self, from: ArrayId, name: &str) -> ArrayId {
         let to = self.matrix(name);
         self.form.steps.push(Step::Invert { from, to });
@@ -256,8 +257,8 @@ impl ArrayBuilder {
         Arrays { setup: lower(graph, inputs, &self.set_up), ..self.form }
     }
 
-    /// Finishes an array form with a long setup. The program of the setup computes the values of a branch
-    /// together.
+    /// Finishes an array form with a long setup. The setup's program computes all values of a branch before
+    /// the next branch.
     pub(super) fn finish_from_leaves(self, graph: &Graph, inputs: Vec<InputArray>) -> Arrays {
         Arrays { setup: lower_from_leaves(graph, inputs, &self.set_up), ..self.form }
     }

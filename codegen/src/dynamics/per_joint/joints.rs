@@ -7,7 +7,7 @@ use crate::graph::Scalar;
 use crate::program::arrays::ArrayId;
 use crate::spatial::Motion;
 
-/// Array of the inverse dynamics `M ÿ + k − q`, by coordinate.
+/// Adds the array of the inverse dynamics `M ÿ + k − q`, by coordinate.
 pub(super) fn joint_forces(builder: &mut ArrayBuilder, moving: &Moving) -> ArrayId {
     let forces = forces_at_joints(builder, moving);
     builder.collect(forces, "forces_at_coordinates")
@@ -37,7 +37,7 @@ fn forces_at_joints(builder: &mut ArrayBuilder, moving: &Moving) -> ArrayId {
     forces
 }
 
-/// Array of the forces that accelerate the coordinates: driving forces minus `k − q_gravity`.
+/// Adds the array of the forces that accelerate the coordinates: driving forces minus `k − q_gravity`.
 pub(super) fn remaining_forces(builder: &mut ArrayBuilder, moving: &Moving) -> ArrayId {
     let remaining = remaining_at_joints(builder, moving);
     builder.collect(remaining, "remaining_at_coordinates")
@@ -84,17 +84,17 @@ pub(super) fn mass_matrix(builder: &mut ArrayBuilder, moving: &Moving) -> ArrayI
     builder.project(mass, "mass_matrix_of_coordinates")
 }
 
-/// Disturbance of the bodies beyond a joint by the joint's coordinate and velocity.
+/// Effect of a unit of a joint's coordinate and velocity on the motion of the bodies beyond the joint.
 struct Displacement<'g> {
-    /// Ψ̇
+    /// Rate Ψ̇ of the screw, defined in [`super`].
     rate: Motion<'g>,
-    /// Ψ̈
+    /// Acceleration Ψ̈, defined in [`super`].
     accelerated: Motion<'g>,
-    /// Ψ̇ + Ṡ
+    /// Sum Ψ̇ + Ṡ.
     twice: Motion<'g>,
 }
 
-/// Rows of the composite body beyond a joint.
+/// Values of the composite body beyond a joint.
 #[derive(Clone, Copy)]
 struct Carried<'a, 'g> {
     inertia: &'a Rows<'g>,
@@ -102,7 +102,7 @@ struct Carried<'a, 'g> {
     force: &'a Rows<'g>,
 }
 
-/// Names and numbers of rows of the arrays that [`disturb`] computes.
+/// Names of the arrays that [`disturb`] computes, with their numbers of rows.
 const DISTURBANCES: [(&str, usize); 7] = [
     ("gains", 9),
     ("by_coordinate", 9),
@@ -113,7 +113,7 @@ const DISTURBANCES: [(&str, usize); 7] = [
     ("own_damping", 1),
 ];
 
-/// Rows of one joint for the Jacobians.
+/// Computes the values of one joint from which the Jacobians are computed.
 fn disturb<'g>(
     screw: Motion<'g>,
     Carried { inertia, flow, force }: Carried<'_, 'g>,
@@ -168,8 +168,8 @@ fn disturbances(builder: &mut ArrayBuilder, moving: &Moving) -> [ArrayId; 7] {
     )
 }
 
-/// The arrays of [`disturbances`] for robots with quaternions. All velocities of a joint use the motion of
-/// the joint's carrier.
+/// Adds the arrays of [`disturbances`] for robots with quaternions. All velocities of a joint use the motion
+/// of the joint's carrier.
 fn disturbances_on_carriers(
     builder: &mut ArrayBuilder,
     moving: &Moving,
@@ -207,7 +207,7 @@ fn disturbances_on_carriers(
     )
 }
 
-/// Jacobians of the inverse dynamics by y and by ẏ, as matrices over coordinates.
+/// Adds the Jacobians of the inverse dynamics with respect to y and ẏ, as matrices over coordinates.
 pub(super) fn jacobians(builder: &mut ArrayBuilder, moving: &Moving) -> (ArrayId, ArrayId) {
     let Moving { setup, rotors, .. } = moving;
     let [gains, by_coordinate, by_velocity, stiffness, damping, own_stiffness, own_damping] =

@@ -1,7 +1,7 @@
 //! Jacobians of the inverse and forward dynamics in array form, that is as loops over joints. Spatial vectors
 //! are in the base frame.
 //!
-//! In this frame every sum along a path or over a subtree is a sum of arrays. Every matrix entry of two
+//! In the base frame, every sum along a path or over a subtree is a sum of arrays. Each matrix entry of two
 //! joints is a product of two columns with six or nine entries. The symbols are:
 //!
 //! - S: screw of a joint, the spatial velocity of the joint's body for a unit of the joint's velocity
@@ -20,13 +20,13 @@
 //! ∂τ_j/∂y_i = S_jᵀ (2B_i Ψ̇_i + I_i Ψ̈_i + S_i ×* f_i)   ∂τ_i/∂y_j = S_iᵀ (2B_i Ψ̇_j + I_i Ψ̈_j)
 //! ```
 //!
-//! The velocities of a joint with a quaternion are columns of one S that is fixed in the joint's body. In
-//! robots with such joints, Ψ̇ = v_λ × S and Ψ̈ = a_λ × S + v_λ × Ψ̇ use the motion of the joint's carrier λ.
-//! Ṡ = v × S with the motion of the body replaces one of the two Ψ̇ in the derivatives by ẏ. Pairs within one
-//! joint use the formulas of j before i in both orders.
+//! The velocities of a joint with a quaternion are columns of one matrix S that is fixed in the joint's body.
+//! In robots with such joints, Ψ̇ = v_λ × S and Ψ̈ = a_λ × S + v_λ × Ψ̇ use the motion of the joint's carrier
+//! λ. In the derivatives with respect to ẏ, Ṡ = v × S with the motion of the body replaces one of the two Ψ̇.
+//! Pairs within one joint use the formulas for j before i in both orders.
 //!
 //! The equations are those of Singh, Russell and Wensing (2022). B is computed from the moments 2 ∫ ṙ dm and
-//! 2 ∫ ṙ rᵀ dm, which act only on ω_s.
+//! 2 ∫ ṙ rᵀ dm, which multiply only ω_s.
 
 mod bodies;
 mod builder;
@@ -53,9 +53,9 @@ use crate::kinematics::{Mechanism, Number};
 use crate::program::arrays::Arrays;
 use crate::program::{InputArray, Shape};
 
-/// Whether functions of a mechanism without driven joints can be written as loops over joints. If no joint
-/// follows another joint and no joint has a quaternion, each rotor must be on the parent body of the joint
-/// that it turns with.
+/// Whether functions of a mechanism without driven joints can be written as loops over joints. This is always
+/// possible if a joint follows another joint or has a quaternion. Otherwise each rotor must be on the parent
+/// body of the joint that it turns with.
 pub fn is_possible(mechanism: &Mechanism<Number>) -> bool {
     !mechanism.bodies.is_empty()
         && (mechanism.is_coupled() || mechanism.has_quaternions() || mechanism.rotors_are_neighbours())

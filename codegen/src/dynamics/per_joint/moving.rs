@@ -17,8 +17,8 @@ pub(super) struct Moving {
     pub composites: Composites,
 }
 
-/// Computes motion and forces of all bodies, with the accelerations of the setup if `is_accelerated`,
-/// otherwise at ÿ = 0.
+/// Adds the motion and forces of all bodies. They include the accelerations of the setup if `is_accelerated`
+/// is true; otherwise ÿ is 0.
 pub(super) fn set_moving(builder: &mut ArrayBuilder, setup: Setup, is_accelerated: bool) -> Moving {
     let (motions, flow) = move_bodies(builder, &setup, is_accelerated);
     let rotors = Rotors::new(builder, &setup, &motions);
@@ -38,7 +38,7 @@ pub(super) fn set_moving(builder: &mut ArrayBuilder, setup: Setup, is_accelerate
     Moving { setup, motions, rotors, composites }
 }
 
-/// Adds joint accelerations to a motion at ÿ = 0.
+/// Adds the accelerations of the joints to a motion that was computed at ÿ = 0.
 pub(super) fn accelerate(builder: &mut ArrayBuilder, steady: Moving, accelerations: ArrayId) -> Moving {
     let Moving { setup, motions, rotors, composites } = steady;
     let [gained] = builder.map(

@@ -1,8 +1,9 @@
-//! Jacobians of the forward dynamics of which only the products with M⁻¹ are loops.
+//! Jacobians of the forward dynamics with loops only for the products with M⁻¹.
 //!
 //! If branches are short, most entries of M and of the Jacobians of the inverse dynamics are zero, and
-//! straight-line code omits them. It computes M, the accelerations, M⁻¹ and these Jacobians. M⁻¹ is dense if
-//! the base moves, so the products with M⁻¹ are loops.
+//! straight-line code omits these entries. Therefore M, the accelerations, M⁻¹ and the Jacobians of the
+//! inverse dynamics are straight-line code. M⁻¹ is dense if the base moves, so the products with M⁻¹ are
+//! loops.
 
 use super::builder::ArrayBuilder;
 use super::tree::LoopJoints;
@@ -12,7 +13,7 @@ use crate::kinematics::{Mechanism, Number};
 use crate::program::arrays::{ArrayId, Arrays};
 use crate::program::{InputArray, Shape};
 
-/// Whether each joint of the loops is independent, as these functions need it.
+/// Whether each joint of the loops is independent, which these functions require.
 pub fn products_are_possible(mechanism: &Mechanism<Number>) -> bool {
     LoopJoints::new(mechanism).coordinates(mechanism).is_none()
 }

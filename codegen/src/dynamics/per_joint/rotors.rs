@@ -1,9 +1,10 @@
 //! Rotors on the parent bodies of their joints.
 //!
-//! Such a rotor has the momentum h = i J a per unit of the joint's velocity, with the gear ratio i, the axial
-//! inertia J and the axis a. It couples the joint with every joint before it, but not with itself. The same
-//! holds for the columns of the Jacobians. The equations are those of `recursion/rotor.rs`, with ω and ω̇ of
-//! the parent. Sums over the subtree of a joint leave out the joint's own rotor.
+//! Per unit of its joint's velocity, such a rotor has the momentum h = i J a with the gear ratio i, the axial
+//! inertia J and the axis a. The rotor couples its joint with every joint between the base and this joint,
+//! but not with the joint itself. The same holds for the columns of the Jacobians. The equations are those of
+//! `recursion/rotor.rs`, with ω and ω̇ of the parent. Sums over the subtree of a joint do not include the
+//! joint's own rotor.
 
 use super::bodies::{Composites, Motions};
 use super::builder::ArrayBuilder;
@@ -24,7 +25,7 @@ pub(super) struct Rotors {
 }
 
 impl Rotors {
-    /// Computes the arrays; `None` if no moving body carries a rotor.
+    /// Adds the arrays of the rotors; `None` if no moving body carries a rotor.
     pub fn new(builder: &mut ArrayBuilder, setup: &Setup, motions: &Motions) -> Option<Self> {
         let momentum = setup.momenta?;
         let [swept, spin] = builder.map(
@@ -115,7 +116,8 @@ impl Rotors {
         Composites { force, flow, ..bodies }
     }
 
-    /// Forces `h · ω̇` on the joints from the angular accelerations of the bodies before them.
+    /// Forces `h · ω̇` on the joints that are caused by the angular accelerations ω̇ of the bodies before the
+    /// joints.
     pub fn carried(&self, builder: &mut ArrayBuilder, motions: &Motions) -> ArrayId {
         let [carried] = builder.map(
             "carried_rotors",
@@ -143,7 +145,7 @@ impl Rotors {
     }
 
     /// Adds the rotors to the columns of the Jacobians: `ω × h` to the effect of δω, `h` to the effect of
-    /// δω̇, `ω × h` to the damping.
+    /// δω̇, and `ω × h` to the damping.
     pub fn add_to_columns(
         &self,
         builder: &mut ArrayBuilder,

@@ -45,7 +45,7 @@ pub(super) fn moved<'g>(
     let direction =
         |v: Vector3<Scalar<'g>>| axes[0].scaled(v[0]) + axes[1].scaled(v[1]) + axes[2].scaled(v[2]);
     let (s, first) = (own.second, direction(own.first));
-    // R Σ, column by column, then (R Σ) Rᵀ.
+    // First R Σ column by column, then (R Σ) Rᵀ.
     let half = s.columns().map(direction);
     let turned =
         |i: usize, j: usize| (0..3).fold(own.mass.constant(0.0), |sum, k| sum + half[k][i] * axes[k][j]);
@@ -72,7 +72,7 @@ pub(super) fn flow_of<'g>(
     )
 }
 
-/// Force `2B s` of a motion s, from the angular part of s; see [`super`].
+/// Force `2B s` for a motion s, computed from the angular part of s; [`super`] defines B.
 ///
 /// - `spin`: tr 2K − 2K with 2K = 2 ∫ ṙ rᵀ dm
 /// - `momentum`: 2 ∫ ṙ dm
@@ -84,7 +84,7 @@ pub(super) fn swept<'g>(
     Force { moment: spin.times(angular), force: angular.cross(momentum) }
 }
 
-/// Matrix `tr A − A` of a matrix A with nine entries, rows first.
+/// Matrix `tr(A) 1 − A` of a matrix A with nine entries in row-major order.
 pub(super) fn complement<'g>(a: &Rows<'g>) -> Matrix3<'g> {
     Matrix3([[a[4] + a[8], -a[1], -a[2]], [-a[3], a[0] + a[8], -a[5]], [-a[6], -a[7], a[0] + a[4]]])
 }

@@ -28,7 +28,8 @@ pub(super) struct Setup {
     pub rotors: ArrayId,
     /// Accelerations or driving forces, see [`Last`].
     pub last: ArrayId,
-    /// Three rows of springs and friction at a joint: derivative by its y, derivative by its ẏ, force.
+    /// Springs and friction at a joint in three rows: derivative with respect to its y, derivative with
+    /// respect to its ẏ, and force.
     pub joint_forces: ArrayId,
     /// Derivatives of springs and friction by other coordinates; `None` if all of them are zero.
     pub coupled_forces: Option<CoupledForces>,
@@ -42,7 +43,7 @@ pub(super) struct CoupledForces {
     pub by_velocities: ArrayId,
 }
 
-/// Last argument of the function.
+/// Last argument of the function: accelerations or driving forces.
 pub(super) enum Last<'g> {
     /// Accelerations of the coordinates. A follower has the acceleration of its coordinate, because its screw
     /// contains the ratio.
@@ -98,7 +99,7 @@ pub(super) fn set_up<'g>(
     }
 }
 
-/// Arrays with an entry for each joint of the loops.
+/// Fills arrays that have an entry for each joint of the loops.
 struct Rows<'a, 'g> {
     builder: &'a mut ArrayBuilder,
     loops: &'a LoopJoints<Scalar<'g>>,
@@ -117,8 +118,7 @@ impl<'g> Rows<'_, 'g> {
         self.builder.set_up(name, rows)
     }
 
-    /// Fills an array with the entries of each coordinate, at the independent joint of this coordinate. Other
-    /// joints get 0.
+    /// Fills an array with the entries of each coordinate at its independent joint. All other joints get 0.
     fn fill_own(&mut self, name: &str, count: usize, entries: impl Fn(usize) -> Vec<Scalar<'g>>) -> ArrayId {
         let loops = self.loops;
         self.fill(name, count, |joint| match loops.is_own(joint) {
@@ -145,8 +145,8 @@ pub(super) struct Joints<'a, 'g> {
 }
 
 impl<'g> Joints<'_, 'g> {
-    /// Whether a joint of the loops is on the base. For a velocity of a joint with a quaternion this is asked
-    /// of the whole joint.
+    /// Whether a joint of the loops is on the base. For a velocity of a joint with a quaternion, this refers
+    /// to the whole joint.
     fn is_on_base(&self, joint: usize) -> bool {
         let first = match self.loops.list[joint].moved {
             // Each body of a chain follows one coordinate, so the joints of the chain are adjacent in the
@@ -159,7 +159,7 @@ impl<'g> Joints<'_, 'g> {
         self.loops.tree.parents[self.loops.places[first]].is_none()
     }
 
-    /// Pose of the body that a joint moves. For a rotor it is the pose of the rotor's carrier.
+    /// Pose of the body that a joint moves. For a rotor, it is the pose of the rotor's carrier.
     fn pose(&self, poses: &BasePoses<'g>, joint: usize) -> FramePose<'g> {
         match self.loops.list[joint].moved {
             Moved::Body(index) => *poses.body(index),
@@ -187,8 +187,8 @@ impl<'g> Joints<'_, 'g> {
         }
     }
 
-    /// Moments of the mass that a joint moves, without the bodies beyond. A rotor that is a joint of the
-    /// loops is subtracted from its carrier.
+    /// Moments of the mass that a joint moves, without bodies beyond the joint's body. If a rotor is a joint
+    /// of the loops, its inertia is subtracted from its carrier.
     fn moments(&self, joint: usize) -> MassMoments<Scalar<'g>> {
         let LoopJoint { moved, is_last, .. } = self.loops.list[joint];
         let of_rotor = |index: usize| {
@@ -223,7 +223,7 @@ impl<'a, 'g> JointForces<'a, 'g> {
         Self { equations, arguments, forces }
     }
 
-    /// Derivatives of the force on coordinate `row` by the position and velocity of coordinate `column`.
+    /// Derivatives of the force on coordinate `row` with respect to the position and velocity of coordinate `column`.
     fn by(&self, row: usize, column: usize) -> [Scalar<'g>; 2] {
         let force = self.forces[row];
         [
@@ -239,7 +239,7 @@ impl<'a, 'g> JointForces<'a, 'g> {
         [by_position, by_velocity, self.forces[coordinate]]
     }
 
-    /// Derivatives by the positions and velocities of other coordinates; `None` if all of them are zero.
+    /// Derivatives with respect to the positions and velocities of other coordinates; `None` if all of them are zero.
     fn coupled(&self) -> Option<[Matrix<'g>; 2]> {
         if self.equations.forces_are_local() {
             return None;

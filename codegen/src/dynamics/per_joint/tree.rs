@@ -21,7 +21,8 @@ use crate::program::arrays::{Coordinates, Tree};
 pub(super) struct LoopJoint<S> {
     /// Object that the joint moves.
     pub moved: Moved,
-    /// Coordinate that the joint follows, with the ratio of the joint's motion to the coordinate's.
+    /// Coordinate that the joint follows, with the ratio of the joint's motion to the motion of the
+    /// coordinate.
     pub follows: Followed<S>,
     /// Whether the joint is the last of its series. Only the last joint carries the mass.
     pub is_last: bool,
@@ -44,15 +45,15 @@ pub(super) struct LoopJoints<S> {
     pub places: Vec<usize>,
     /// Tree of the joints, by the positions in arrays.
     pub tree: Tree,
-    /// For each rotor the joint that turns the rotor, if the carrier of the rotor is the parent body of this
-    /// joint; otherwise `None`.
+    /// For each rotor, the joint that turns the rotor. `None` if the rotor's carrier is not the parent body
+    /// of this joint.
     pub beside: Vec<Option<usize>>,
 }
 
 /// Joints while they are collected, each with its parent.
 struct Collected<S> {
     joints: Vec<(LoopJoint<S>, Option<usize>)>,
-    /// For each body the joint that carries it.
+    /// For each body, the joint that carries it.
     carriers: Vec<usize>,
 }
 
@@ -91,7 +92,7 @@ impl<S: Numbers> LoopJoints<S> {
         (of_joints.len() > mechanism.coordinates).then(|| Coordinates::new(&self.tree, of_joints))
     }
 
-    /// For each joint with a quaternion the positions in arrays of its velocities.
+    /// For each joint with a quaternion, the positions of its velocities in arrays.
     pub(super) fn chains(&self, mechanism: &Mechanism<S>) -> Vec<Vec<usize>> {
         let mut chains: Vec<Vec<usize>> = Vec::new();
         for (joint, &place) in self.list.iter().zip(&self.places) {
@@ -118,7 +119,7 @@ impl<S: Numbers> LoopJoints<S> {
 }
 
 impl<S: Numbers> Collected<S> {
-    /// Adds a joint for each followed coordinate. Returns the last one.
+    /// Adds a joint for each followed coordinate. Returns the last added joint.
     fn row(&mut self, moved: Moved, mut parent: Option<usize>, terms: &[Followed<S>]) -> Option<usize> {
         for (k, &follows) in terms.iter().enumerate() {
             let is_last = k + 1 == terms.len();
@@ -128,7 +129,7 @@ impl<S: Numbers> Collected<S> {
         parent
     }
 
-    /// The joint that turns with a rotor, if this joint is on the rotor's carrier.
+    /// The joint that turns a rotor, if the rotor's carrier is the parent body of this joint.
     fn beside(&self, rotor: &Rotor<S>) -> Option<usize> {
         let (carrier, turned) = (rotor.carrier?, rotor.transmission.single()?);
         let turns = |&(joint, parent): &(LoopJoint<S>, Option<usize>)| {

@@ -1,17 +1,17 @@
 //! Forward dynamics by articulated bodies (Featherstone 2008, section 7.3). Accelerations are in the frames
 //! of the bodies.
 //!
-//! A body has the angular acceleration ω̇, and the acceleration a of its origin minus gravity. The body and
-//! all bodies beyond it require the moment n and the force F
+//! A body has the angular acceleration ω̇, and its origin has the acceleration a, from which gravity is
+//! subtracted. The body together with all bodies beyond it requires the moment n and the force F
 //!
 //! ```text
 //! n = J ω̇ + C a + n₀          F = Cᵀ ω̇ + M a + F₀
 //! ```
 //!
 //! From the leaves to the base, the equation of each joint is solved for the joint's acceleration as a
-//! function of the parent's acceleration. The rest is an articulated body that is added to the parent. The
-//! number of operations grows linearly with the number of joints. For the mass matrix it grows quadratically,
-//! for the factorization cubically.
+//! function of the parent's acceleration. The result is an articulated body that is added to the parent. The
+//! number of operations grows linearly with the number of joints. It grows quadratically for the mass matrix
+//! and cubically for the factorization of M.
 
 use crate::dynamics::formulation::Formulation;
 use crate::dynamics::recursion::placement::{Placement, Turn, place};
@@ -19,7 +19,7 @@ use crate::graph::Scalar;
 use crate::kinematics::{Body, Followed, JointAxis, Mechanism};
 use crate::spatial::{Matrix3, Twist, Vector3};
 
-/// Accelerations under joint forces, by coordinate. The mechanism must be in metres and must not be
+/// Accelerations by coordinate for given joint forces. The mechanism must be in metres and must not be
 /// [coupled](Mechanism::is_coupled), and its [rotors must be neighbours](Mechanism::rotors_are_neighbours).
 pub fn forward_dynamics<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
@@ -56,7 +56,8 @@ impl<'g> RotorCoupling<'g> {
             let mut coupling = Self { axial: Vector3::zero(zero), inertia: zero };
             let rotors = mechanism.rotors.iter();
             for rotor in rotors.filter(|rotor| rotor.driven == Some(index)) {
-                // The unit is the joint's acceleration, which may differ from the coordinate's by a ratio.
+                // The values are per unit of the joint's acceleration. The ratio converts them from the
+                // coordinate's acceleration.
                 let per_joint = |x: Scalar<'g>| x.divided_by(body.transmission.own().ratio);
                 coupling.inertia = coupling.inertia + per_joint(per_joint(rotor.reflected_inertia()));
                 if rotor.carrier.is_some() {
@@ -79,7 +80,7 @@ struct Rates<'g> {
     omega: Vector3<Scalar<'g>>,
     /// Velocity of the joint.
     joint: Scalar<'g>,
-    /// Velocity terms of ω̇ for a revolute joint, or of the origin's acceleration for a prismatic joint.
+    /// Velocity terms of ω̇ for a revolute joint, or of the acceleration of the origin for a prismatic joint.
     coriolis: Vector3<Scalar<'g>>,
 }
 
@@ -120,8 +121,8 @@ struct Articulated<'g> {
     force: Vector3<Scalar<'g>>,
 }
 
-/// A joint's equation `ÿ = known − per_angular · ω̇ − per_linear · a`, with the accelerations that come from
-/// the parent.
+/// A joint's equation `ÿ = known − per_angular · ω̇ − per_linear · a`. ω̇ and a are the accelerations that
+/// the parent causes.
 #[derive(Clone, Copy)]
 struct JointEquation<'g> {
     known: Scalar<'g>,
@@ -176,7 +177,7 @@ impl<'g> Tree<'_, 'g> {
     }
 
     /// Solves a joint's equation for the joint's acceleration. The second result is the articulated body that
-    /// the parent has to move.
+    /// is added to the parent.
     fn eliminate_joint(
         &self,
         index: usize,
@@ -221,7 +222,7 @@ impl<'g> Tree<'_, 'g> {
             force: bias + by_linear.scaled(known),
         };
         if coupling.inertia.is_zero() {
-            // The component along the joint's axis is exactly the joint's force.
+            // The component along the joint's axis is set to the joint's force exactly.
             match revolute {
                 true => rest.moment.0[2] = force,
                 false => rest.force.0[2] = force,
@@ -261,7 +262,7 @@ impl<'g> Tree<'_, 'g> {
         result
     }
 
-    /// Angular acceleration, and acceleration of the origin, that a body has from its parent.
+    /// Angular acceleration, and acceleration of the origin, that the parent causes at a body.
     fn carried(
         &self,
         index: usize,
@@ -296,8 +297,8 @@ impl<'g> Articulated<'g> {
         }
     }
 
-    /// Transforms to a point from which the old point has the position `d`: `a = a' + ω̇ × d + ω × (ω × d)`,
-    /// `n' = n + d × F`.
+    /// Transforms to another point of reference, from which the old point has the position `d`:
+    /// `a = a' + ω̇ × d + ω × (ω × d)`, `n' = n + d × F`.
     fn shifted(self, d: Vector3<Scalar<'g>>, omega: Vector3<Scalar<'g>>) -> Self {
         if d.is_zero() {
             return self;
@@ -319,7 +320,7 @@ impl<'g> Articulated<'g> {
         Self { inertia, coupling, mass: self.mass, moment, force }
     }
 
-    /// Transforms to the axes before the joint's turn and twist.
+    /// Transforms to the axes of the parent, before the joint's rotation and twist.
     fn turned(self, turn: Option<Turn<'g>>, twist: &Twist) -> Self {
         let vector = |v: Vector3<Scalar<'g>>| twist.to_parent(turn.map_or(v, |turn| v.turned(turn)));
         let matrix = |a: &Matrix3<'g>| {
@@ -358,7 +359,8 @@ fn minus_symmetric<'g>(a: &Matrix3<'g>, u: Vector3<Scalar<'g>>, per: Vector3<Sca
     result
 }
 
-/// Matrix `A − u wᵀ/d` with `per_u = u/d` and `per_w = w/d`. Rows are exact if an entry of `u/d` is 1.
+/// Matrix `A − u wᵀ/d` with `per_u = u/d` and `per_w = w/d`. If an entry of `u/d` is 1, the row of this entry
+/// is exact.
 fn minus_product<'g>(
     a: &Matrix3<'g>,
     u: Vector3<Scalar<'g>>,

@@ -1,8 +1,8 @@
 //! Mass matrix by composite rigid bodies.
 //!
-//! Column j of M is the force that accelerates the composite of all bodies beyond joint j by 1. It is passed
-//! on to the joints before j (Walker and Orin 1982; Featherstone 2008, ch. 6). Moments of mass replace
-//! spatial inertias.
+//! Column j of M is the force for a unit acceleration of joint j. It accelerates the composite of all bodies
+//! beyond joint j, and is passed on to the joints before j (Walker and Orin 1982; Featherstone 2008, ch. 6).
+//! Moments of mass replace spatial inertias.
 
 use crate::dynamics::formulation::{Formulation, RunLink};
 use crate::dynamics::recursion::placement::{Placement, ends_at_root, place};
@@ -33,8 +33,8 @@ pub fn mass_matrix<'g>(
     matrix
 }
 
-/// Copies one triangle of M to the other if joints follow other joints. Otherwise the triangles would differ
-/// in the last bits, because they are sums of the same terms in two orders.
+/// Copies one triangle of M to the other if joints follow other joints. Otherwise the two triangles could
+/// differ by rounding errors, because their sums have the same terms in different orders.
 pub(super) fn mirror<'g>(mechanism: &Mechanism<Scalar<'g>>, matrix: &mut [Vec<Scalar<'g>>]) {
     if !mechanism.is_coupled() {
         return;
@@ -96,7 +96,7 @@ impl<'g> Composite<'g> {
     }
 }
 
-/// Transforms moments of mass to the frame before the joint, and to the parent's unit of length.
+/// Transforms moments of mass to the frame before the joint's motion, and to the parent's unit of length.
 pub(super) fn before_joint<'g>(
     moments: MassMoments<Scalar<'g>>,
     placement: &Placement<'g>,
@@ -119,11 +119,12 @@ fn polar_after_shift<'g>(
     polar + (h[0] * p[0] + h[1] * p[1]) * 2.0 + quadratic
 }
 
-/// A force on its way to the base.
+/// A force that is passed from body to body towards the base.
 #[derive(Clone, Copy)]
 struct Carried<'g> {
     force: Force<'g>,
-    /// Moment across the axis that goes directly to the frame before the run of parallel joints.
+    /// Moment perpendicular to the joint's axis, which is passed directly to the frame before the run of
+    /// parallel joints.
     transverse: Vector3<Scalar<'g>>,
 }
 
@@ -198,7 +199,7 @@ impl<'g> Column<'_, 'g> {
     }
 }
 
-/// Adds the force along one joint for a unit acceleration of another joint to both entries of M.
+/// Adds the force along one joint for a unit acceleration of another joint to both symmetric entries of M.
 fn couple<'g>(
     row: &Transmission<Scalar<'g>>,
     column: &Transmission<Scalar<'g>>,

@@ -14,7 +14,7 @@ pub struct Factorization<'g> {
     lower: Vec<Vec<Option<Scalar<'g>>>>,
     /// Reciprocals of the diagonal of D.
     reciprocals: Vec<Scalar<'g>>,
-    /// For each row the earlier rows that M couples with it, nearest first.
+    /// For each row, the earlier rows that M couples with it; the nearest row is first.
     ancestors: Vec<Vec<usize>>,
     /// Coordinate of each row.
     coordinates: Vec<usize>,
@@ -63,7 +63,7 @@ impl<'g> Factorization<'g> {
         inverse
     }
 
-    /// Solution x of `M x = right`, by coordinate. Entries of driven coordinates are those of `right`.
+    /// Solution x of `M x = right`, by coordinate. The entries of driven coordinates are copied from `right`.
     pub fn solve(&self, right: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let mut x: Vec<_> = self.coordinates.iter().map(|&coordinate| right[coordinate]).collect();
         for i in (0..x.len()).rev() {
@@ -91,9 +91,9 @@ impl<'g> Factorization<'g> {
     }
 }
 
-/// Lists, for each coordinate, the earlier coordinates with non-zero entries in M, nearest first. These are
-/// the ancestors, the coordinates of bodies that carry a rotor of another branch, and coordinates that a
-/// common follower couples.
+/// Lists, for each coordinate, the earlier coordinates with non-zero entries in M; the nearest coordinate is
+/// first. They are the ancestors, the coordinates of bodies that carry a rotor of another branch, and
+/// coordinates with a common follower.
 fn couplings(coordinates: &[usize], mass_matrix: &[Vec<Scalar<'_>>]) -> Vec<Vec<usize>> {
     let count = coordinates.len();
     let entry = |i: usize, j: usize| mass_matrix[coordinates[i]][coordinates[j]];

@@ -150,7 +150,7 @@ impl<'g> FramePose<'g> {
         Self { origin: self.origin, axes }
     }
 
-    /// The pose after the turn about z from the frame before the run of parallel joints.
+    /// The pose after the rotation about z from the frame before the run of parallel joints.
     fn turned(&self, placement: &Placement<'g>) -> Self {
         let Some((s, c)) = placement.turn_from_run else {
             return *self;

@@ -1,15 +1,15 @@
-//! Branches of a body with equal levers, for example mirror-symmetric legs of a quadruped or arms of a
-//! humanoid.
+//! Branches of a body with levers of equal length, for example mirror-symmetric legs of a quadruped or arms
+//! of a humanoid.
 //!
 //! The origins p of such branches have components ±c with the same c. For the accelerations, products with c
-//! are computed once, and common parts of the origins are added first. For the forces f, sums with the signs
-//! s = ±1 of a component are computed before the product,
+//! are computed once, and common parts of the origins are added first. For the forces f on the branches, the
+//! components are summed with the signs s = ±1 before the multiplication by c:
 //!
 //! ```text
 //! Σ p × f = Σ_k Σ_c c e_k × Σ s f          over the branches with |p_k| = c
 //! ```
 //!
-//! Common parts of these sums and of Σ f are added once.
+//! Common parts of these sums and of Σ f are computed once.
 
 use crate::dynamics::recursion::motion::BodyMotion;
 use crate::dynamics::recursion::placement::Placement;
@@ -52,7 +52,7 @@ fn branch_origin<'g>(
 ) -> Option<Vector3<Scalar<'g>>> {
     let (body, placement) = (&mechanism.bodies[index], &placements[index]);
     let on_chain = body.chain.is_none() && mechanism.bodies[body.parent?].chain.is_some();
-    // On other bodies only if the translation along the axis is zero.
+    // Branches of other bodies are included if their translation along the axis is zero.
     let asked = mechanism.has_quaternions() && body.chain.is_none() && placement.extension.is_zero();
     let turns = body.axis == JointAxis::Revolute && body.unit_ratio == 1.0;
     let zero = placement.extension.constant(0.0);
@@ -61,7 +61,8 @@ fn branch_origin<'g>(
     ((on_chain || asked) && turns && origin.values().is_some()).then_some(origin)
 }
 
-/// Acceleration of a branch's origin in the parent's frame. Common parts of several branches are added first.
+/// Acceleration of a branch's origin in the parent's frame. Parts that several branches have in common are
+/// added first.
 pub(super) fn carried<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     placements: &[Placement<'g>],
@@ -77,7 +78,7 @@ pub(super) fn carried<'g>(
     axes.iter().fold(parent.acceleration, |sum, &k| sum + parent.spread.column(k).scaled(origin[k]))
 }
 
-/// Branches of a body with equal levers, and the forces of the body on them.
+/// Branches of a body with levers of equal length, and the forces of the body on them.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Branches<'g> {
     origins: Vec<[f64; 3]>,
@@ -108,7 +109,7 @@ impl<'g> Branches<'g> {
             let sums = shared_sums(terms, wanted);
             result.force.0[i] = result.force[i] + sums[0];
             for (&(k, length), &sum) in levers.iter().zip(&sums[1..]) {
-                // e_k × e_i
+                // Product e_k × e_i.
                 let (axis, sign) = (3 - i - k, if (i + 3 - k) % 3 == 1 { 1.0 } else { -1.0 });
                 result.moment.0[axis] = result.moment[axis] + sum * (sign * length);
             }
@@ -116,7 +117,7 @@ impl<'g> Branches<'g> {
         result
     }
 
-    /// The different magnitudes of component `k`, without 0.
+    /// The distinct magnitudes of component `k`, without 0.
     fn lengths(&self, k: usize) -> Vec<f64> {
         let mut lengths: Vec<f64> = Vec::new();
         for length in self.origins.iter().map(|origin| origin[k].abs()) {
@@ -127,15 +128,15 @@ impl<'g> Branches<'g> {
         lengths
     }
 
-    /// The branches whose component `k` has the magnitude `length`, with its signs.
+    /// The branches whose component `k` has the magnitude `length`, each with the sign of this component.
     fn signs(&self, k: usize, length: f64) -> Vec<(usize, f64)> {
         let components = self.origins.iter().map(|origin| origin[k]).enumerate();
         components.filter(|(_, x)| x.abs() == length).map(|(branch, x)| (branch, x.signum())).collect()
     }
 }
 
-/// Computes sums of the same terms with different signs. The pair that most sums contain is added first, and
-/// so on.
+/// Computes sums of the same terms with different signs. The pair that occurs in most sums is added first,
+/// then the next pair.
 fn shared_sums<'g>(mut terms: Vec<Scalar<'g>>, mut sums: Vec<Vec<(usize, f64)>>) -> Vec<Scalar<'g>> {
     while let Some((a, b, relative)) = commonest(&sums) {
         let pair = terms[a] + terms[b].signed(relative);

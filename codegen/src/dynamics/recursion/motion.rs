@@ -10,7 +10,7 @@ use crate::spatial::{Matrix3, Vector3};
 pub(in crate::dynamics) struct BodyMotion<'g> {
     /// Angular velocity ω.
     pub omega: Vector3<Scalar<'g>>,
-    /// Components of the angular acceleration ω̇. A component is `None` if U was computed without it.
+    /// Components of the angular acceleration ω̇. A component is `None` if it was not needed for U.
     pub(super) angular: [Option<Scalar<'g>>; 3],
     /// Matrix U = ω̇× + ω× ω×. A point r of the body has the acceleration a + U r.
     pub spread: Matrix3<'g>,
@@ -18,7 +18,7 @@ pub(in crate::dynamics) struct BodyMotion<'g> {
     pub(super) differences: Option<[Scalar<'g>; 3]>,
     /// Acceleration a of the origin minus gravity.
     pub acceleration: Vector3<Scalar<'g>>,
-    /// Motion of the chain of bodies that a joint with a quaternion consists of; `None` for other bodies.
+    /// Motion of the chain of bodies that forms a joint with a quaternion; `None` for other bodies.
     pub chain: Option<ChainMotion<'g>>,
 }
 
@@ -33,8 +33,8 @@ pub struct MotionInput<'a, 'g> {
     pub a: &'a [Scalar<'g>],
 }
 
-/// Intermediate values for the motion of a chain's last body, in the frame of this body. See
-/// [`super::quaternion`].
+/// Intermediate values for the motion of a chain's last body, in the frame of this body.
+/// [`super::quaternion`] defines the symbols.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::dynamics) struct ChainMotion<'g> {
     /// Angular velocity ω_c of the joint's parent.
@@ -43,7 +43,7 @@ pub(in crate::dynamics) struct ChainMotion<'g> {
     pub(super) carried_angular: Vector3<Scalar<'g>>,
     /// Matrix U_c of the parent.
     pub(super) carried_spread: Matrix3<'g>,
-    /// Acceleration a_c that the body's origin has from the parent, minus gravity.
+    /// Acceleration a_c that the parent causes at the body's origin, minus gravity.
     pub(super) carried_acceleration: Vector3<Scalar<'g>>,
     /// Linear velocity l of the joint [m/s].
     pub(super) linear: Vector3<Scalar<'g>>,
@@ -104,7 +104,7 @@ impl<'g> BodyMotion<'g> {
         self
     }
 
-    /// Angular acceleration ω̇. Unknown components are computed from U and ω.
+    /// Angular acceleration ω̇. Components that are not stored are computed from U and ω.
     pub(in crate::dynamics) fn angular_acceleration(&self) -> Vector3<Scalar<'g>> {
         let (u, w) = (&self.spread, self.omega);
         let from_spread = [u[2][1] - w[1] * w[2], u[0][2] - w[0] * w[2], u[1][0] - w[0] * w[1]];

@@ -1,6 +1,6 @@
 //! Recursive Newton–Euler equations with moments of mass.
 //!
-//! A point r of a body has the acceleration a + U r with the acceleration a of the origin and U = ω̇× + ω×
+//! A point r of a body has the acceleration a + U r, with the acceleration a of the origin and U = ω̇× + ω×
 //! ω×. With the mass m and the moments h = ∫ r dm and Σ = ∫ r rᵀ dm, the body requires the force F and the
 //! moment n about the origin
 //!
@@ -43,10 +43,11 @@ pub fn inverse_dynamics<'g>(
     inverse_dynamics_parts(mechanism, formulation, input).generalized
 }
 
-/// For each body the wrench that accelerates the body and all bodies beyond it, gravity included. The moment
-/// is about the body's origin, and the axes are those of the working frame. The mechanism must be in metres
-/// and have the masses of the description, because other equivalent masses give other wrenches. The
-/// formulation must pass all moments to the parent.
+/// Wrench that accelerates each body together with all bodies beyond it, including gravity. The moment is
+/// about the body's origin, and the axes are those of the working frame.
+///
+/// The mechanism must be in metres and have the masses of the description, because regrouped masses give
+/// other wrenches. The formulation must pass all moments to the parent.
 pub fn wrenches<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     formulation: &Formulation,
@@ -72,7 +73,7 @@ pub(super) fn inverse_dynamics_parts<'g>(
 }
 
 /// Linear acceleration of a point of a body without gravity, and angular acceleration of the body, in the
-/// body's own frame. The mechanism must be in metres.
+/// frame of the body. The mechanism must be in metres.
 pub fn frame_acceleration<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     input: MotionInput<'_, 'g>,
@@ -140,7 +141,7 @@ pub(in crate::dynamics) fn motions<'g>(
     motions
 }
 
-/// The step across one revolute joint, from the base to the leaves.
+/// Computes the motion of a body from the motion of its parent, across one revolute joint.
 struct RevoluteStep<'a, 'g> {
     mechanism: &'a Mechanism<Scalar<'g>>,
     placements: &'a [Placement<'g>],
@@ -189,7 +190,7 @@ impl<'g> RevoluteStep<'_, 'g> {
     }
 
     /// Velocity and acceleration of the angle between the source and the body. The source is the body from
-    /// which the velocities are taken.
+    /// which the angular velocity is taken.
     fn rates(&self, input: MotionInput<'_, 'g>) -> (Scalar<'g>, Scalar<'g>) {
         let mut chain = vec![self.index];
         if self.choices.source == RunLink::RunBase {
@@ -216,7 +217,7 @@ impl<'g> RevoluteStep<'_, 'g> {
         self.mechanism.bodies[first].twist
     }
 
-    /// Transforms a vector from the source's working frame to the working frame of this body.
+    /// Transforms a vector from the working frame of the source to the working frame of this body.
     fn carry(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         let placement = &self.placements[self.index];
         let turn = match self.choices.source {
@@ -233,8 +234,8 @@ impl<'g> RevoluteStep<'_, 'g> {
     }
 }
 
-/// Motion beyond one prismatic joint with the position d and the axis z: the acceleration of the origin is `a
-/// + 2 ω × z ḋ + z d̈`.
+/// Motion of the body after a prismatic joint with the position d and the axis z. The acceleration of its
+/// origin is `a + 2 ω × z ḋ + z d̈`.
 fn extend<'g>(
     parent: &BodyMotion<'g>,
     body: &Body<Scalar<'g>>,
@@ -262,7 +263,7 @@ fn unit_z(any: Scalar<'_>) -> Vector3<Scalar<'_>> {
     Vector3([any.constant(0.0), any.constant(0.0), any.constant(1.0)])
 }
 
-/// Matrix U from ω, from `points` = U z, and from the angular acceleration `axial` about z.
+/// Matrix U from ω, from `points` = U z, and from the component `axial` of the angular acceleration along z.
 fn spread_from_axis<'g>(
     omega: Vector3<Scalar<'g>>,
     points: Vector3<Scalar<'g>>,
@@ -279,7 +280,7 @@ fn spread_from_axis<'g>(
     ])
 }
 
-/// Force, and moment about the origin, that accelerate the mass of one body.
+/// Force, and moment about the origin, that accelerate the mass of one body alone.
 fn own_force<'g>(motion: &BodyMotion<'g>, placement: &Placement<'g>) -> Force<'g> {
     let (moments, a) = (placement.moments, motion.acceleration);
     let force = a.scaled(moments.mass) + motion.spread.times(moments.first);
@@ -287,11 +288,10 @@ fn own_force<'g>(motion: &BodyMotion<'g>, placement: &Placement<'g>) -> Force<'g
     Force { moment, force }
 }
 
-/// Moment `vee(U Σ − Σ Uᵀ)`.
+/// Moment `vee(U Σ − Σ Uᵀ)` of the second moment Σ.
 fn moment_of_second<'g>(motion: &BodyMotion<'g>, s: Symmetric3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
     let u = &motion.spread;
-    // Without another choice, the difference is made here, so that its node is created after the earlier
-    // terms.
+    // The difference is computed here if no earlier choice computed it, because the order of nodes matters.
     let difference = |k: usize| {
         let [from, to] = [[2, 1], [0, 2], [1, 0]][k];
         motion.differences.map_or_else(|| u[from][from] - u[to][to], |all| all[k])
@@ -337,7 +337,7 @@ fn gather<'g>(
     generalized: &mut [Scalar<'g>],
 ) {
     let zero = mechanism.graph.constant(0.0);
-    // Moments across the axes that go directly to the frame before a run, not from body to body.
+    // Moments perpendicular to the axes that are passed directly to the frame before a run.
     let mut transverse = vec![Vector3::zero(zero); mechanism.bodies.len()];
     let mut branches = vec![Branches::default(); mechanism.bodies.len()];
     let mut shared = SharedRatios::of(mechanism);

@@ -1,5 +1,5 @@
-//! Working frames. The working frame is the frame of a body's equations. A placement is its pose in the
-//! parent's working frame. A run is a sequence of revolute joints with parallel axes.
+//! Working frames. The working frame of a body is the frame of its equations. A placement is the pose of this
+//! frame in the parent's working frame. A run is a sequence of revolute joints with parallel axes.
 
 use crate::dynamics::formulation::{Formulation, WorkingFrame};
 use crate::graph::Scalar;
@@ -10,12 +10,12 @@ use gelenk_formula::Function;
 /// Sine and cosine of an angle.
 pub type Turn<'g> = (Scalar<'g>, Scalar<'g>);
 
-/// The working frame of one body, relative to the working frame of the parent.
+/// Placement of one body: its working frame relative to the working frame of the parent.
 #[derive(Debug, Clone, Copy)]
 pub struct Placement<'g> {
-    /// Turn about z from the parent's working frame, after the twist; `None` if there is no turn.
+    /// Rotation about z from the parent's working frame, after the twist; `None` if there is no rotation.
     pub turn: Option<Turn<'g>>,
-    /// Rotation by a quaternion after the turn; `None` if there is no quaternion.
+    /// Rotation by a quaternion after the rotation about z; `None` if there is no quaternion.
     pub attitude: Option<Attitude<Scalar<'g>>>,
     /// Vector from the parent's origin to the joint's axis, in the parent's working frame and unit of length.
     pub translation: Vector3<Scalar<'g>>,
@@ -24,11 +24,11 @@ pub struct Placement<'g> {
     pub extension: Scalar<'g>,
     /// First body of the run to which this body belongs.
     pub run: usize,
-    /// Turn about z from the frame before the run's first joint; `None` if there is no turn.
+    /// Rotation about z from the frame before the run's first joint; `None` if there is no rotation.
     pub turn_from_run: Option<Turn<'g>>,
     /// Moments of mass in the working frame.
     pub moments: MassMoments<Scalar<'g>>,
-    /// Turn about z from the working frame to the body's own frame; `None` if the frames are equal.
+    /// Rotation about z from the working frame to the body's frame; `None` if the frames are equal.
     pub to_body: Option<Turn<'g>>,
     /// The parent's unit of length divided by the body's unit of length.
     pub unit_ratio: f64,
@@ -93,8 +93,8 @@ fn place_body<'g>(
     }
 }
 
-/// Turn between two frames of one run, from the own frame of body `from` to the own frame of body `to`.
-/// `None` means the frame before the run. Angles are added before the sine is computed.
+/// Rotation between two frames of one run, from the frame of body `from` to the frame of body `to`. `None`
+/// stands for the frame before the run. Angles are added before the sine is computed.
 fn turn_between<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     y: &[Scalar<'g>],
@@ -131,7 +131,8 @@ fn turn_between<'g>(
 }
 
 /// Whether a body's parent is on the base with a revolute joint, and the axes of both joints are not
-/// parallel. A wrench that is passed to this parent is then only needed for the parent's torque.
+/// parallel. Only the torque at the parent's joint is then needed from a wrench that is passed to this
+/// parent.
 pub fn ends_at_root(mechanism: &Mechanism<Scalar<'_>>, body: usize) -> bool {
     let child = &mechanism.bodies[body];
     let root = child.parent.map(|parent| &mechanism.bodies[parent]);
@@ -139,8 +140,8 @@ pub fn ends_at_root(mechanism: &Mechanism<Scalar<'_>>, body: usize) -> bool {
         && root.is_some_and(|root| root.parent.is_none() && root.axis == JointAxis::Revolute)
 }
 
-/// The parent of a body, if both belong to one run; otherwise `None`. A body of a joint with a quaternion
-/// belongs to no run.
+/// The parent of a body if both belong to one run; otherwise `None`. A body of a joint with a quaternion does
+/// not belong to a run.
 fn run_parent(mechanism: &Mechanism<Scalar<'_>>, body: usize) -> Option<usize> {
     let turns = |body: usize| {
         let body = &mechanism.bodies[body];
@@ -168,8 +169,8 @@ impl<'g> Placement<'g> {
         self.attitude.map_or(v, |attitude| attitude.to_child(v))
     }
 
-    /// Transforms an angular velocity, angular acceleration or moment from this working frame to the
-    /// parent's.
+    /// Transforms an angular velocity, angular acceleration or moment from this working frame to the parent's
+    /// working frame.
     pub fn to_parent(&self, twist: &Twist, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         twist.to_parent(self.before_joint(v))
     }
@@ -210,10 +211,10 @@ impl<'g> Placement<'g> {
         self.scaled_turn(self.before_attitude(v), |v, turn| v.turned(turn))
     }
 
-    /// Motion of this body for a unit of the parent's angular velocity about z: angular velocity and velocity
-    /// of the origin, in this working frame and unit of length. The product of this motion and a wrench is
-    /// the wrench's moment about the parent's z axis. It needs fewer operations than the transformation of
-    /// the wrench.
+    /// Motion of this body for a unit of the parent's angular velocity about z: angular velocity, and
+    /// velocity of the origin, in this working frame and unit of length. The product of this motion and a
+    /// wrench is the moment of the wrench about the parent's z axis. This product needs fewer operations than
+    /// a transformation of the wrench.
     pub fn parent_screw(&self, twist: &Twist) -> Motion<'g> {
         let zero = self.extension.constant(0.0);
         let z = Vector3([zero, zero, zero.constant(1.0)]);
@@ -223,8 +224,8 @@ impl<'g> Placement<'g> {
         Motion { angular, linear }
     }
 
-    /// Turns a vector and changes the unit of length. The ratio of the units is multiplied to sine and
-    /// cosine.
+    /// Rotates a vector and changes its unit of length. Sine and cosine are multiplied by the ratio of the
+    /// units.
     fn scaled_turn(
         &self,
         v: Vector3<Scalar<'g>>,

@@ -1,16 +1,16 @@
-//! Motion of spherical and floating joints. The velocities of such a joint are the velocities of the body in
-//! the body's frame. The joint is a chain of bodies, one for each velocity, of which only the last body has a
+//! Motion of spherical and floating joints. The velocities of such a joint are velocities of its body in the
+//! frame of the body. The joint is a chain of bodies, one per velocity. Only the last body of the chain has a
 //! mass.
 //!
-//! R is the rotation of the joint, l and ν are its linear and angular velocity. ω_c, ω̇_c and a_c are the
-//! parent's motion in the body's axes. `ω̇_c = Rᵀ ω̇_p` with the parent's ω̇_p is not the rate of the
-//! components of ω_c. The motion of the body is
+//! R is the rotation of the joint, and l and ν are its linear and angular velocity. ω_c, ω̇_c and a_c are the
+//! parent's motion in the body's axes. `ω̇_c = Rᵀ ω̇_p` is the parent's angular acceleration ω̇_p in the
+//! body's axes, and not the time derivative of the components of ω_c. The motion of the body is
 //!
 //! ```text
 //! ω = ω_c + ν          ω̇ = ω̇_c + ν̇ + ω_c × ν          a = a_c + l̇ + (ω + ω_c) × l
 //! ```
 //!
-//! A unit of an angular velocity along the unit vector e, or a small motion along it, changes the motion by
+//! A unit of an angular velocity along the unit vector e, or of a small motion along e, changes the motion by
 //!
 //! ```text
 //! by the velocity:    δω = e           β = (2 ω − ν) × e                                   δa = e × l
@@ -27,7 +27,7 @@ use crate::kinematics::{ChainPlace, Mechanism};
 use crate::spatial::{Force, Motion, Vector3};
 
 /// Velocities l and ν of the joint of a chain, in the frame of the chain's last body. If `values` are
-/// accelerations, the result has the rates of l and ν.
+/// accelerations, the result contains the rates of l and ν.
 pub(super) fn own_motion<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     place: ChainPlace,
@@ -90,16 +90,17 @@ impl<'g> Passage<'_, 'g> {
     }
 }
 
-/// Changes of the body's motion by one velocity of its joint, and by a small motion along this velocity.
+/// Changes of the body's motion for a unit of one velocity of its joint, and for a unit of small motion along
+/// this velocity.
 pub(super) struct ChainDisturbance<'g> {
-    /// Changes δω, β and δa by the position.
+    /// Changes δω, β and δa per unit of small motion.
     pub by_position: [Vector3<Scalar<'g>>; 3],
-    /// Changes δω, β and δa by the velocity.
+    /// Changes δω, β and δa per unit of velocity.
     pub by_velocity: [Vector3<Scalar<'g>>; 3],
 }
 
 impl<'g> ChainMotion<'g> {
-    /// Changes of the body's motion by one velocity.
+    /// Changes of the body's motion along one velocity of the joint.
     ///
     /// - `omega`: angular velocity of the last body
     /// - `turns`: whether the velocity is angular
@@ -123,7 +124,7 @@ impl<'g> ChainMotion<'g> {
         let moved = self.carried_acceleration.cross(e) + twice(swept).cross(self.linear);
         ChainDisturbance {
             by_position: [swept, turned, moved],
-            // 2 ω − ν
+            // The sum ω + ω_c is equal to 2 ω − ν.
             by_velocity: [e, (omega + self.carried_omega).cross(e), e.cross(self.linear)],
         }
     }

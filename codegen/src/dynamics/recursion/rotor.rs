@@ -1,9 +1,9 @@
-//! Forces of rotors. A rotor is an axisymmetric body that spins in its carrier. Its mass and its inertia J a
-//! aᵀ belong to the carrier; the forces of its spin are added here.
+//! Forces of rotors. A rotor is an axisymmetric body that spins relative to its carrier. Its mass and its
+//! inertia J a aᵀ belong to the carrier. This module adds the forces of its spin.
 //!
-//! A rotor with the axial inertia J turns with the speed i ẏ about the axis a relative to its carrier, which
-//! has the angular velocity ω. The gear ratio is i, and y is a coordinate or a weighted sum of coordinates.
-//! The rotor requires the moment n on the carrier and the force f along y:
+//! A rotor with the axial inertia J turns with the speed i ẏ about the axis a relative to its carrier. The
+//! carrier has the angular velocity ω. i is the gear ratio, and y is a coordinate or a weighted sum of
+//! coordinates. The rotor requires the moment n on the carrier and the force f along y:
 //!
 //! ```text
 //! n = i J (ÿ a + ẏ ω × a)          f = i J (a · ω̇ + i ÿ)
@@ -50,12 +50,13 @@ impl<'g> Gyrostat<'g> {
         self.axis.scaled(self.coupling * acceleration) + omega.cross(self.axis).scaled(self.coupling * rate)
     }
 
-    /// Force `i J a · ω̇` along y by the carrier's angular acceleration ω̇.
+    /// Force `i J a · ω̇` along y that the carrier's angular acceleration ω̇ causes.
     pub(super) fn carried(&self, angular: Vector3<Scalar<'g>>) -> Scalar<'g> {
         self.coupling * self.axis.dot(angular)
     }
 
-    /// Matrix `(i J ẏ a)×` of the moment of the rotor's spin for an angular velocity of the carrier.
+    /// Matrix `(i J ẏ a)×`: its product with an angular velocity of the carrier is the moment of the rotor's
+    /// spin.
     pub(super) fn spin(&self, rate: Scalar<'g>) -> Matrix3<'g> {
         Matrix3::cross(self.axis.scaled(self.coupling * rate))
     }
@@ -86,8 +87,8 @@ impl<'g> Gyrostat<'g> {
     }
 }
 
-/// Adds the inertias `i² J` of rotors to M. A rotor with one coordinate adds to the diagonal, a rotor with
-/// several coordinates to the entries of all pairs.
+/// Adds the inertias `i² J` of rotors to M. A rotor with one coordinate adds to the diagonal. A rotor with
+/// several coordinates adds to the entries of all their pairs.
 pub(in crate::dynamics) fn add_inertia<'a, 'g: 'a>(
     rotors: impl IntoIterator<Item = &'a Rotor<Scalar<'g>>>,
     matrix: &mut [Vec<Scalar<'g>>],

@@ -1,10 +1,10 @@
-//! Joints that follow a coordinate with equal ratios. Their forces are added before the multiplication by the
-//! ratio.
+//! Joints that follow a coordinate with equal ratios. Their forces are added before they are multiplied by
+//! the ratio.
 
 use crate::graph::Scalar;
 use crate::kinematics::{Mechanism, Transmission};
 
-/// Sums of forces for each coordinate and ratio that occur several times.
+/// Sums of forces for each pair of coordinate and ratio that occurs several times.
 pub(super) struct SharedRatios<'g> {
     sums: Vec<SharedRatio<'g>>,
 }
@@ -16,7 +16,8 @@ struct SharedRatio<'g> {
 }
 
 impl<'g> SharedRatios<'g> {
-    /// Finds the ratios of a mechanism that occur several times, without ±1, which require no product.
+    /// Finds the ratios of a mechanism that occur several times. Ratios of ±1 are left out, because they
+    /// require no product.
     pub(super) fn of(mechanism: &Mechanism<Scalar<'g>>) -> Self {
         let zero = mechanism.graph.constant(0.0);
         let terms = mechanism.bodies.iter().flat_map(|body| &body.transmission.terms);
@@ -37,7 +38,7 @@ impl<'g> SharedRatios<'g> {
     }
 
     /// Adds the generalized forces of a force along the motion of a joint. Terms with a shared ratio are
-    /// added in [`finish`](Self::finish).
+    /// collected until [`finish`](Self::finish).
     pub(super) fn add_force(
         &mut self,
         moved: &Transmission<Scalar<'g>>,
@@ -57,7 +58,7 @@ impl<'g> SharedRatios<'g> {
         }
     }
 
-    /// Multiplies the sums by their ratios and adds the products.
+    /// Multiplies the collected sums by their ratios and adds the products.
     pub(super) fn finish(self, generalized: &mut [Scalar<'g>]) {
         for SharedRatio { coordinate, ratio, force } in self.sums {
             generalized[coordinate] = generalized[coordinate] + force * ratio;

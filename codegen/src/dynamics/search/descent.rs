@@ -1,12 +1,12 @@
-//! Search for the cheapest formulation: the way to write the equations whose operations have the smallest
-//! weight.
+//! Search for the cheapest formulation, that is the way to write the equations with the smallest weight of
+//! operations.
 
 use crate::dynamics::formulation::{
     AngularRoute, BodyChoices, Diagonal, Formulation, LeafAlignment, Lift, RunLink, WorkingFrame,
 };
 use crate::kinematics::{Body, JointAxis, Mechanism, Number, RegroupChoice, SHORTEST_LEVER};
 
-/// Choices that a formulation of a mechanism has.
+/// Choices that are available for the formulations of a mechanism.
 #[derive(Debug, Clone)]
 pub struct SearchSpace {
     has_quaternions: bool,
@@ -68,7 +68,7 @@ impl BodyOptions {
         options
     }
 
-    /// Alternatives of one body that only the recursive inverse dynamics have.
+    /// Alternatives for one body that only the recursive inverse dynamics have.
     fn fine_alternatives(&self, now: BodyChoices) -> Vec<BodyChoices> {
         use Diagonal::{Axis, AxisAcross, Squares, Sums};
         let mut options = vec![BodyChoices { by_acceleration: !now.by_acceleration, ..now }];
@@ -84,7 +84,7 @@ impl BodyOptions {
         options
     }
 
-    /// Units of length that may save operations in this body.
+    /// Units of length that may save operations at this body.
     fn units(&self, formulation: &Formulation) -> Vec<f64> {
         let parent = self.parent.map(|parent| formulation.bodies[parent].length_unit);
         self.own_lengths.iter().copied().chain(parent).collect()
@@ -92,7 +92,7 @@ impl BodyOptions {
 }
 
 impl SearchSpace {
-    /// Finds the choices for a mechanism.
+    /// Finds the available choices for a mechanism.
     pub fn new(mechanism: &Mechanism<Number>) -> Self {
         let children = mechanism.children();
         let parallel = |index: usize| {
@@ -125,18 +125,18 @@ impl SearchSpace {
     }
 }
 
-/// Whether the body has a revolute joint. The bodies of a joint with a quaternion leave no choice.
+/// Whether the body has a revolute joint. There are no choices for bodies of a joint with a quaternion.
 fn is_single_turn(body: &Body<Number>) -> bool {
     body.axis == JointAxis::Revolute && body.chain.is_none()
 }
 
-/// Whether all joints are revolute. With prismatic joints or quaternions, forces are results, so their unit
-/// is fixed.
+/// Whether all joints are revolute. Otherwise some results are forces, and their unit of length is fixed.
 fn all_revolute(mechanism: &Mechanism<Number>) -> bool {
     mechanism.bodies.iter().all(is_single_turn)
 }
 
-/// Lengths of the mechanism [m]. As a unit for the whole mechanism, such a length becomes 1.
+/// Lengths of the mechanism \[m\]. If such a length is the unit for the whole mechanism, it becomes 1 and
+/// saves products.
 fn length_units(mechanism: &Mechanism<Number>) -> Vec<f64> {
     if !all_revolute(mechanism) {
         return Vec::new();
@@ -149,12 +149,12 @@ fn length_units(mechanism: &Mechanism<Number>) -> Vec<f64> {
     let mut units: Vec<f64> = levers.chain(mechanism.gravity.0).filter_map(nonzero_length).collect();
     units.sort_by(f64::total_cmp);
     units.dedup();
-    // Each candidate costs an evaluation. Long chains gain more from the bodies' own lengths.
+    // Each candidate costs one evaluation. Long chains gain more from separate units for each body.
     units.truncate(16);
     units
 }
 
-/// Lengths of a body [m]. As the body's own unit, a length becomes 1.
+/// Lengths of a body \[m\]. If such a length is the unit of the body, it becomes 1 and saves products.
 fn own_lengths(mechanism: &Mechanism<Number>, body: usize, children: &[usize]) -> Vec<f64> {
     let levers = children.iter().flat_map(|&child| mechanism.bodies[child].translation.0);
     levers.chain([mechanism.bodies[body].lift]).filter_map(nonzero_length).collect()
@@ -164,9 +164,9 @@ fn nonzero_length(x: Number) -> Option<f64> {
     x.value().map(f64::abs).filter(|length| *length >= SHORTEST_LEVER)
 }
 
-/// Continues the descent of [`cheapest`] with choices that only the recursive inverse dynamics have.
+/// Continues the descent of [`cheapest`] with finer choices, which only the recursive inverse dynamics have.
 ///
-/// For robots without quaternions the result is `start`. `evaluate` is the function of [`cheapest`].
+/// For robots without quaternions, `start` is returned. `evaluate` is the function of [`cheapest`].
 pub fn refined(
     space: &SearchSpace,
     start: Formulation,
@@ -187,17 +187,18 @@ pub fn refined(
     descent.best
 }
 
-/// Largest number of nodes that the finer descent visits. A humanoid with 29 joints needs two thirds of them.
+/// Largest number of nodes that the finer descent visits. A humanoid with 29 joints needs two thirds of this
+/// number.
 const REFINING_NODES: usize = 12_000_000;
 
-/// Largest number of nodes that the descent visits. It bounds the time of the generator.
+/// Largest number of nodes that the descent visits. It limits the run time of the generator.
 const VISITED_NODES: usize = 600_000;
 
 /// Improves the plain formulation step by step until no single change makes it cheaper.
 ///
 /// `evaluate` returns the weight of a formulation's operations and the number of its graph's nodes. Changes
-/// are tried in a fixed order, and each improvement is kept, so the search is deterministic. It ends after a
-/// fixed number of visited nodes.
+/// are tried in a fixed order, and each improvement is kept, so the search is deterministic. The search ends
+/// if no change improves the formulation, or after a fixed number of visited nodes.
 pub fn cheapest(space: &SearchSpace, evaluate: impl Fn(&Formulation) -> (u64, usize)) -> Formulation {
     let plain = Formulation::plain(space.bodies.len());
     let (weight, nodes) = evaluate(&plain);
@@ -276,7 +277,7 @@ impl SearchSpace {
         next
     }
 
-    /// The formulation with the length number `rank` of each body as the body's unit of length.
+    /// The formulation in which length number `rank` of each body is the body's unit of length.
     fn with_own_units(&self, formulation: &Formulation, rank: usize) -> Formulation {
         let mut next = formulation.clone();
         for (body, options) in next.bodies.iter_mut().zip(&self.bodies) {

@@ -1,5 +1,6 @@
-//! The cheapest formulation of each quantity of a model. A formulation is one way to write the equations; the
-//! cheapest one has the smallest weight of operations. The search is made when a quantity is used first.
+//! The cheapest formulation of each quantity of a model. A formulation is one way to write the equations, and
+//! the cheapest formulation has the smallest weight of operations. It is searched when a quantity is first
+//! used.
 
 use std::cell::OnceCell;
 
@@ -17,7 +18,8 @@ use crate::graph::{Cost, Edge, Graph, Scalar, substitute};
 use crate::kinematics::{Mechanism, Number};
 use crate::model::Model;
 
-/// Cheapest formulations of a model's quantities. A formulation is searched when its quantity is used first.
+/// Cheapest formulations of a model's quantities. Each formulation is searched when its quantity is first
+/// used.
 #[derive(Debug)]
 pub struct Formulations<'m> {
     model: &'m Model,
@@ -34,7 +36,7 @@ pub struct Formulations<'m> {
     forward_dynamics: OnceCell<ForwardRoute>,
 }
 
-/// Method of computing the accelerations.
+/// Method to compute the accelerations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ForwardRoute {
     /// M and its factors `Lᵀ D L`.
@@ -44,9 +46,9 @@ pub enum ForwardRoute {
 }
 
 impl ForwardRoute {
-    /// Accelerations under joint forces and gravity, by coordinate.
+    /// Accelerations for given joint forces and gravity, by coordinate.
     ///
-    /// - `input`: state; the accelerations are known for driven coordinates and 0 for the other coordinates
+    /// - `input`: state, with the accelerations of driven coordinates and 0 for the other accelerations
     /// - `forces`: joint forces without gravity, by coordinate
     pub fn accelerations<'g>(
         self,
@@ -69,25 +71,25 @@ impl ForwardRoute {
         }
     }
 
-    /// Sentence about this method for the documentation of a generated function.
+    /// Sentence about this method, for the documentation of a generated function.
     pub fn description(self) -> &'static str {
         match self {
             Self::Factorization => {
-                "M = Lᵀ D L along the branches of the tree (Featherstone 2005) was cheaper than articulated bodies."
+                "The factorization M = Lᵀ D L (Featherstone 2005) needed fewer operations than articulated bodies."
             }
             Self::ArticulatedBodies => {
-                "Articulated bodies (Featherstone 2008, section 7.3) were cheaper than M and its factors."
+                "Articulated bodies (Featherstone 2008, section 7.3) needed fewer operations than M and its factors."
             }
         }
     }
 }
 
-/// Method of differentiating the inverse dynamics.
+/// Method to differentiate the inverse dynamics.
 #[derive(Debug, Clone, PartialEq)]
 pub enum DerivativeRoute {
     /// Forward differentiation of the program of the inverse dynamics.
     Forward,
-    /// Composite bodies in a formulation; the pair frame is the frame in which pairs of joints are combined.
+    /// Composite bodies in a formulation. The pair frame is the frame in which pairs of joints are combined.
     Composite(Formulation, PairFrame),
 }
 
@@ -115,7 +117,7 @@ impl<'m> Formulations<'m> {
         self.mechanism
     }
 
-    /// The cheaper method of computing the accelerations.
+    /// The cheaper method to compute the accelerations.
     pub fn forward_dynamics(&self) -> ForwardRoute {
         *self.forward_dynamics.get_or_init(|| {
             let weight = |route: ForwardRoute| {
@@ -165,8 +167,9 @@ impl<'m> Formulations<'m> {
         cheapest(&self.space, |formulation| recursion(self.mechanism, formulation, moving))
     }
 
-    /// The formulation of [`Self::recursive`], or the formulation of the inverse dynamics if that is cheaper.
-    /// With quaternions, the search for the inverse dynamics is finer.
+    /// Returns the formulation of [`Self::recursive`], or the formulation of the inverse dynamics if that
+    /// formulation is cheaper. Only robots with quaternions are compared, because their search for the
+    /// inverse dynamics is finer.
     fn recursive_or_refined(&self, moving: Moving) -> Formulation {
         let own = self.recursive(moving);
         if !self.mechanism.has_quaternions() {
@@ -189,7 +192,7 @@ impl<'m> Formulations<'m> {
         })
     }
 
-    /// The pair of formulations of M and of the bias forces with the smallest weight in sum. Common terms
+    /// The pair of formulations of M and of the bias forces with the smallest total weight. Common terms
     /// count once.
     pub fn mass_and_bias(&self) -> &(Formulation, Formulation) {
         self.mass_and_bias
@@ -217,8 +220,8 @@ impl<'m> Formulations<'m> {
         (matrix, newton_euler::inverse_dynamics(&bias.mechanism(graph, self.mechanism), bias, input))
     }
 
-    /// The formulations of M and of the bias forces with the smallest weight in sum with the derivatives of
-    /// the inverse dynamics. Common terms count once.
+    /// The pair of formulations of M and of the bias forces that has the smallest total weight together with
+    /// the derivatives of the inverse dynamics. Common terms count once.
     pub fn mass_and_bias_beside_derivatives(&self) -> &(Formulation, Formulation) {
         self.beside_derivatives.get_or_init(|| {
             let mut candidates = vec![self.mass_matrix(), self.bias_forces()];
@@ -235,8 +238,8 @@ impl<'m> Formulations<'m> {
         })
     }
 
-    /// The pair of formulations of M and of the bias forces with the smallest weight in sum with other
-    /// results.
+    /// The pair of formulations of M and of the bias forces that has the smallest total weight together with
+    /// the results of `beside`.
     fn cheapest_pair(
         &self,
         candidates: &[&Formulation],
@@ -259,7 +262,7 @@ impl<'m> Formulations<'m> {
         )
     }
 
-    /// The cheapest method for the derivatives of the inverse dynamics.
+    /// The cheapest method to compute the derivatives of the inverse dynamics.
     pub fn derivatives(&self) -> &DerivativeRoute {
         self.derivatives.get_or_init(|| self.cheapest_derivatives())
     }
@@ -296,12 +299,12 @@ impl<'m> Formulations<'m> {
 /// search takes too long, and the formulation of the inverse dynamics is nearly as good.
 const LARGEST_SEARCHED: usize = 12;
 
-/// Largest number of bodies for which forward differentiation is tried. It was never cheapest for more than
-/// three joints.
+/// Largest number of bodies for which forward differentiation is tried. It has never been the cheapest method
+/// for more than three joints.
 const LARGEST_FORWARD: usize = 4;
 
 impl DerivativeRoute {
-    /// Inverse dynamics with derivatives by y and ẏ, and M.
+    /// Computes the inverse dynamics, their derivatives with respect to y and ẏ, and M.
     ///
     /// - `inverse`: formulation of the inverse dynamics
     pub fn derive<'g>(
@@ -322,22 +325,22 @@ impl DerivativeRoute {
         }
     }
 
-    /// Sentence about this method for the documentation of a generated function.
+    /// Sentence about this method, for the documentation of a generated function.
     pub fn description(&self) -> &'static str {
         match self {
-            Self::Forward => "Forward differentiation of the inverse dynamics was cheapest.",
+            Self::Forward => "Forward differentiation of the inverse dynamics needed the fewest operations.",
             Self::Composite(_, PairFrame::Links) => {
-                "Composite bodies with pairs of joints in link frames were cheapest."
+                "Composite bodies with pairs of joints in link frames needed the fewest operations."
             }
             Self::Composite(_, PairFrame::Root) => {
-                "Composite bodies with pairs of joints in the frame of the first body were cheapest."
+                "Composite bodies with pairs of joints in the frame of the first body needed the fewest operations."
             }
         }
     }
 }
 
-/// Inverse dynamics and their derivatives by forward differentiation. The accelerations may be expressions of
-/// the state; they count as constants.
+/// Inverse dynamics and their derivatives by forward differentiation. Accelerations that are expressions of
+/// the state are treated as constants.
 fn differentiate_forwards<'g>(
     graph: &'g Graph,
     mechanism: &Mechanism<Number>,
@@ -362,9 +365,9 @@ fn differentiate_forwards<'g>(
 /// Motion for which the weight of a recursion is computed.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Moving {
-    /// Velocities and accelerations are not zero.
+    /// Velocities and accelerations are non-zero.
     Accelerated,
-    /// Only velocities are not zero.
+    /// Only velocities are non-zero.
     Steadily,
     /// Velocities and accelerations are zero.
     Not,

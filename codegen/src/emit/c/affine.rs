@@ -1,5 +1,5 @@
-//! Prints `linearize` in array form (as loops over joints): a call of another function, and the results that
-//! are computed from its results.
+//! Prints `linearize` in array form: a call of `forward_dynamics_derivatives`, and code that computes the
+//! results of `linearize` from its results.
 
 use super::body::Body;
 use super::context::Context;
@@ -33,8 +33,8 @@ fn statements(body: &Body<'_>, form: &Affine) -> Vec<String> {
             gain => format!("inverse[{n} * i + {coordinate}] * {}", body.operand(gain)),
         });
         let terms: Vec<String> = terms.collect();
-        // A loop for each column: gcc 12.2 takes a sum next to a difference, each of two products, for one operation on both,
-        // which it then fuses against its orders.
+        // One loop for each column: gcc 12.2 combines a sum and an adjacent difference of products to one
+        // vector operation, and then fuses it although fusing is off.
         let column = format!("{by_u}[{m} * i + {column}] = {};", terms.join(" + "));
         format!("for (int i = 0; i < {n}; ++i) {{\n    {column}\n}}")
     });
@@ -54,7 +54,7 @@ fn statements(body: &Body<'_>, form: &Affine) -> Vec<String> {
     [declaration, call].into_iter().chain(columns).chain([affine]).chain(drift).collect()
 }
 
-/// Statements that write D, the derivative of the rate of small motions.
+/// Statements that write the matrix D in `δ̇ = D δ + v − v̄`.
 fn drift_statements(form: &Affine, drift: &str, v: &str) -> Vec<String> {
     let n = form.called.coordinates().len();
     let clear = format!("memset({drift}, 0, {} * sizeof *{drift});", n * n);

@@ -1,4 +1,4 @@
-//! Loops of array forms (functions as loops over joints). Their texts are included in modules that use them.
+//! Loops of functions in array form. Their texts are included in modules that use them.
 
 use super::arrays::{MEETINGS, RELATIONS};
 use super::context::Context;
@@ -6,7 +6,7 @@ use crate::emit::arrays::Row;
 use crate::emit::options::Scalar;
 use crate::program::arrays::{ArrayForm, Arrays, Step};
 
-/// Text of the loops that the functions of a module call, after the sizes of rows.
+/// Text of the loops that the functions of a module call. The sizes of rows come first.
 pub(super) fn text(context: &Context<'_>) -> String {
     let functions = context.module.functions.iter();
     let forms: Vec<&ArrayForm> = functions.filter_map(|function| function.arrays.as_ref()).collect();
@@ -46,7 +46,7 @@ pub(super) fn text(context: &Context<'_>) -> String {
 }
 
 /// Texts of operations on several columns at once, with the vector types of gcc and clang. Without these
-/// types, gcc 12 made loops over single numbers.
+/// types, gcc 12 did not vectorize the loops.
 fn parts(context: &Context<'_>, form: &Arrays) -> [&'static str; 3] {
     [
         match context.options.scalar {
@@ -78,7 +78,7 @@ fn pairs(form: &Arrays) -> [&'static str; 2] {
     [include_str!("array_kernels/row_products.c"), pairs]
 }
 
-/// The text of a loop over joints, with the number of joints if it differs from the number of coordinates.
+/// The text of a loop over joints. The number of joints replaces the number of coordinates if they differ.
 fn of_joints(form: &Arrays, text: &str) -> String {
     match form.coordinates {
         None => text.to_owned(),
@@ -91,8 +91,8 @@ fn sizes(form: &Arrays) -> String {
     let row = Row::new(form);
     if form.coordinates.is_some() {
         return format!(
-            "\n// Entries of a row, one for each coordinate or for each joint of the loops, and padding; the number of \
-             these joints, and entries of a block of a row.\n\
+            "\n// Numbers of entries of rows over coordinates and over joints of the loops, including padding. Then the \
+             number of these joints, and the number of entries of a block of a row.\n\
              #define GELENK_L {}\n#define GELENK_JOINTS_L {}\n#define GELENK_JOINTS_N {}\n#define GELENK_K {}\n",
             row.coordinates,
             row.len,
@@ -101,16 +101,17 @@ fn sizes(form: &Arrays) -> String {
         );
     }
     format!(
-        "\n// Entries of a row, one for each joint and padding, and of a block of it.\n\
+        "\n// Number of entries of a row, including padding, and number of entries of a block of a row.\n\
          #define GELENK_L {}\n#define GELENK_K {}\n",
         row.len, row.block
     )
 }
 
-/// Macros for the order of the pivots in the inverse of M, and for the rows with common entries.
+/// Macros for the order of the pivots in the inversion of M, and for the pairs of rows that have common
+/// non-zero entries.
 fn meetings(form: &Arrays) -> String {
     let mut text =
-        "\n// The joint of each pivot from the base, and whether the rows of two joints meet in the inverse.\n".to_owned();
+        "\n// Joint of each pivot, from the base, and whether the inversion combines the rows of two joints.\n".to_owned();
     let tree = form.coordinates();
     if tree.order.is_sorted() {
         text.push_str("#define GELENK_PIVOT(step) (step)\n");

@@ -37,7 +37,7 @@ pub(super) fn local_numbers(context: &Context<'_>, function: &Function, form: &A
     arrays.map(|array| form.arrays[array].rows * emission.row.of(form, array)).sum()
 }
 
-/// Storage of an array.
+/// Storage of an array in the printed text.
 enum Place {
     /// The array is a constant.
     Table,
@@ -80,7 +80,7 @@ impl<'a> Emission<'a> {
         }
     }
 
-    /// All statements of the function.
+    /// All statements of the function, in order.
     fn statements(&self) -> Vec<String> {
         let arrays = 0..self.form.setup.outputs.len();
         let mut statements: Vec<String> = arrays.filter_map(|array| self.setup_array(array)).collect();
@@ -128,7 +128,7 @@ impl<'a> Emission<'a> {
         }
     }
 
-    /// Distance of two rows of an array, in entries.
+    /// Distance between two rows of an array, in entries.
     fn width(&self, array: usize) -> usize {
         match self.places[array] {
             Place::Table | Place::Local => self.row.of(self.form, array),
@@ -213,11 +213,11 @@ impl<'a> Emission<'a> {
         self.call("pairs", &arguments, pairs.to)
     }
 
-    /// Adds the table of the relations of joints, if the joints are not a chain.
+    /// Adds the table of the relations of joints if the joints are not a chain.
     fn add_relations(&self) {
-        let about = "Relation of joint j to joint i: -1 if j is before i on its path to the base, 1 if beyond i or equal, else 0.";
+        let about = "Relation of joint j to joint i: -1 if j is before i on its path to the base, 1 if j is i or beyond i, otherwise 0.";
         if !self.form.is_chain() {
-            // As long as a number: columns of both stand in registers of one length.
+            // The entries have the size of a number, so masks and columns have registers of the same length.
             let ty = match self.context.options.scalar {
                 Scalar::F64 => "int64_t",
                 Scalar::F32 => "int32_t",
@@ -226,9 +226,10 @@ impl<'a> Emission<'a> {
         }
     }
 
-    /// Adds the table of the coordinates with common entries in the inverse of M, if they are not a chain.
+    /// Adds the table of the pairs of coordinates with common non-zero entries in the inverse of M, if they
+    /// are not a chain.
     fn add_meetings(&self) {
-        let about = "Whether the rows of coordinates i and j meet in the inverse of the mass matrix: 0 where they do not.";
+        let about = "Whether the inversion of the mass matrix combines the rows of coordinates i and j: 1 if it does, otherwise 0.";
         let tree = self.form.coordinates();
         if !tree.is_chain() {
             self.add_table("signed char", MEETINGS, about, tree.len(), self.row.coordinates, arrays::meeting);
@@ -313,7 +314,7 @@ impl<'a> Emission<'a> {
         let split = split::parts(&program, &body.flow, self.context.options.longest_function);
         let (mut items, statements) = match split.as_slice() {
             [_] => {
-                // Zeros are there already.
+                // Arrays are initialized with zeros.
                 let is_known = |entry| !matches!(entry, Operand::Value(_) | Operand::Constant(0.0));
                 (vec![], [body.stores(is_known), body.statements(0..program.instructions.len())].concat())
             }
@@ -324,8 +325,11 @@ impl<'a> Emission<'a> {
         };
         let head = layout::call(0, &format!("static void {name}"), &signature::arguments(&body), "");
         let function = layout::function(&head, &[body.unused(), statements].concat());
-        let about =
-            format!("// {} {}; the arrays hold zeros before.\n", arrays::about_setup(self.form), self.name);
+        let about = format!(
+            "// {} {}; the arrays contain zeros before the call.\n",
+            arrays::about_setup(self.form),
+            self.name
+        );
         items.push([about, function].concat());
         items
     }

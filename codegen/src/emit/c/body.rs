@@ -12,13 +12,13 @@ pub(super) struct Body<'a> {
     pub(super) program: &'a Program,
     pub(super) flow: Flow,
     pub(super) names: ProgramNames,
-    /// Whether the function evaluates several states at once. Arguments then have [`group::COUNT`] states.
+    /// Whether the function evaluates several states at once. Arguments then contain [`group::COUNT`] states.
     pub(super) over_lanes: bool,
-    /// Length of a row, if inputs and results are rows in a loop over joints.
+    /// Length of a row if inputs and results are rows in a loop over joints; otherwise `None`.
     pub(super) row: Option<usize>,
-    /// Length of a row, if results are matrices with padded rows.
+    /// Length of a row if results are matrices with padded rows; otherwise `None`.
     pub(super) stride: Option<usize>,
-    /// For each value the result entries to which it is stored, as indices of result and entry.
+    /// For each value, the result entries to which it is stored, as indices of the result and its entry.
     pub(super) stored: Vec<Vec<(usize, usize)>>,
 }
 
@@ -26,12 +26,13 @@ pub(super) struct Body<'a> {
 pub(super) const JOINT: &str = "joint";
 
 impl<'a> Body<'a> {
-    /// A body with results as arguments. If the only result is a number, the function returns it instead.
+    /// Creates a body whose results are arguments. If the only result is a number, the function returns this
+    /// number instead.
     pub(super) fn new(context: &'a Context<'a>, program: &'a Program) -> Self {
         Self::with_results(context, program, !returns_number(program))
     }
 
-    /// A body over several states, with all results as arguments.
+    /// Creates a body over several states. All results are arguments.
     pub(super) fn over_lanes(context: &'a Context<'a>, program: &'a Program) -> Self {
         Self { over_lanes: true, ..Self::with_results(context, program, true) }
     }
@@ -71,7 +72,7 @@ impl<'a> Body<'a> {
         &self.names.values[self.flow.canonical(index)]
     }
 
-    /// Makes names that the function does not use, from the wanted names.
+    /// Makes names from the wanted names that the function does not use.
     pub(super) fn fresh<'n>(&self, names: impl IntoIterator<Item = &'n str>) -> Vec<String> {
         let ProgramNames { arguments, results, values } = &self.names;
         let mut taken: Vec<String> = [arguments.as_slice(), results, values].concat();
@@ -114,7 +115,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// Index of the value that an operand is; `None` if the operand is not a value.
+    /// Index of the value to which an operand refers; `None` if the operand is not a value.
     pub(super) fn made(&self, entry: Operand) -> Option<usize> {
         match entry {
             Operand::Value(made) => Some(self.flow.canonical(made)),
@@ -130,7 +131,7 @@ impl<'a> Body<'a> {
         Some(format!("return {};", entry.unwrap_or_else(|| self.context.literal(0.0))))
     }
 
-    /// Statements that mark unused arguments, to avoid warnings of the compiler.
+    /// Statements that mark unused arguments to avoid compiler warnings.
     pub(super) fn unused(&self) -> Vec<String> {
         let made = self.program.instructions.iter().enumerate();
         let made = made.filter(|(index, _)| self.flow.is_made(*index));

@@ -1,4 +1,4 @@
-//! Prints comments of C. Texts of a description cannot end the comment.
+//! Prints comments of C. Texts of a description cannot end a comment.
 
 use crate::emit::documentation::Block;
 use crate::emit::text::{visible, wrap};
@@ -29,10 +29,10 @@ pub(super) fn paragraph(text: &str) -> String {
     documentation(&[Block::Paragraph(text.to_owned())])
 }
 
-/// Ends a line of a comment so that it is neither continued nor changed by a trigraph.
+/// Ends a line of a comment so that the next line does not continue it and no trigraph changes it.
 pub(super) fn ended(line: &str) -> String {
     let line = line.replace("??", "? ?");
-    // A backslash at the end would continue the comment on the next line.
+    // A backslash at the end of a line would continue the comment on the next line.
     let end = if line.ends_with('\\') { "." } else { "" };
     format!("{line}{end}\n")
 }

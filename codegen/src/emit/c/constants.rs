@@ -25,7 +25,8 @@ pub(super) fn declaration(context: &Context<'_>, constant: &Constant) -> String 
     let text = match object(context, constant) {
         Object::Macro(value) => format!("#define {name} {value}\n"),
         Object::Empty => {
-            blocks.push(Block::Paragraph("Not declared, because it has no entries.".to_owned()));
+            blocks
+                .push(Block::Paragraph("This array is not declared, because it has no entries.".to_owned()));
             format!("// {name}\n")
         }
         Object::Array { ty, lengths, .. } => format!("extern const {ty}{name}{lengths};\n"),
@@ -34,7 +35,7 @@ pub(super) fn declaration(context: &Context<'_>, constant: &Constant) -> String 
 }
 
 /// Definition of a constant, for the source; `None` if the declaration is complete. For the hash of the
-/// description it is a check that header and source have the same hash.
+/// description, the definition checks that header and source have the same hash.
 pub(super) fn definition(context: &Context<'_>, constant: &Constant) -> Option<String> {
     let name = context.constant(constant.name);
     match object(context, constant) {
@@ -66,7 +67,7 @@ pub(super) fn entry_type(context: &Context<'_>) -> Option<String> {
 /// A constant in C.
 enum Object {
     Macro(String),
-    /// An array without entries, which C does not allow.
+    /// An array without entries, which C does not support.
     Empty,
     Array {
         /// Type before the name, with a space or a star at its end.

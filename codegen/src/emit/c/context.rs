@@ -15,7 +15,7 @@ use crate::module::Module;
 pub(super) struct Context<'a> {
     pub(super) module: &'a Module,
     pub(super) options: &'a EmitOptions,
-    /// Name of the files without ending.
+    /// Name of the files without extension.
     pub(super) name: String,
     /// Prefix of the names of functions and types, for example `ur5`.
     prefix: String,
@@ -33,13 +33,14 @@ pub(super) struct Context<'a> {
     pub(super) sign: Cell<bool>,
     /// Whether the printed text negates a fused multiply-add.
     pub(super) negation: Cell<bool>,
-    /// Private functions of array forms (functions as loops over joints). Several functions may call them.
+    /// Private functions of array forms, which several functions may call.
     pub(super) shared: Shared,
     /// Private constants for the loops of array forms.
     pub(super) tables: Shared,
     /// Private elementary functions for several states at once.
     pub(super) of_lanes: Shared,
-    /// Names in C of the functions over several states, by the names of their functions in the module.
+    /// Names in C of the functions over several states, by the names of the corresponding functions in the
+    /// module.
     lanes: BTreeMap<&'a str, String>,
 }
 
@@ -119,7 +120,8 @@ impl<'a> Context<'a> {
             .then(|| format!("const {} *{} p", self.function("parameters"), self.constant("RESTRICT")))
     }
 
-    /// A fixed text with the names of this module. Without free parameters, their argument is removed.
+    /// Inserts the names of this module into a fixed text. If there are no free parameters, their argument is
+    /// removed.
     pub(super) fn pasted(&self, text: &str) -> String {
         let text = match self.has_parameters() {
             true => text.to_owned(),
@@ -128,13 +130,14 @@ impl<'a> Context<'a> {
         self.pasted_names(&text)
     }
 
-    /// A fixed text with the names of this module, for texts without the argument for free parameters.
+    /// Inserts the names of this module into a fixed text that does not have the argument for free
+    /// parameters.
     pub(super) fn pasted_names(&self, text: &str) -> String {
         let text = text.replace("gelenk_", &format!("{}_", self.prefix));
         text.replace("GELENK_", &format!("{}_", self.prefix.to_uppercase()))
     }
 
-    /// A fixed text with the names and the number type of this module.
+    /// Inserts the names and the number type of this module into a fixed text.
     pub(super) fn pasted_loops(&self, text: &str) -> String {
         self.pasted(&in_scalar(text, self.options.scalar))
     }
@@ -153,8 +156,8 @@ impl Shared {
         self.items.borrow().iter().map(|item| format!("\n{item}")).collect()
     }
 
-    /// Adds an item unless it was already added, and returns its name. The name gets a number if another item
-    /// has the name `stem`.
+    /// Adds an item if it was not yet added, and returns its name. The name gets a number if another item
+    /// already has the name `stem`.
     pub(super) fn add(&self, stem: &str, item: impl Fn(&str) -> String) -> String {
         let mut names = self.names.borrow_mut();
         let mut number = 1;

@@ -48,7 +48,7 @@ pub(super) fn text(context: &Context<'_>) -> String {
     texts.chain(functions).collect()
 }
 
-/// The shared texts that do not depend on quaternions.
+/// The shared texts that all robots use.
 fn shared(context: &Context<'_>) -> Vec<&'static str> {
     let compositions = context.module.compositions.iter();
     let texts: BTreeSet<Text> = compositions.flat_map(|each| each.composition.texts()).copied().collect();
@@ -57,7 +57,7 @@ fn shared(context: &Context<'_>) -> Vec<&'static str> {
     texts.map(Text::c_source).collect()
 }
 
-/// The shared texts for robots with quaternions, or for robots without quaternions.
+/// The shared texts that depend on whether the robot has quaternions.
 fn own(context: &Context<'_>) -> Vec<&'static str> {
     let compositions = context.module.compositions.iter().map(|each| each.composition);
     if context.module.has_quaternions() {

@@ -56,8 +56,8 @@ fn conventions(context: &Context<'_>) -> String {
         "- Results are written through the last arguments. Every entry is written, and no previous value is read. A".to_owned(),
         "  function whose only result is one number returns it.".to_owned(),
         "- Results must not overlap each other or an argument.".to_owned(),
-        "- No function allocates, keeps a state or calls a library; each may be called from several threads at once.".to_owned(),
-        format!("- The documentation omits the prefix of names: `{function}` of functions and `{capitals}` of constants."),
+        "- No function allocates, keeps a state or calls a library. Several threads may call it at once.".to_owned(),
+        format!("- The documentation omits the prefixes `{function}` of functions and `{capitals}` of constants."),
     ];
     lines.iter().map(|line| format!("{}\n", format!("// {line}").trim_end())).collect()
 }

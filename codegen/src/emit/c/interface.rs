@@ -85,7 +85,7 @@ fn composition(context: &Context<'_>, composed: &ComposedFunction) -> Callable {
             argument("y", vec![positions], "coordinates"),
             argument("v", vec![Extent::new(Dimension::Velocities, n)], velocities),
             argument("u", vec![Extent::new(Dimension::Inputs, m)], "inputs"),
-            argument("period", vec![], "sample time in s, over which u is held"),
+            argument("period", vec![], "sample time in s, over which u is constant"),
         ],
         results: results.collect(),
         takes_parameters: context.has_parameters(),
@@ -138,7 +138,7 @@ fn of_positions(context: &Context<'_>) -> Vec<Callable> {
     functions(context).iter().filter(|each| **each != PositionFunction::Normalize).map(callable).collect()
 }
 
-/// The lengths of an argument. Wrenches and driven joints have rows.
+/// The lengths of an argument. The entries of wrenches and driven joints form rows.
 fn rows(extent: Extent) -> Vec<Extent> {
     match extent.row() {
         Some(row) => vec![Extent::new(extent.dimension, extent.len / row), Extent::fixed(row)],

@@ -11,8 +11,8 @@ impl Emission<'_> {
             Some(parent) => format!("to[{joint}] = from[{joint}] + to[{parent}];"),
             None => format!("to[{joint}] = from[{joint}];"),
         });
-        // The padding is read with the rows. Values that were never set may be subnormal numbers, which are
-        // slow.
+        // Padding is read together with the rows, so it must be set. Otherwise it could contain subnormal
+        // numbers, which are slow.
         let zero = self.context.literal(0.0);
         let padding = (self.form.joints.len()..self.row.len).map(|entry| format!("to[{entry}] = {zero};"));
         let sums: Vec<String> = sums.chain(padding).collect();
@@ -58,11 +58,11 @@ impl Emission<'_> {
 
     pub(super) fn gather_last(&self) -> String {
         let sources: Vec<_> = self.form.last().into_iter().map(Some).collect();
-        let about = "Copies the value of a joint's last velocity to its others.";
+        let about = "Copies the value of a joint's last velocity to its other velocities.";
         self.gather("gather_last", about, [self.row.len; 2], &sources)
     }
 
-    /// Name of a function that copies entries of rows. Entries without a source stay zero.
+    /// Adds a function that copies entries of rows, and returns its name. Entries without a source stay zero.
     fn gather(&self, stem: &str, about: &str, lengths: [usize; 2], sources: &[Option<usize>]) -> String {
         let copies = sources.iter().enumerate();
         let copies = copies.filter_map(|(place, &source)| Some(format!("to[{place}] = from[{}];", source?)));
@@ -103,7 +103,7 @@ impl Emission<'_> {
         self.function(stem, about, [self.row.len; 2], sums)
     }
 
-    /// Name of a function that applies statements to each row.
+    /// Adds a function that applies statements to each row, and returns its name.
     ///
     /// - `lengths`: length of a row that is read, and of a row that is written, including padding
     fn function(&self, stem: &str, about: &str, [from, to]: [usize; 2], sums: &[String]) -> String {

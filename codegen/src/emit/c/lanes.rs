@@ -1,12 +1,12 @@
-//! Prints functions over eight states (lanes) that are stored one after the other. The results have the same
-//! bits as those of functions over one state.
+//! Prints functions over eight states (lanes), which are adjacent in memory. The results are bit-identical to
+//! the results of functions over one state.
 //!
-//! The text of such a function is the text of the function for one state with another type of values: a
-//! vector type of gcc and clang with register width. The text does not rely on the optimizer and is
-//! independent of the processor. Other compilers process one state at a time.
+//! The text of such a function is the text of the function for one state, but values have a vector type of
+//! gcc and clang with register width. The text does not rely on the optimizer, and it is the same for all
+//! processors. Other compilers process one state at a time.
 //!
-//! Entries are loaded and stored one by one, so arrays of states need no conversion to structures of arrays.
-//! Times per state for a UR5 (gcc 12, AVX2):
+//! Entries are loaded and stored one by one, so the arrays of states need not be converted to structures of
+//! arrays. Times per state for a UR5 (gcc 12, AVX2):
 //!
 //! | function | one by one | with conversion |
 //! |---|---|---|
@@ -22,10 +22,10 @@ use crate::emit::text::code;
 use crate::functions::function::Function;
 use crate::layout::Extent;
 
-/// Definition of the number of states, for the header; `None` if there are no functions over several states.
+/// Definition of the number of states, for the header; `None` if the module has no functions over several
+/// states.
 pub(super) fn size(context: &Context<'_>) -> Option<String> {
-    let about =
-        comment::paragraph("Number of states that functions whose names end in `_lanes` take at once.");
+    let about = comment::paragraph("Number of states per call of a function whose name ends in `_lanes`.");
     context.has_lanes().then(|| format!("{about}#define {} {COUNT}\n", context.constant("LANES")))
 }
 
@@ -42,7 +42,7 @@ pub(super) fn declaration(context: &Context<'_>, function: &Function) -> Option<
         signature::result_label(name, &output.name, &lanes(&shape_text(&extents)))
     });
     let about = format!(
-        "{} of LANES states, stored one after the other; bit-identical to that function.",
+        "{} for LANES states, which are adjacent in memory; the results are bit-identical to those of this function.",
         code(&function.name)
     );
     let items = inputs.chain(results).map(Block::Item);
@@ -51,9 +51,9 @@ pub(super) fn declaration(context: &Context<'_>, function: &Function) -> Option<
     Some(format!("{}{head}\n", comment::documentation(&blocks)))
 }
 
-/// The texts of a function over several states: private functions over a group of states that fit in a
-/// register, then the public function that calls them for each group. Empty if the function has no such
-/// version.
+/// The texts of a function over several states: private functions over a group of states that fit in one
+/// register, then the public function that calls these functions for each group. Empty if the function has no
+/// version over several states.
 pub(super) fn items(context: &Context<'_>, function: &Function) -> Vec<String> {
     let Some(name) = context.lanes_of(&function.name) else {
         return vec![];
@@ -64,7 +64,7 @@ pub(super) fn items(context: &Context<'_>, function: &Function) -> Vec<String> {
         Body::over_lanes(context, &function.program)
     });
     let arguments = signature::arguments(&body);
-    // The function is not inlined, because two unrolled halves would not fit in the instruction cache.
+    // This function is not inlined, because two unrolled copies would not fit in the instruction cache.
     let head = format!("{} static void {of_group}", context.constant("NOINLINE"));
     items.push(layout::function(&layout::call(0, &head, &arguments, ""), &statements));
     let first = &body.fresh(["first"])[0];

@@ -6,7 +6,7 @@ const WIDTH: usize = 118;
 /// Indentation of continuation lines relative to the first line.
 const FURTHER: &str = "    ";
 
-/// The text `head(arguments)tail`. The arguments are on further lines if the text is too long for one line.
+/// The text `head(arguments)tail`. The arguments are on separate lines if the text is too long for one line.
 ///
 /// - `indent`: number of characters by which the statement is indented
 pub(super) fn call(indent: usize, head: &str, arguments: &[String], tail: &str) -> String {
@@ -17,7 +17,7 @@ pub(super) fn call(indent: usize, head: &str, arguments: &[String], tail: &str) 
     format!("{head}(\n{}){tail}", filled(indent, arguments))
 }
 
-/// A list of entries in braces. The entries are on further lines if the list is too long for one line.
+/// A list of entries in braces. The entries are on separate lines if the list is too long for one line.
 ///
 /// - `indent`: number of characters by which the statement is indented
 pub(super) fn braces(indent: usize, entries: &[String]) -> String {
@@ -28,7 +28,7 @@ pub(super) fn braces(indent: usize, entries: &[String]) -> String {
     format!("{{\n{}\n}}", filled(indent, entries))
 }
 
-/// Entries on further lines.
+/// Distributes entries over several lines.
 fn filled(indent: usize, entries: &[String]) -> String {
     let mut lines = vec![FURTHER.to_owned()];
     for (index, entry) in entries.iter().enumerate() {

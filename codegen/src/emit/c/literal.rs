@@ -1,4 +1,4 @@
-//! Literals of C. They have the bits of the numbers and the bytes of the texts.
+//! Literals of C, which have exactly the bits of the numbers and the bytes of the texts.
 
 use crate::emit::options::Scalar;
 
@@ -36,7 +36,7 @@ pub(super) fn string(text: &str) -> String {
         match byte {
             b'"' | b'\\' | b'?' => literal.extend(['\\', char::from(byte)]),
             b' '..=b'~' => literal.push(char::from(byte)),
-            // An escape has at most three digits, so a digit after it is not part of it.
+            // An octal escape has at most three digits, so a following digit is not part of the escape.
             _ => literal.push_str(&format!("\\{byte:03o}")),
         }
     }
@@ -44,7 +44,8 @@ pub(super) fn string(text: &str) -> String {
     literal
 }
 
-/// Converts a text for `double` to the number type `scalar`: types, literals and functions of the C library.
+/// Converts a text for `double` to the number type `scalar`: types, literals and functions of the C library
+/// are replaced.
 pub(super) fn in_scalar(text: &str, scalar: Scalar) -> String {
     match scalar {
         Scalar::F64 => text.to_owned(),

@@ -8,8 +8,8 @@ use crate::emit::kernels;
 use crate::emit::options::Scalar;
 use gelenk_formula::Function as Call;
 
-/// Name of the function to call for an elementary function, except sine and cosine, which are computed in
-/// pairs.
+/// Name of the function to call for an elementary function. Sine and cosine are not included, because they
+/// are computed in pairs.
 pub(super) fn callee(context: &Context<'_>, function: Call) -> String {
     match function {
         Call::Sign => {
@@ -17,7 +17,7 @@ pub(super) fn callee(context: &Context<'_>, function: Call) -> String {
             context.function("sign")
         }
         Call::Abs => of_scalar(context, "fabs"),
-        // The processor's instruction rounds correctly, as the function in Rust modules does.
+        // The instruction of the processor is rounded correctly, like the function in Rust modules.
         Call::Sqrt => of_scalar(context, "sqrt"),
         Call::Tanh => own(context, [Kernel::Tanh, Kernel::TanhF32]),
         Call::Exp => own(context, [Kernel::Exp, Kernel::ExpF32]),
@@ -30,8 +30,8 @@ pub(super) fn multiply_add(context: &Context<'_>) -> String {
     of_scalar(context, "fma")
 }
 
-/// Name of the function that negates a fused multiply-add. Without it, gcc 12 replaces `−(a b + c)` by `−a b
-/// − c`. If the value is zero, this changes its sign.
+/// Name of the function that negates a fused multiply-add. Without this function, gcc 12 would replace
+/// `−(a b + c)` by `−a b − c`, whose sign differs if the value is zero.
 pub(super) fn negate_fused(context: &Context<'_>) -> String {
     context.negation.set(true);
     context.function("negated")
@@ -60,7 +60,7 @@ fn of_scalar(context: &Context<'_>, name: &str) -> String {
     }
 }
 
-/// The text of the functions that the module calls, and of the functions that these call.
+/// The text of the functions that the module calls, and of all functions that these functions call.
 pub(super) fn text(context: &Context<'_>) -> String {
     let needed = kernels::needed(&context.kernels.borrow());
     let texts = needed.iter().map(|&kernel| source(kernel));
@@ -97,7 +97,7 @@ static inline double gelenk_sign(double x)
 ";
 
 const NEGATED: &str = "
-// -x of a fused sum, by its bit: gcc takes a minus into the sum, whose zero then has another sign.
+// Negates a fused sum by its sign bit. With a minus, gcc would negate the operands, which changes the sign of zero.
 static inline double gelenk_negated(double x)
 {
     uint64_t bits;
@@ -109,7 +109,7 @@ static inline double gelenk_negated(double x)
 ";
 
 const NEGATED_F32: &str = "
-// -x of a fused sum, by its bit: gcc takes a minus into the sum, whose zero then has another sign.
+// Negates a fused sum by its sign bit. With a minus, gcc would negate the operands, which changes the sign of zero.
 static inline float gelenk_negated(float x)
 {
     uint32_t bits;
@@ -120,8 +120,8 @@ static inline float gelenk_negated(float x)
 }
 ";
 
-/// Text that stops the compilation for processors without fused multiply-add. On these, `fma` is a call of
-/// the library that takes as long as thirty operations. The text is empty if the module has no fused
+/// Text that stops the compilation for processors without fused multiply-add. On these processors, `fma` is a
+/// call of the library that takes as long as thirty operations. The text is empty if the module has no fused
 /// multiply-adds.
 pub(super) fn guard(context: &Context<'_>) -> &'static str {
     match (kernels::are_fused(&context.module.functions), context.options.scalar) {
@@ -133,12 +133,12 @@ pub(super) fn guard(context: &Context<'_>) -> &'static str {
 
 const GUARD_F64: &str = "
 #if !defined(__FP_FAST_FMA) && !defined(__FMA__) && !defined(__aarch64__)
-#error \"these functions hold fused multiply-adds: compile them for a processor that has these (-mfma), or generate them without\"
+#error \"these functions contain fused multiply-adds: compile them with -mfma, or generate the module without fused multiply-adds\"
 #endif
 ";
 
 const GUARD_F32: &str = "
 #if !defined(__FP_FAST_FMAF) && !defined(__FMA__) && !defined(__aarch64__) && !defined(__ARM_FEATURE_FMA)
-#error \"these functions hold fused multiply-adds: compile them for a processor that has these (-mfma), or generate them without\"
+#error \"these functions contain fused multiply-adds: compile them with -mfma, or generate the module without fused multiply-adds\"
 #endif
 ";

@@ -1,17 +1,20 @@
 //! Prints modules as a header and a source in C99, which also compile as C++.
 //!
-//! The texts compile without warnings. The results have the same bits as those of the Rust module of the same
-//! robot, because there is one statement per instruction, elementary functions are the same, and compilers
-//! must not contract operations.
+//! The texts compile without warnings. The results are bit-identical to the results of the robot's Rust
+//! module: each instruction is one statement, elementary functions are the same, and compilers are not
+//! allowed to contract operations.
 //!
-//! All names, literals and comments are printed by `names.rs`, `literal.rs` and `comment.rs`, which make
-//! texts of a description harmless. `body.rs` names the values of a function. The type of a value is a
-//! number, or a vector for several states (`group/`). `statements.rs` prints one declaration per instruction,
-//! `results.rs` prints the stores to results, `signature.rs` and `public.rs` print the function around them,
-//! and `parts.rs` prints the parts of a long function. Functions have one of several forms: straight-line
-//! code (`straight.rs`), loops over joints (`arrays.rs`, `affine.rs`), and versions for several states
-//! (`lanes.rs`). `function.rs` prints the form that the module has. `header.rs` and `source.rs` assemble the
-//! files.
+//! All names, literals and comments are printed by `names.rs`, `literal.rs` and `comment.rs`. These files
+//! prevent texts of a description from becoming code.
+//!
+//! - `body.rs` names the values of a function. The type of a value is a number, or a vector for several
+//!   states (`group/`).
+//! - `statements.rs` prints one declaration per instruction, and `results.rs` prints the stores to results.
+//! - `signature.rs` and `public.rs` print the head of the function, and `parts.rs` prints the parts of a long
+//!   function.
+//! - A function has one of several forms: straight-line code (`straight.rs`), loops over joints (`arrays.rs`,
+//!   `affine.rs`), and versions for several states (`lanes.rs`). `function.rs` selects the form.
+//! - `header.rs` and `source.rs` assemble the files.
 
 mod about_reference;
 mod acados;

@@ -166,12 +166,12 @@ const KEYWORDS: [&str; 159] = [
 ];
 
 /// Rules for names of values, fields and functions. Such a name must not begin with one of the prefixes,
-/// because the module's own names begin with them.
+/// because names of the module itself begin with them.
 pub(super) fn spelling(prefixes: Vec<String>) -> Spelling {
     Spelling { keywords: &KEYWORDS, has_free_underscores: false, prefixes }
 }
 
-/// Prefix of a module's names, without the underscore, from the name of the module's files.
+/// Prefix of a module's names without the underscore, made from the name of the module's files.
 pub(super) fn prefix(name: &str) -> String {
     spelling(vec![]).identifier(name).trim_end_matches('_').to_owned()
 }

@@ -4,7 +4,7 @@ use super::comment;
 use super::context::Context;
 use crate::emit::documentation::of_parameter;
 
-/// The struct, and the declaration of the description's values; empty if there are no free parameters.
+/// The struct, and the declaration of the values of the description; empty if there are no free parameters.
 pub(super) fn declarations(context: &Context<'_>) -> Vec<String> {
     if !context.has_parameters() {
         return vec![];
@@ -18,20 +18,20 @@ pub(super) fn declarations(context: &Context<'_>) -> Vec<String> {
     });
     let fields: String = fields.collect();
     let about = comment::paragraph(&format!(
-        "Free parameters of the model; `{}` holds the described values.",
+        "Free parameters of the model; `{}` contains the values of the description.",
         defaults(context)
     ));
     vec![
         format!("{about}typedef struct {{\n{fields}}} {name};\n"),
         format!(
             "{}extern const {name} {};\n",
-            comment::paragraph("The described values."),
+            comment::paragraph("Values of the free parameters in the description."),
             defaults(context)
         ),
     ]
 }
 
-/// Definition of the description's values; `None` if there are no free parameters.
+/// Definition of the values of the description; `None` if there are no free parameters.
 pub(super) fn definition(context: &Context<'_>) -> Option<String> {
     let parameters = context.module.parameters.iter().zip(&context.parameters);
     let values = parameters

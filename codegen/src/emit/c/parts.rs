@@ -42,7 +42,7 @@ pub(super) fn items(body: &Body<'_>, name: &str, parts: &[Part]) -> Vec<String> 
     parts.map(|(index, part)| private(body, &part_name(name, index), part)).collect()
 }
 
-/// The private function of a part. It is never inlined, because that would undo the splitting.
+/// The private function of a part. It is never inlined, because inlining would undo the division into parts.
 fn private(body: &Body<'_>, name: &str, part: &Part) -> String {
     let context = body.context;
     let ty = body.ty();

@@ -31,7 +31,7 @@ pub(super) fn text(context: &Context<'_>) -> String {
         format!("\n{}\n{}", head(context, function, ""), context.pasted_loops(body(function)))
     });
     let text: String = texts.chain(functions).collect();
-    // The texts call the function for double.
+    // The texts call the function for double precision, which is replaced here.
     text.replace(&format!("{}(", context.function("sin_cos")), &format!("{}(", math::sin_cos(context)))
 }
 
@@ -77,7 +77,7 @@ fn head(context: &Context<'_>, function: PositionFunction, tail: &str) -> String
     layout::call(0, &format!("{ty} {}", context.function(function.name())), &arguments, tail)
 }
 
-/// Names of the results of a function, as the fixed texts have them.
+/// Names of a function's results in the fixed texts.
 pub(super) fn results_of(function: PositionFunction) -> &'static [&'static str] {
     match function {
         PositionFunction::Integrate => &["y_next"],

@@ -1,4 +1,4 @@
-//! Prints loops over many states for Python, which are generalized universal functions of NumPy.
+//! Prints loops over many states for Python. They are generalized universal functions of NumPy.
 //!
 //! NumPy passes plain pointers, lengths and strides, so the text needs no header of Python or NumPy.
 
@@ -24,8 +24,8 @@ pub(super) fn text(context: &Context<'_>) -> String {
     .concat()
 }
 
-/// Beginning of the file: types and access to operands. Entries may have a stride, for example in a column of
-/// a matrix.
+/// Beginning of the file: types, and access to operands. The entries of an operand may have a stride, for
+/// example in a column of a matrix.
 const BEGIN: &str = include_str!("python/begin.c");
 
 /// Text of the loop over blocks of eight states.
@@ -36,12 +36,12 @@ const NO_LANES: &str = include_str!("python/no_lanes.c");
 
 const LOOP: &str = include_str!("python/loop.c");
 
-/// Largest number of operand entries of eight states that a loop has on the stack, 64 kB in double precision.
-/// The stack may have only 100 kB.
+/// Largest number of operand entries of eight states that a loop keeps on the stack: 64 kB in double
+/// precision. The whole stack may have only 100 kB.
 const LARGEST_BLOCK: usize = 8_192;
 
 /// The loop of a function; `None` if no result has entries. Operands without entries are left out, because
-/// NumPy has no lengths of zero.
+/// NumPy does not support lengths of zero.
 fn function(context: &Context<'_>, interface: &Interface, function: &Callable) -> Option<String> {
     let arguments = function.arguments.iter().map(|argument| argument.extents.clone());
     let parameters = function.takes_parameters.then(|| vec![Extent::fixed(interface.parameters.len())]);
@@ -103,8 +103,8 @@ fn operand(extents: &[Extent]) -> String {
     format!("{{{}, {}, {{{}}}}}", extents.len(), entries(extents), lengths.join(", "))
 }
 
-/// Name of the version of a function for several states; `None` if there is none or its operands are too
-/// large for the stack.
+/// Name of the version of a function for several states. `None` if there is no such version, or if its
+/// operands are too large for the stack.
 fn lanes(context: &Context<'_>, function: &Callable) -> Option<String> {
     let arguments = function.arguments.iter().map(|argument| entries(&argument.extents));
     let total: usize = arguments.chain(function.results.iter().map(|result| entries(&result.extents))).sum();

@@ -1,7 +1,7 @@
 //! Prints stores to results.
 //!
-//! In code over several states, two adjacent entries are stored at once, because processors make few stores
-//! per cycle.
+//! In code over several states, two adjacent entries are stored at once, because processors can perform only
+//! few stores per cycle.
 
 use super::body::{Body, in_row};
 use super::group;
@@ -30,7 +30,8 @@ impl Body<'_> {
         stores.collect()
     }
 
-    /// Statement that stores a new entry and its neighbour; `None` if the neighbour is computed later.
+    /// Statement that stores a new entry together with its neighbour; `None` if the neighbour is computed
+    /// later.
     ///
     /// - `index`: index of the new value
     fn store_pair_of(&self, result: usize, entry: usize, index: usize) -> Option<String> {

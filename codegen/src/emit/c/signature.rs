@@ -16,7 +16,8 @@ pub(super) fn written(context: &Context<'_>, name: &str) -> String {
     pointer(context, context.ty(), name)
 }
 
-/// Declaration of a pointer with the type `ty` that no other pointer of the function aliases.
+/// Declaration of a pointer with the type `ty`. No other pointer of the function may point to the same
+/// memory.
 pub(super) fn pointer(context: &Context<'_>, ty: &str, name: &str) -> String {
     format!("{ty} *{} {name}", context.constant("RESTRICT"))
 }

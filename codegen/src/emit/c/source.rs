@@ -8,7 +8,8 @@ pub(super) fn text(context: &Context<'_>) -> String {
     let module = context.module;
     let mut functions = String::new();
     for (each, name) in module.functions.iter().zip(&context.functions) {
-        // One function is printed at a time, because large functions take much memory.
+        // One function is printed at a time, because the intermediate data of a large function take much
+        // memory.
         let items = function::items(context, each, name);
         functions.extend(items.iter().map(|item| format!("\n{item}")));
     }
@@ -41,7 +42,7 @@ pub(super) fn text(context: &Context<'_>) -> String {
     .concat()
 }
 
-/// Includes of the C library that the text needs for types, macros and functions that are single
+/// Includes of the C library. The text needs them for types, macros, and functions that are single
 /// instructions.
 fn includes(context: &Context<'_>, body: &str) -> String {
     let needed = |header: &str, words: &[&str]| {
@@ -60,10 +61,10 @@ fn includes(context: &Context<'_>, body: &str) -> String {
 
 /// Text that stops the compilation if a setting of the compiler would silently change results.
 const CHECKS: &str = "
-// Every operation is rounded once, to the type of its operands: no other precision, no contraction to fused
-// multiply-adds, no algebra. Elementary functions rely on it.
+// Every operation must be rounded once, to the type of its operands. Other precisions, contraction to fused
+// multiply-adds and algebraic transformations are not allowed, because elementary functions rely on this.
 #if FLT_EVAL_METHOD != 0 && FLT_EVAL_METHOD != 16
-#error \"this compiler computes in another precision than that of the operands: on x86 use -msse2 -mfpmath=sse\"
+#error \"this compiler does not compute in the precision of the operands: on x86 use -msse2 -mfpmath=sse\"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__) \\
     || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
@@ -72,7 +73,7 @@ const CHECKS: &str = "
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC optimize (\"fp-contract=off\")
 #if __GNUC__ == 12 && __GNUC_MINOR__ < 3
-/* These versions contract vectors of straight-line code all the same. */
+/* These versions contract vectorized straight-line code in spite of this option. */
 #pragma GCC optimize (\"no-tree-slp-vectorize\")
 #endif
 #else

@@ -1,5 +1,5 @@
-//! Estimates the stack size of calls from the number of values that are alive at once. gcc stores values on
-//! the stack if there are more than registers.
+//! Estimates the stack size of calls from the number of values that are alive at the same time. gcc stores
+//! values on the stack if there are not enough registers.
 
 use super::context::Context;
 use super::{arrays, straight};
@@ -10,12 +10,12 @@ use crate::program::arrays::ArrayForm;
 use crate::program::flow::Flow;
 use crate::program::{Operation, Program, split};
 
-/// Bytes of saved registers and the return address.
+/// Bytes for saved registers and the return address.
 const FRAME: usize = 64;
-/// Bytes of a call of an elementary function.
+/// Bytes for the call of an elementary function.
 const CALL: usize = 240;
-/// Number of bytes below which no exact size is given, because saved registers and padding are as large as
-/// the values.
+/// Number of bytes below which the exact size is not given, because saved registers and padding are as large
+/// as the values.
 const LEAST: usize = 1000;
 
 /// Sentence about the stack size of a function of the module.
@@ -27,10 +27,10 @@ pub(super) fn of_function(context: &Context<'_>, function: &Function) -> String 
 pub(super) fn of_composition(context: &Context<'_>, composition: Composition) -> String {
     let (n, m) = (context.module.coordinates, context.module.inputs);
     let numbers = match composition {
-        // Powers and integrals of the matrix of rates.
+        // Powers and integrals of the state matrix.
         Composition::Discretize => 29 * n * n,
         Composition::Step => 10 * n,
-        // Twelve stages with their derivatives, and the linearization of one.
+        // Twelve stages with their derivatives, and the linearization of one stage.
         Composition::StepDerivatives => 12 * (n + 2 * n * n + n * m) + 3 * n * n,
     };
     sentence(numbers * number(context) + called(context, composition.calls()))
@@ -62,7 +62,8 @@ fn bytes(context: &Context<'_>, function: &Function) -> usize {
     FRAME + number(context) * numbers + if calls { CALL } else { 0 }
 }
 
-/// Number of values that are alive at once, plus the values that the parts of a long program exchange.
+/// Number of values that are alive at the same time, plus the values that the parts of a long program
+/// exchange.
 fn values(program: &Program, longest: usize) -> usize {
     let flow = Flow::new(program);
     let parts = split::parts(program, &flow, longest);
@@ -77,7 +78,7 @@ fn called(context: &Context<'_>, name: &str) -> usize {
     function.map_or(0, |function| bytes(context, function))
 }
 
-/// Number of bytes of a number.
+/// Size of a number in bytes.
 fn number(context: &Context<'_>) -> usize {
     match context.options.scalar {
         Scalar::F64 => 8,

@@ -9,8 +9,8 @@ use crate::program::{Operand, Operation};
 use gelenk_formula::Function as Call;
 
 impl Body<'_> {
-    /// All statements of the function. Each result entry is stored as soon as it is known, or the only result
-    /// is returned.
+    /// All statements of the function. Each result entry is stored as soon as it is computed. If the only
+    /// result is a number, it is returned.
     pub(super) fn all_statements(&self) -> Vec<String> {
         let constants = match self.return_statement() {
             None => self.stores(|entry| self.made(entry).is_none()),
@@ -23,8 +23,8 @@ impl Body<'_> {
     /// Statements of the instructions in this range.
     pub(super) fn statements(&self, range: Range<usize>) -> Vec<String> {
         let made: Vec<usize> = range.filter(|&index| self.flow.is_made(index)).collect();
-        // In code over several states the angles of the states are computed together, so different angles are
-        // not.
+        // In code over several states, one call computes the angles of all states, so it does not take
+        // several different angles.
         let groups = sequence::groups(self.program, &self.flow, &made, !self.over_lanes);
         let runs = || groups.iter().flat_map(|group| &group.runs);
         let mut helpers = self.fresh(runs().map(helper)).into_iter();
@@ -68,7 +68,7 @@ impl Body<'_> {
         }
     }
 
-    /// One call for the sines and cosines of several angles.
+    /// One call that computes the sines and cosines of several angles.
     fn batch(&self, batch: &[(usize, Operand)], lanes: usize, helper: &str) -> Vec<String> {
         let ty = self.context.ty();
         let zero = self.context.literal(0.0);
@@ -105,7 +105,7 @@ impl Body<'_> {
         matches!(self.operation(value), Operation::MultiplyAdd(..))
     }
 
-    /// Expression of two operands with an operator. In code over several states at least one operand is a
+    /// Expression with two operands and an operator. In code over several states, at least one operand is a
     /// vector.
     fn binary(&self, a: Operand, operator: &str, b: Operand) -> String {
         let is_number = |operand| matches!(operand, Operand::Constant(_) | Operand::Parameter(_));
@@ -113,7 +113,7 @@ impl Body<'_> {
         format!("{first} {operator} {}", self.operand(b))
     }
 
-    /// The right-hand side of an instruction, except sine and cosine.
+    /// The right-hand side of an instruction, but not of a sine or cosine.
     fn expression(&self, operation: Operation) -> String {
         let binary = |a, operator, b| self.binary(a, operator, b);
         match operation {

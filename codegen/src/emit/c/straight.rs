@@ -6,9 +6,9 @@ use super::{layout, parts, public};
 use crate::functions::function::Function;
 use crate::program::split;
 
-/// Factor by which a function in C may be longer than a function in Rust before it is split. Parts exchange
-/// values through memory, and C compilers accept longer functions than rustc. Times of `linearize` of a UR5;
-/// the module's compile time is the same:
+/// Ratio of the largest length of a function in C to the largest length in Rust before the function is split.
+/// Parts exchange values through memory, and C compilers accept longer functions than rustc. The table has
+/// times of `linearize` of a UR5. The compile time of the module is the same in both columns.
 ///
 /// | | two parts | one part |
 /// |---|---|---|

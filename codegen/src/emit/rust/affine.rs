@@ -1,5 +1,5 @@
-//! Prints `linearize` in array form (as loops over joints): a call of another function, and the results that
-//! are computed from its results.
+//! Prints `linearize` in array form: a call of `forward_dynamics_derivatives`, and code that computes the
+//! results of `linearize` from its results.
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
@@ -66,7 +66,7 @@ fn statements(body: &Body<'_>, form: &Affine) -> TokenStream {
     }
 }
 
-/// Statements that write D, the derivative of the rate of small motions.
+/// Statements that write the matrix D in `δ̇ = D δ + v − v̄`.
 fn drift_statements(body: &Body<'_>, form: &Affine, drift: &Ident, v: &Ident) -> TokenStream {
     let (zero, n) = (body.context.zero(), Literal::usize_unsuffixed(form.called.coordinates().len()));
     let entries = form.drift.iter().flatten().map(|entry| {

@@ -1,4 +1,4 @@
-//! Loops of array forms (functions as loops over joints). Their texts are included in modules that use them.
+//! Loops of functions in array form. Their texts are included in modules that use them.
 
 use super::pasted;
 use crate::emit::arrays::Row;
@@ -13,7 +13,7 @@ pub(super) fn text(scalar: Scalar, functions: &[Function]) -> String {
         return String::new();
     };
     let row = Row::new(first);
-    let block = format!("/// Entries of a block of a row.\nconst K: usize = {};", row.block);
+    let block = format!("/// Number of entries of a block of a row.\nconst K: usize = {};", row.block);
     let mut texts = vec![
         include_str!("array_kernels/rows.rs"),
         match first.is_fused {
@@ -43,10 +43,15 @@ pub(super) fn text(scalar: Scalar, functions: &[Function]) -> String {
     if forms.iter().any(|form| matches!(form, ArrayForm::Affine(_))) {
         texts.push(include_str!("array_kernels/dot.rs"));
     }
-    pasted::loops(scalar, "Loops over arrays of joints: R rows of N entries, padded to L.", "arrays", &texts)
+    pasted::loops(
+        scalar,
+        "Loops over arrays of R rows. A row has N entries, one per joint, padded to L.",
+        "arrays",
+        &texts,
+    )
 }
 
-/// Texts of choices by bit masks, for rows of several blocks.
+/// Texts of selections by bit masks, for rows of several blocks.
 const CHOICES: [&str; 2] =
     [include_str!("array_kernels/blocks/mask.rs"), include_str!("array_kernels/choose.rs")];
 

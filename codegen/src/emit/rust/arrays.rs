@@ -52,7 +52,7 @@ pub(super) fn items(
     items
 }
 
-/// Storage of an array.
+/// Storage of an array in the printed text.
 #[derive(Clone)]
 enum Place {
     /// The array is a constant.
@@ -70,9 +70,9 @@ pub(super) struct Emission<'a> {
     name: &'a Ident,
     pub(super) row: Row,
     places: Vec<Place>,
-    /// Variables that several arrays use one after the other, with number and length of rows.
+    /// Variables that several arrays use in sequence, each with the number and length of its rows.
     variables: Vec<(Ident, [usize; 2])>,
-    /// For each array the index of its shared variable; `None` if the array has its own variable.
+    /// For each array, the index of its shared variable; `None` if the array has its own variable.
     shares: Vec<Option<usize>>,
 }
 
@@ -163,8 +163,8 @@ impl<'a> Emission<'a> {
         Literal::usize_unsuffixed(self.row.of(self.form, array))
     }
 
-    /// Declaration of a local variable: a new one with zeros, or a reference to a shared one. `None` if the
-    /// array is not a local variable.
+    /// Declaration of a local variable: a new variable with zeros, or a reference to a shared variable.
+    /// `None` if the array is not a local variable.
     fn declaration(&self, array: usize) -> Option<TokenStream> {
         let Place::Local(name) = &self.places[array] else {
             return None;
@@ -271,7 +271,8 @@ impl<'a> Emission<'a> {
         }
     }
 
-    /// Arguments for the order of the pivots from the base, and for the rows with common entries.
+    /// Arguments for the order of the pivots from the base, and for the pairs of rows with common non-zero
+    /// entries.
     fn pivots(&self) -> TokenStream {
         let tree = self.form.coordinates();
         let joints = Literal::usize_unsuffixed(tree.len());
@@ -408,7 +409,7 @@ impl<'a> Emission<'a> {
         let name = self.setup_name();
         let statements = match split {
             [_] => {
-                // Zeros are there already.
+                // Arrays are initialized with zeros.
                 let is_known = |entry| !matches!(entry, Operand::Value(_) | Operand::Constant(0.0));
                 let (constants, statements) = (body.stores(is_known), body.blocks());
                 quote!(#(#constants)* #statements)
@@ -424,7 +425,7 @@ impl<'a> Emission<'a> {
         let arguments: Vec<TokenStream> = arguments.collect();
         let about = arrays::about_setup(self.form);
         item(
-            &DocComment::new(&format!("{about} `{}`; the arrays hold zeros before.", self.name)),
+            &DocComment::new(&format!("{about} `{}`; the arrays contain zeros before the call.", self.name)),
             [
                 lints::for_names(body.value_names().chain(&body.arguments).chain([&name])),
                 lints::for_numbers(body.numbers()),

@@ -22,20 +22,20 @@ pub(super) struct Body<'a> {
     pub(super) results: Vec<Ident>,
     /// Name of each value.
     pub(super) names: Vec<Ident>,
-    /// Tokens of an additional index after each entry of an input or result: the column of an array, or the
-    /// lane (state).
+    /// Tokens of an additional index after each entry of an input or result. The index is the column of an
+    /// array, or the lane (state).
     pub(super) column: Option<TokenStream>,
     /// Whether each value is an entry of a result that is written in place.
     stored: Vec<bool>,
 }
 
 impl<'a> Body<'a> {
-    /// A body that writes large results in place and returns small results.
+    /// Creates a body that writes large results in place and returns small results.
     pub(super) fn new(context: &'a Context<'a>, program: &'a Program) -> Self {
         Self::with_results(context, program, program.has_large_results())
     }
 
-    /// A body that writes all results in place.
+    /// Creates a body that writes all results in place.
     pub(super) fn in_place(context: &'a Context<'a>, program: &'a Program) -> Self {
         Self::with_results(context, program, true)
     }
@@ -127,7 +127,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// Index of the value that an operand is; `None` if the operand is not a value.
+    /// Index of the value to which an operand refers; `None` if the operand is not a value.
     pub(super) fn made(&self, entry: Operand) -> Option<usize> {
         match entry {
             Operand::Value(made) => Some(self.flow.canonical(made)),
@@ -180,7 +180,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// Index of the last value if it is the only result. It then needs no name, which clippy's lint
+    /// Index of the last value if it is the only result. This value needs no name, as clippy's lint
     /// `let_and_return` requires.
     pub(super) fn returned_value(&self) -> Option<usize> {
         let [output] = self.program.outputs.as_slice() else {

@@ -12,7 +12,7 @@ use crate::emit::documentation::of_constant;
 use crate::functions::function::{Constant, ConstantValue};
 use crate::layout::{Dimension, Extent};
 
-/// Names of the lengths and of the type of driven coordinates, which other items must not have.
+/// Names of the lengths and of the type of driven coordinates. Other items must not have these names.
 pub(super) const RESERVED: [&str; 3] = ["N", "M", "Driven"];
 
 /// The constants for the numbers of coordinates and inputs.
@@ -36,7 +36,7 @@ pub(super) fn driven(context: &Context<'_>) -> Option<TokenStream> {
     let ty = context.ty();
     (context.module.driven > 0).then(|| {
         quote! {
-            #[doc = " Driven coordinates: position, velocity and acceleration of each, in the order of `DRIVEN_NAMES`."]
+            #[doc = " Driven motion: position, velocity and acceleration of each driven joint, in the order of `DRIVEN_NAMES`."]
             pub type Driven = [[#ty; 3]; DRIVEN];
         }
     })

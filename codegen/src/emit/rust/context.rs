@@ -25,17 +25,17 @@ pub(super) struct Context<'a> {
     pub(super) has_lanes: Cell<bool>,
     /// Whether a function over lanes stores values between its loops.
     pub(super) has_groups: Cell<bool>,
-    /// Names that no argument or value may have. In a pattern, the name of a constant would match the
-    /// constant.
+    /// Names that arguments and values must not have. For example, the name of a constant in a pattern would
+    /// match the constant.
     pub(super) reserved: Vec<String>,
-    /// Private functions of array forms (functions as loops over joints). Several functions may call them.
+    /// Private functions of array forms, which several functions may call.
     pub(super) shared: Shared,
 }
 
 impl<'a> Context<'a> {
     /// Begins to print a module.
     ///
-    /// - `reserved`: names of the module's own items, which the robot's functions must not have
+    /// - `reserved`: names of items of the module itself, which the robot's functions must not have
     pub(super) fn new(module: &'a Module, options: &'a EmitOptions, mut reserved: Vec<String>) -> Self {
         let parameters = module.parameters.iter().map(|each| each.name.as_str());
         let functions = module.functions.iter().map(|function| function.name.as_str());
@@ -98,8 +98,8 @@ impl Shared {
         self.items.take().into_values().collect()
     }
 
-    /// Adds an item unless it was already added, and returns its name. The name gets a number if another item
-    /// has the name `stem`.
+    /// Adds an item if it was not yet added, and returns its name. The name gets a number if another item
+    /// already has the name `stem`.
     pub(super) fn add(&self, stem: &str, item: impl Fn(&Ident) -> TokenStream) -> Ident {
         let mut items = self.items.borrow_mut();
         let mut number = 1;

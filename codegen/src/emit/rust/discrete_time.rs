@@ -1,5 +1,5 @@
-//! Prints functions over a sample time. They call `linearize` or `forward_dynamics` of the module, and fixed
-//! texts.
+//! Prints functions over a sample time. They call `linearize` or `forward_dynamics` of the module, and
+//! functions in fixed texts.
 
 use std::collections::BTreeSet;
 
@@ -103,10 +103,11 @@ pub(super) fn text(scalar: Scalar, module: &Module) -> String {
         true => pasted::partly_called_loops,
         false => pasted::loops,
     };
-    loops(scalar, "Discrete time: functions over N coordinates and M inputs.", "discrete_time", &sources)
+    loops(scalar, "Functions in discrete time for N coordinates and M inputs.", "discrete_time", &sources)
 }
 
-/// Adds the texts for positions with quaternions, and the imports from the module `manifold` that they need.
+/// Adds the texts for positions with quaternions, and the imports from the module `manifold` that these texts
+/// need.
 fn on_manifold(sources: Vec<String>, compositions: &[ComposedFunction]) -> Vec<String> {
     let texts: BTreeSet<manifold::Text> =
         compositions.iter().flat_map(|each| each.composition.manifold_texts()).copied().collect();

@@ -7,7 +7,7 @@ use quote::quote;
 use crate::emit::documentation::Block;
 use crate::emit::text::{visible, wrap};
 
-/// The lines of a documentation.
+/// The lines of a documentation comment.
 #[derive(Debug, Default)]
 pub(super) struct DocComment {
     lines: Vec<String>,
@@ -74,8 +74,8 @@ impl DocComment {
     }
 }
 
-/// Escapes Markdown that the generator made. Code in backticks is kept. In other text, tags and emphasis are
-/// escaped, and brackets around units become parentheses, because rustdoc reads brackets as links.
+/// Escapes Markdown of the generator. Code in backticks is kept. In all other text, tags and emphasis are
+/// escaped, and brackets around units become parentheses, because rustdoc would read brackets as links.
 pub(super) fn markdown(text: &str) -> String {
     let text = visible(&text.replace('\n', " "));
     let parts: Vec<&str> = text.split('`').collect();
@@ -87,7 +87,7 @@ pub(super) fn markdown(text: &str) -> String {
     guard_start(escaped.collect::<Vec<_>>().join("`"))
 }
 
-/// Escapes a text of a description so that it has no markup.
+/// Escapes a text of a description so that it contains no markup.
 pub(super) fn plain(text: &str) -> String {
     guard_start(escape(&visible(&text.replace('\n', " "))))
 }

@@ -1,4 +1,5 @@
-//! The comment at the top of a generated module, and the documentation that is made from it.
+//! Prints the comment at the top of a generated module, and makes the module's documentation from this
+//! comment.
 
 use super::doc_comment::plain;
 use crate::emit::header::{self, ROBOT};
@@ -10,8 +11,8 @@ pub(super) fn comment(module: &Module, command: &str) -> String {
     lines.iter().map(|line| format!("{line}\n")).collect()
 }
 
-/// Makes the documentation of a module in Markdown from the comment at the top of the module's text.
-/// `include!` does not allow inner documentation, so the including file has to contain it.
+/// Makes the documentation of a module in Markdown from the comment at the top of the module's text. The file
+/// that includes the module needs this documentation, because `include!` does not allow inner documentation.
 #[must_use]
 pub fn documentation(text: &str) -> String {
     let comment = text.lines().map_while(|line| line.strip_prefix("//"));

@@ -11,7 +11,7 @@ pub(super) fn push_items(text: &mut String, items: impl IntoIterator<Item = Toke
 }
 
 /// Formats one item. If the tokens are not valid Rust, the printer has a defect. The tokens are then printed
-/// without format, because the message of rustc helps more than a panic.
+/// without formatting, because a message of rustc helps more than a panic.
 fn print(item: TokenStream) -> String {
     match syn::parse2::<syn::File>(item.clone()) {
         Ok(file) => prettyplease::unparse(&file),

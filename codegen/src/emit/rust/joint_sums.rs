@@ -84,11 +84,12 @@ impl Emission<'_> {
 
     pub(super) fn gather_last(&self) -> Ident {
         let sources: Vec<_> = self.form.last().into_iter().map(Some).collect();
-        let about = "Copies the value of a joint's last velocity to its others.";
+        let about = "Copies the value of a joint's last velocity to its other velocities.";
         self.gather("gather_last", about, [self.row.len; 2], &sources)
     }
 
-    /// Name of a function that copies entries of rows. Entries without a source, and padding, become zero.
+    /// Adds a function that copies entries of rows, and returns its name. Entries without a source, and
+    /// padding, become zero.
     fn gather(
         &self,
         stem: &str,

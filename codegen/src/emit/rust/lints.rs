@@ -23,15 +23,17 @@ pub(super) fn for_names<'a>(names: impl IntoIterator<Item = &'a proc_macro2::Ide
         .then(|| quote!(#[allow(non_snake_case, reason = "names as the description gives them")]))
 }
 
-/// Attribute that allows more than seven arguments, the limit of clippy; `None` if there are not more.
+/// Attribute that allows more than seven arguments, which is the limit of clippy; `None` for at most seven
+/// arguments.
 pub(super) fn for_arguments(count: usize) -> Option<TokenStream> {
     (count > 7).then(
         || quote!(#[allow(clippy::too_many_arguments, reason = "blocks of fixed size need no type of their own")]),
     )
 }
 
-/// Attribute that allows a tuple of matrices as the result type; `None` if clippy allows the type. Clippy's
-/// score of a type is the sum over the parts of 10 times the depth of the part. The limit is 250.
+/// Attribute that allows a tuple of matrices as the result type; `None` if clippy allows the type. Clippy
+/// computes a score for a type, with the limit 250: the sum over all parts of the type of 10 times the depth
+/// of the part.
 ///
 /// - `dimensions`: number of dimensions of each result
 pub(super) fn for_result(dimensions: &[usize]) -> Option<TokenStream> {

@@ -1,4 +1,4 @@
-//! Literals of Rust with the bits of the numbers.
+//! Literals of Rust, which have exactly the bits of the numbers.
 
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
@@ -19,13 +19,14 @@ impl Scalar {
         self.signed(number, Suffix::None)
     }
 
-    /// Literal for the receiver of a method. It has its type, and is in parentheses if it is negative.
+    /// Literal for the receiver of a method. It has its type as suffix, and is in parentheses if it is
+    /// negative.
     pub(super) fn receiver(self, number: f64) -> TokenStream {
         let literal = self.typed(number);
         if number.is_sign_negative() { quote!((#literal)) } else { literal }
     }
 
-    /// Literal with its type, for places where the type is not inferred.
+    /// Literal with its type as suffix, for places in which the type is not inferred.
     pub(super) fn typed(self, number: f64) -> TokenStream {
         self.signed(number, Suffix::Type)
     }
@@ -75,9 +76,9 @@ pub(super) fn hexadecimal(number: u64) -> TokenStream {
     shortest(&format!("0x{}", groups.join("_")))
 }
 
-/// Whether clippy's lint `approx_constant` may read a literal as a rounded constant of `core::f64::consts`.
+/// Whether clippy's lint `approx_constant` may treat a literal as a rounded constant of `core::f64::consts`.
 ///
-/// The function is true for more numbers than clippy reports. An unnecessary `allow` has no effect.
+/// The result is true for more numbers than clippy reports, because an unnecessary `allow` has no effect.
 pub(super) fn resembles_constant(number: f64) -> bool {
     use core::f64::consts as c;
     let constants = [

@@ -1,4 +1,4 @@
-//! Elementary functions in generated Rust: calls, and the included texts.
+//! Elementary functions in generated Rust: their calls, and the included texts.
 
 use std::collections::BTreeSet;
 
@@ -13,11 +13,11 @@ use crate::functions::function::Function;
 use gelenk_formula::Function as Call;
 use gelenk_kernels::math::Kernel;
 
-/// Names of private functions for calls, which other items must not have.
+/// Names of private functions for calls. Other items must not have these names.
 pub(super) const RESERVED: [&str; 1] = ["sign"];
 
-/// Call of an elementary function of one argument. `receiver` is the argument before a method, `argument` is
-/// the argument in parentheses.
+/// Call of an elementary function of one argument. `receiver` is the argument in front of a method call, and
+/// `argument` is the argument in parentheses.
 pub(super) fn call(
     context: &Context<'_>,
     function: Call,
@@ -72,7 +72,7 @@ pub(super) fn need_for_rotations(context: &Context<'_>) {
     context.calls.kernels.borrow_mut().extend(kernels);
 }
 
-/// Call of an included function. `kernels` has the functions for f64 and for f32.
+/// Call of an included function. `kernels` contains the functions for f64 and for f32.
 fn own(context: &Context<'_>, kernels: [Kernel; 2], arguments: &TokenStream) -> TokenStream {
     let kernel = kernels::of_scalar(kernels, context.options.scalar);
     context.calls.kernels.borrow_mut().insert(kernel);
@@ -80,7 +80,7 @@ fn own(context: &Context<'_>, kernels: [Kernel; 2], arguments: &TokenStream) -> 
     quote!(math::#name(#arguments))
 }
 
-/// The text of `sign` and of the included functions, as far as they are called.
+/// The text of `sign` and of the included functions that are called.
 pub(super) fn text(context: &Context<'_>) -> String {
     let mut text = String::new();
     if context.calls.sign.get() {
@@ -90,9 +90,9 @@ pub(super) fn text(context: &Context<'_>) -> String {
     text
 }
 
-/// Text that stops the compilation for processors without fused multiply-add. On these, `mul_add` is a call
-/// of the library that takes as long as thirty operations. The text is empty if no function has fused
-/// multiply-adds.
+/// Text that stops the compilation for processors without fused multiply-add. On these processors, `mul_add`
+/// is a call of the library that takes as long as thirty operations. The text is empty if no function has
+/// fused multiply-adds.
 pub(super) fn guard(functions: &[Function]) -> &'static str {
     match kernels::are_fused(functions) {
         false => "",
@@ -100,7 +100,7 @@ pub(super) fn guard(functions: &[Function]) -> &'static str {
             r#"
 #[cfg(not(any(target_feature = "fma", target_arch = "aarch64")))]
 compile_error!(
-    "these functions hold fused multiply-adds: compile them with `-C target-feature=+fma`, or generate them without"
+    "these functions contain fused multiply-adds: compile them with `-C target-feature=+fma`, or generate the module without them"
 );
 "#
         }
@@ -113,7 +113,7 @@ fn module(kernels: &BTreeSet<Kernel>) -> String {
     }
     let texts: Vec<&str> = kernels.iter().map(|kernel| kernel.source()).collect();
     pasted::module(
-        "Elementary functions that give the same bits on every platform.",
+        "Elementary functions whose results have the same bits on every platform.",
         "#[allow(\n    clippy::approx_constant,\n    clippy::excessive_precision,\n    \
          reason = \"coefficients and parts of π are not those constants\"\n)]",
         "math",
@@ -121,7 +121,7 @@ fn module(kernels: &BTreeSet<Kernel>) -> String {
     )
 }
 
-/// The function `sign`. At ±0 it is 0, unlike `signum` of std, which is ±1.
+/// The function `sign`. At ±0 its value is 0, whereas `signum` of std is ±1.
 fn sign(scalar: Scalar) -> TokenStream {
     let ty = scalar.ty();
     quote! {

@@ -1,13 +1,15 @@
 //! Prints modules in Rust.
 //!
-//! The text compiles without warnings, as a file of its own and through `include!`.
+//! The text compiles without warnings, both as a separate file and through `include!`.
 //!
-//! All names, literals and documentation are printed by `names.rs`, `literal.rs` and `doc_comment.rs`, which
-//! make texts of a description harmless. `body.rs` names the values of a function, and `statements.rs` prints
-//! one `let` per instruction. `signature.rs` and `public.rs` print the function around them, and `parts.rs`
-//! prints the parts of a long function. Functions have one of several forms: straight-line code
-//! (`straight.rs`), loops over joints (`arrays.rs`, `affine.rs`), and versions for eight states at once
-//! (`lanes/`). `function.rs` prints the form that the module has.
+//! All names, literals and documentation are printed by `names.rs`, `literal.rs` and `doc_comment.rs`. These
+//! files prevent texts of a description from becoming code.
+//!
+//! - `body.rs` names the values of a function, and `statements.rs` prints one `let` per instruction.
+//! - `signature.rs` and `public.rs` print the head of the function, and `parts.rs` prints the parts of a long
+//!   function.
+//! - A function has one of several forms: straight-line code (`straight.rs`), loops over joints (`arrays.rs`,
+//!   `affine.rs`), and versions for eight states at once (`lanes/`). `function.rs` selects the form.
 
 mod affine;
 mod array_kernels;
@@ -64,7 +66,7 @@ pub fn module(module: &Module, options: &EmitOptions) -> SourceFile {
     let mut functions = String::new();
     for (function, name) in module.functions.iter().zip(&context.functions) {
         push_items(&mut functions, function.constants.iter().map(constant));
-        // One function is printed at a time, because the syntax tree of a large function takes far more
+        // One function is printed at a time, because the syntax tree of a large function needs far more
         // memory than its text.
         push_items(&mut functions, function::items(&context, function, name));
     }
@@ -85,7 +87,7 @@ pub fn module(module: &Module, options: &EmitOptions) -> SourceFile {
     SourceFile { name, text, header: None, companions: vec![], interface: None }
 }
 
-/// Names of the module's own items, which functions of the robot must not have.
+/// Names of items of the module itself. Functions of the robot must not have these names.
 fn reserved() -> Vec<String> {
     let compositions = Composition::ALL.map(Composition::name);
     let positions = PositionFunction::ALL.map(PositionFunction::name);

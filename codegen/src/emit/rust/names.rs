@@ -17,13 +17,13 @@ const KEYWORDS: [&str; 53] = [
 pub(super) const SPELLING: Spelling =
     Spelling { keywords: &KEYWORDS, has_free_underscores: true, prefixes: vec![] };
 
-/// Converts `name` to an ASCII identifier. If `name` is an identifier, it is returned unchanged.
+/// Converts `name` to an ASCII identifier. A name that is already an identifier is returned unchanged.
 pub(super) fn identifier(name: &str) -> Ident {
     ident(&SPELLING.identifier(name))
 }
 
-/// Converts `names` to identifiers that differ from each other and from `taken`. If an identifier is in use,
-/// `_` and a number are appended.
+/// Converts `names` to identifiers that differ from each other and from `taken`. If an identifier is already
+/// in use, `_` and a number are appended.
 pub(super) fn distinct<'a>(names: impl IntoIterator<Item = &'a str>, taken: &[String]) -> Vec<Ident> {
     idents(&SPELLING.distinct(names, taken))
 }

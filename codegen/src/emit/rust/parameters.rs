@@ -9,7 +9,7 @@ use super::lints;
 use crate::emit::documentation::of_parameter;
 use crate::model::Parameter;
 
-/// The struct, the constant with the description's values, and the implementation of `Default`; empty if
+/// The struct, the constant with the values of the description, and the implementation of `Default`; empty if
 /// there are no free parameters.
 pub(super) fn items(context: &Context<'_>) -> Vec<TokenStream> {
     if !context.has_parameters() {
@@ -25,14 +25,14 @@ pub(super) fn items(context: &Context<'_>) -> Vec<TokenStream> {
         lints::for_numbers(context.module.parameters.iter().map(|parameter| parameter.default));
     vec![
         quote! {
-            #[doc = " Free parameters of the model; `Default` gives the described values."]
+            #[doc = " Free parameters of the model; `Default` gives the values of the description."]
             #[derive(Debug, Clone, Copy, PartialEq)]
             #allowed_names
             pub struct Parameters { #(#docs pub #fields: #ty,)* }
         },
         quote! {
             impl Parameters {
-                #[doc = " The described values."]
+                #[doc = " Values of the free parameters in the description."]
                 #allowed_numbers
                 pub const DESCRIBED: Self = Self { #(#fields: #values,)* };
             }

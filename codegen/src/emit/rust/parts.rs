@@ -97,8 +97,8 @@ pub(super) fn items(
 
 /// Largest number of instructions of a function whose parts are inlined in optimized code. Without inlining,
 /// parts exchange values through memory. Inlining reduces the time of a humanoid's forward dynamics to 75 %,
-/// and of the Jacobians of a quadruped's inverse dynamics to 85 %. The parts of longer functions are not
-/// inlined, because the time of LLVM grows faster than the length of a function.
+/// and the time of the Jacobians of a quadruped's inverse dynamics to 85 %. Parts of longer functions are not
+/// inlined, because the compile time in LLVM grows faster than the length of a function.
 const MOST_INLINED: usize = 12_000;
 
 /// The private function of a part.
@@ -111,7 +111,7 @@ fn private(body: &Body<'_>, name: &Ident, index: usize, part: &Part, signature: 
     let names = names.chain(part.takes.iter().map(|&value| body.name(value)));
     let statements = body.statements(part.range.clone());
     let (returns, ty) = (values(body, &part.returns), array(body, &part.returns));
-    let documentation = format!("Part {} of `{name}`: values that later parts read.", index + 1);
+    let documentation = format!("Part {} of `{name}`: returns values that later parts read.", index + 1);
     let inlined = match body.program.instructions.len() <= MOST_INLINED {
         true => quote!(#[inline(always)]),
         false => quote!(#[inline(never)]),
@@ -132,7 +132,7 @@ fn part_name(name: &Ident, index: usize) -> Ident {
     format_ident!("{}_part_{}", name, index + 1)
 }
 
-/// Names of the arguments that neither the parts nor the operands `others` use.
+/// Names of the arguments that are used neither by the parts nor by the operands `others`.
 pub(super) fn unused(
     body: &Body<'_>,
     parts: &[Part],

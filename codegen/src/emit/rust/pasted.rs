@@ -1,4 +1,4 @@
-//! Prints private modules of fixed texts. Names in a private module cannot collide with names of the robot.
+//! Prints private modules with fixed texts. Names in a private module cannot collide with names of the robot.
 //! The pretty printer is not used, because it would remove comments.
 
 use crate::emit::options::Scalar;
@@ -9,14 +9,14 @@ pub(super) fn module(documentation: &str, attribute: &str, name: &str, texts: &[
     format!("\n/// {documentation}\n{attribute}\nmod {name} {{\n{}}}\n", texts.join("\n"))
 }
 
-/// Text of a module of loops, from texts for `f64`. For `f32` the types are replaced.
+/// Text of a module of loops, made from texts for `f64`. For `f32`, the types are replaced.
 pub(super) fn loops(scalar: Scalar, documentation: &str, name: &str, texts: &[&str]) -> String {
     let attribute =
         "#[allow(clippy::needless_range_loop, reason = \"index notation reads like the formulas\")]";
     loops_with(scalar, documentation, attribute, name, texts)
 }
 
-/// Text of a module of loops as in [`loops`], if some functions are not called.
+/// Text of a module of loops like [`loops`], but some of its functions may not be called.
 pub(super) fn partly_called_loops(scalar: Scalar, documentation: &str, name: &str, texts: &[&str]) -> String {
     let attribute = "#[allow(\n    dead_code,\n    clippy::needless_range_loop,\n    reason = \"only some of it is called, and index notation reads like the formulas\"\n)]";
     loops_with(scalar, documentation, attribute, name, texts)

@@ -46,7 +46,8 @@ fn function(context: &Context<'_>, function: PositionFunction) -> TokenStream {
             (quote!(#(#results)*), quote!(manifold::difference(&JOINT_POSITIONS, from, to)))
         }
         PositionFunction::IntegrateDerivatives => {
-            // The derivatives are in the moved frames, so they do not depend on the quaternions.
+            // The derivatives are in the frame of the displaced body, so they do not depend on the
+            // quaternions.
             (quote!((#(#results),*)), quote!(let _ = y; manifold::integrate_derivatives(&JOINT_POSITIONS, d)))
         }
         PositionFunction::Normalize => (quote!(bool), quote!(manifold::normalize(&JOINT_POSITIONS, y))),
@@ -90,6 +91,6 @@ pub(super) fn text(context: &Context<'_>) -> String {
     };
     let texts = [Text::Joints, Text::Rotation, Text::Positions, Text::Bracket, Text::Tangents];
     let sources: Vec<&str> = [imports].into_iter().chain(texts.map(Text::source)).collect();
-    let documentation = "Positions with quaternions: ⊕, ⊖ and their tangents.";
+    let documentation = "Positions with quaternions: the operations ⊕ and ⊖, and their derivatives.";
     pasted::partly_called_loops(scalar, documentation, "manifold", &sources)
 }

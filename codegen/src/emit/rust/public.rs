@@ -12,11 +12,11 @@ use crate::emit::documentation::{self, Labels, argument_shape, shape_text};
 use crate::emit::text::code;
 use crate::functions::function::Function;
 
-/// Largest number of instructions of a function that may be inlined in other crates. A call costs about as
-/// much as these instructions.
+/// Largest number of instructions of a function that may be inlined in other crates. A call takes about as
+/// long as this number of instructions.
 const INLINE_UP_TO: usize = 40;
 
-/// The public functions. `statements` store the results if the body has names for them, otherwise they return
+/// The public functions. `statements` store the results if the body has names for them; otherwise they return
 /// the results.
 pub(super) fn items(
     function: &Function,
@@ -65,11 +65,11 @@ fn returning(
     )
 }
 
-/// The function that writes its results in place. Its documentation refers to the function that returns them.
+/// The function that writes its results in place. Its documentation refers to the function that returns the
+/// results.
 fn storing(body: &Body<'_>, name: &Ident, signature: &Signature, statements: &TokenStream) -> TokenStream {
     let into = into_name(name);
-    let documentation =
-        format!("`{name}` with its results written in place; their previous values are not read.");
+    let documentation = format!("Computes `{name}` in place. Previous values of the results are not read.");
     let arguments = &signature.arguments;
     let results = body.results.iter().zip(&signature.results);
     let results = results.map(|(name, ty)| quote!(#name: &mut #ty));
@@ -85,7 +85,7 @@ fn storing(body: &Body<'_>, name: &Ident, signature: &Signature, statements: &To
     )
 }
 
-/// Statements that call the function that writes its results in place, and return the results.
+/// Statements that call the function with results in place and then return the results.
 fn call(body: &Body<'_>, name: &Ident) -> TokenStream {
     let (into, results) = (into_name(name), &body.results);
     let outputs = body.program.outputs.iter();

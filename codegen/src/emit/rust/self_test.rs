@@ -12,7 +12,7 @@ use crate::functions::function::Function;
 use crate::program::Shape;
 use crate::self_test::SelfTest;
 
-/// Largest allowed deviation, relative to the largest entry of a result. Rounding differs if a compiler
+/// Largest allowed deviation, relative to the largest entry of a result. Rounding may differ if a compiler
 /// contracts products and sums, or if sine and cosine are functions of std.
 fn tolerance(scalar: Scalar) -> f64 {
     match scalar {
@@ -38,7 +38,7 @@ pub(super) fn item(context: &Context<'_>) -> Option<TokenStream> {
     let tested = tested.filter(|(_, calls)| !calls.is_empty());
     let functions = tested.map(|(function, calls)| test(context, function, &calls));
     Some(quote! {
-        #[doc = " The functions of this module at seeded states, against the values of the generator's interpreter."]
+        #[doc = " Compares the functions of this module at pseudo-random states with values of the generator's interpreter."]
         #[cfg(test)]
         mod self_test {
             fn assert_close(found: &[#ty], expected: &[#ty]) {

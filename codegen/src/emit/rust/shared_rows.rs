@@ -1,7 +1,8 @@
-//! Variables that several arrays use one after the other.
+//! Variables that several arrays use in sequence.
 //!
-//! Each variable is first filled with zeros. With one variable per array, the variables of a quadruped take
-//! 62 kB instead of 31 kB, more than a first-level cache, and the linearization takes 7 % more time.
+//! Each variable is first filled with zeros. With one variable per array, the variables of a quadruped would
+//! take 62 kB instead of 31 kB, which is more than a first-level cache, and the linearization would take 7 %
+//! more time.
 
 use crate::emit::arrays::Row;
 use crate::program::arrays::Arrays;
@@ -10,7 +11,7 @@ use crate::program::arrays::Arrays;
 pub(super) struct SharedRows {
     /// Number of rows and length of a row, including padding, of each variable.
     pub(super) sizes: Vec<[usize; 2]>,
-    /// For each array the index of its variable; `None` if the array is not a local variable.
+    /// For each array, the index of its variable; `None` if the array is not a local variable.
     pub(super) of_arrays: Vec<Option<usize>>,
 }
 
@@ -22,8 +23,8 @@ struct Taken {
 }
 
 impl SharedRows {
-    /// Assigns variables to the arrays. An array gets a variable whose array no later step reads. Each array
-    /// of the setup gets its own variable, because the setup relies on zeros.
+    /// Assigns variables to the arrays. An array gets a variable whose current array is not read by later
+    /// steps. Each array of the setup gets its own variable, because the setup relies on initial zeros.
     pub(super) fn new(form: &Arrays, row: Row, is_local: impl Fn(usize) -> bool) -> Self {
         let mut shared = Self { sizes: Vec::new(), of_arrays: vec![None; form.arrays.len()] };
         let mut taken = Vec::new();
@@ -54,7 +55,7 @@ impl SharedRows {
     }
 }
 
-/// Index of the last step that reads an array. For results it is the number of steps.
+/// Index of the last step that reads an array. For a result, it is the number of steps.
 fn last_step(form: &Arrays, array: usize) -> usize {
     if form.outputs.iter().any(|output| output.array == array) {
         return form.steps.len();

@@ -74,7 +74,7 @@ pub(super) fn nested(
     lengths.fold(entry, |entry, len| quote!([#entry; #len]))
 }
 
-/// Tokens of a length: a constant's name if it depends on the robot, otherwise a number.
+/// Tokens of a length: the name of a constant if the length depends on the robot, otherwise a number.
 pub(super) fn length(extent: Extent) -> TokenStream {
     match extent.dimension.length() {
         Some(name) => {

@@ -11,9 +11,9 @@ use crate::emit::sequence::{self, Run};
 use crate::program::split;
 use crate::program::{Operand, Operation};
 
-/// Largest number of statements of one block. Each `let` opens a scope within the previous one. With full
-/// debug information rustc 1.95 visits scopes recursively, and 4 600 scopes overflow its stack. Blocks have
-/// no cost in optimized code.
+/// Largest number of statements of one block. Each `let` opens a scope within the previous scope. With full
+/// debug information, rustc 1.95 visits scopes recursively, and 4 600 scopes overflow its stack. Blocks do
+/// not slow down optimized code.
 const LONGEST_BLOCK: usize = 1000;
 
 impl Body<'_> {
@@ -40,7 +40,7 @@ impl Body<'_> {
     }
 
     /// All statements of a function that writes its results in place. Each result entry is stored as soon as
-    /// it is known, so fewer values are alive.
+    /// it is computed, so fewer values are alive at the same time.
     pub(super) fn storing_statements(&self) -> TokenStream {
         let constants = self.stores(|entry| self.made(entry).is_none());
         let statements = self.blocks();
@@ -133,8 +133,8 @@ impl Body<'_> {
     /// The right-hand side of an instruction; `None` for the cosine of a `SinCos`.
     fn expression(&self, operation: Operation) -> Option<TokenStream> {
         let binary = |a, operator, b| {
-            // Without a type, two literals would leave the number type open for a method that is called on
-            // the value.
+            // Two literals would leave the number type open if a method is called on the value, so one
+            // literal gets its type.
             let left = match b {
                 Operand::Constant(_) => self.receiver(a),
                 _ => self.operand(a),
@@ -177,7 +177,7 @@ fn or_nothing(name: Option<&Ident>) -> TokenStream {
     name.map_or_else(|| quote!(_), |name| quote!(#name))
 }
 
-/// Pattern of an array of `len` entries. Entries at its end that are not read have no names.
+/// Pattern for an array of `len` entries. Unused entries at its end are not named.
 fn pattern(mut names: Vec<Option<&Ident>>, len: usize) -> TokenStream {
     while names.last().is_some_and(Option::is_none) {
         names.pop();

@@ -21,7 +21,7 @@ pub(super) fn items(context: &Context<'_>, function: &Function, name: &Ident) ->
         _ => parts::calls(&body, name, &split),
     };
     let unused = parts::unused(&body, &split, body.program.entries());
-    // A robot without inputs has matrices without entries.
+    // For a robot without inputs, some matrices have no entries.
     let results = body.results.iter().zip(&body.program.outputs);
     let empty = results.filter(|(_, output)| output.entries.is_empty()).map(|(name, _)| name);
     let statements = quote!(#(let _ = #unused;)* #(let _ = #empty;)* #statements);

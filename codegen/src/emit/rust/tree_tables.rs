@@ -11,12 +11,12 @@ use crate::program::arrays::{Arrays, Relation};
 impl Emission<'_> {
     /// Adds the table of [`arrays::relation`] and returns its name.
     pub(super) fn add_relations(&self) -> Ident {
-        let about = "Relation of joint j to joint i: −1 if j is before i on its path to the base, 1 if beyond i or equal, else 0.";
+        let about = "Relation of joint j to joint i: −1 if j is before i on its path to the base, 1 if j is i or beyond i, otherwise 0.";
         self.add_table("RELATIONS", about, self.form.joints.len(), self.row.len, arrays::relation)
     }
 
-    /// Adds, for each joint, the lists of the blocks of columns with joints before it and with joints beyond
-    /// it. Returns the names of both tables.
+    /// Adds two tables with lists for each joint: the blocks of columns with joints before it, and the blocks
+    /// with joints beyond it. Returns the names of both tables.
     pub(super) fn add_blocks(&self) -> [Ident; 2] {
         let table = |name: &str, about: &str, is_in: fn(Relation) -> bool| {
             let (joints, block) = (self.form.joints.len(), self.row.block);
@@ -36,8 +36,8 @@ impl Emission<'_> {
         ]
     }
 
-    /// Adds, for each block of columns of a matrix, the list of the rows that can be non-zero. Returns the
-    /// name of the table.
+    /// Adds a table with a list for each block of columns of a matrix: the rows that can be non-zero. Returns
+    /// the name of the table.
     pub(super) fn add_rows_of_blocks(&self, matrix: usize) -> Ident {
         let (tree, block) = (self.form.coordinates(), self.row.block);
         let is_over_paths = self.form.is_over_paths(matrix);
@@ -47,9 +47,9 @@ impl Emission<'_> {
         let rows = |of: usize| (0..tree.len()).filter(move |&row| meets(row, of * block)).collect();
         let about = match is_over_paths {
             true => {
-                "Rows that are not zero in each block of columns, in a matrix over coordinates on one path."
+                "For each block of columns, the rows that can be non-zero, in a matrix over coordinates on one path."
             }
-            false => "Rows in each block of columns, all of which may not be zero.",
+            false => "For each block of columns, all rows, because every row can be non-zero.",
         };
         self.add_lists("ROWS_OF_BLOCKS", about, (0..self.row.coordinates / block).map(rows).collect())
     }
@@ -68,7 +68,7 @@ impl Emission<'_> {
 
     /// Adds the table of [`arrays::meeting`] and returns its name.
     pub(super) fn add_meetings(&self) -> Ident {
-        let about = "Whether the rows of coordinates i and j meet in the inverse of the mass matrix: 0 where they do not.";
+        let about = "Whether the inversion of the mass matrix combines the rows of coordinates i and j: 1 if it does, otherwise 0.";
         let (count, lanes) = (self.form.coordinates().len(), self.row.coordinates);
         self.add_table("MEETINGS", about, count, lanes, arrays::meeting)
     }

@@ -11,11 +11,11 @@ use crate::model::{FollowedCoordinate, Joint, JointKind, Motion, QuaternionJoint
 const OTHER_FRICTION: &str =
     "has only viscous and dry friction; other laws (Stribeck, tanh, position) are omitted at";
 const OTHER_SPRINGS: &str = "has only linear springs and dampers; other laws are omitted at";
-const LOAD: &str = "has no load-dependent friction; omitted at";
-pub(super) const SPEED: &str = "has no limits of speed, acceleration or jerk; omitted at";
+const LOAD: &str = "has no load-dependent friction; it is omitted at";
+pub(super) const SPEED: &str = "has no limits of speed, acceleration or jerk; they are omitted at";
 const EFFORT: &str =
     "has one force limit per joint; the nominal limit is omitted and the peak limit written at";
-const RANGE: &str = "has no range with a single position; omitted at";
+const RANGE: &str = "has no range with a single position; it is omitted at";
 const QUATERNION_FRICTION: &str =
     "has one damping value per joint with a quaternion; different friction of its velocities is omitted at";
 
@@ -130,7 +130,7 @@ impl Writer<'_> {
             }
             if part.limits.effort.or(part.limits.peak_effort).is_some() {
                 self.losses.add(
-                    "has no force limits for single velocities of a joint with a quaternion; omitted at",
+                    "has no force limits for single velocities of a joint with a quaternion; they are omitted at",
                     &part.name,
                 );
             }

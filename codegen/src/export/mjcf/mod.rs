@@ -129,8 +129,8 @@ impl Writer<'_> {
         }
     }
 
-    /// Opens the body of a link and returns the link. For the first link of a joint with a quaternion, it is
-    /// the body of the joint's last link.
+    /// Opens the body of a link and returns the link. If the link is the first link of a joint with a quaternion,
+    /// this function opens the body of the joint's last link and returns that link.
     fn body(&mut self, first: usize) -> usize {
         let model = self.model;
         let chain = model.quaternion_joints.iter().find(|joint| model.coordinates[joint.first] == first);
@@ -224,8 +224,10 @@ impl Writer<'_> {
             if carrier.parent != 0 {
                 self.losses.refused("has floating joints only at the base; MuJoCo rejects", &joint.name);
             } else if self.values.placed(&carrier.origin) != Placed::IDENTITY {
-                self.losses
-                    .of_robot("counts the positions of floating joints in the base frame", &joint.name);
+                self.losses.of_robot(
+                    "has floating joints with positions in the base frame; the positions differ at",
+                    &joint.name,
+                );
             }
         }
     }

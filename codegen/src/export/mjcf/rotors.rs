@@ -43,7 +43,8 @@ impl<'m> Writer<'m> {
         }
     }
 
-    /// The body of a rotor on the link `carrier`; `None` if an armature is equal or a body is not possible.
+    /// Returns the body of a rotor on the link `carrier`; `None` if an armature has the same effect or a body is not
+    /// possible.
     fn rotor(&self, drive: &'m Drive, carrier: usize) -> Option<Rotor<'m>> {
         let inertia = self.values.number(&drive.rotor_inertia);
         let is_armature = carrier == 0 && is_chain(self.model, drive);

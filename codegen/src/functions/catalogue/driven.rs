@@ -10,16 +10,15 @@ use crate::layout::Dimension;
 pub const QUANTITIES: &[Quantity] = &[Quantity {
     name: names::DRIVING_FORCES,
     summary: "Driving forces: forces that produce the prescribed motion of the driven joints.",
-    equation: "the rows of M ÿ + k − q that belong to the driven joints",
+    equation: "the rows of M ÿ + k − q for the driven joints",
     arguments: &[Coordinates, Velocities, Accelerations],
     results: &[(
         "f_d",
         &[Dimension::Fixed],
-        "by driven joint, in the order of `DRIVEN_NAMES`; positive where it drives the joint forwards",
+        "by driven joint, in the order of `DRIVEN_NAMES`; a positive force acts in the positive direction of the joint",
     )],
     notes: &[
-        "Includes everything that acts at the joint except gravity, springs and friction, also inputs that \
-         act on it.",
+        "Includes all forces at the joint except gravity, springs and friction. Forces of inputs are included.",
     ],
     build: |equations, Arguments { y, v, a, .. }| {
         let forces = equations.inverse_dynamics(y, v, a);

@@ -23,7 +23,7 @@ pub const QUANTITIES: &[Quantity] = &[Quantity {
     ..Quantity::PLAIN
 }];
 
-/// Note on joint wrenches of a robot with forces at frames.
+/// Note on the joint wrenches of a robot with forces at frames.
 pub(super) const fn beyond() -> Difference {
     notes(&[
         "A row includes forces at frames beyond its joint (springs, inputs, wrenches). The joint itself \
@@ -31,29 +31,29 @@ pub(super) const fn beyond() -> Difference {
     ])
 }
 
-/// Documents which forces between frames the potential energy includes.
+/// Adds to the documentation which forces between frames the potential energy includes.
 pub fn describe_energy(model: &Model, function: &mut Function) {
     let forces = |wanted: fn(Option<&Formula>) -> bool| -> Vec<&PointForce> {
         model.point_forces.iter().filter(|force| wanted(force.law.energy().as_ref())).collect()
     };
-    // Dampers have neither energy nor something that is missing.
+    // Dampers have no energy, so they are neither included nor excluded.
     let known = forces(|energy| energy.is_some_and(|energy| !energy.is_zero()));
     let unknown = forces(|energy| energy.is_none());
     let named = |forces: &[&PointForce]| wording::list(forces.iter().map(|force| force.name.as_str()));
     if !known.is_empty() {
         "Potential energy of gravity and of forces between frames.".clone_into(&mut function.summary);
         "V = −g · Σ m c + Σ ∫ F(l, l̇ = 0) dl".clone_into(&mut function.equation);
-        "energy [J], that of gravity zero with the masses at the height of the base frame; springs of joints not included"
+        "energy [J]; without springs of joints; gravity: 0 if the centre of mass is at the height of the base frame's origin"
             .clone_into(&mut function.results[0]);
         function.notes.push(format!(
-            "Includes the laws of {} at standstill. A summand c (l − l₀)ⁿ has no energy at l₀, any other \
-             polynomial none at l = 0.",
+            "Includes the force laws of {} at standstill. The energy of a summand c (l − l₀)ⁿ is 0 at the distance \
+             l = l₀. The energy of any other polynomial is 0 at l = 0.",
             named(&known)
         ));
     }
     if !unknown.is_empty() {
         function.notes.push(format!(
-            "Excludes the laws of {}, which are not polynomials of the distance.",
+            "Excludes the force laws of {}, which are not polynomials of the distance.",
             named(&unknown)
         ));
     }

@@ -1,8 +1,9 @@
-//! Second derivatives of the inverse dynamics, multiplied by multipliers: the Hessian blocks of the
-//! constraint `M ÿ + k − q = B u` in sequential quadratic programming with exact Hessians.
+//! Hessian of the inverse dynamics weighted by multipliers. Its blocks belong to the constraint
+//! `M ÿ + k − q = B u` in sequential quadratic programming with exact Hessians.
 //!
-//! The gradient of `λᵀ (M ÿ + k − q)` is computed by reverse differentiation of the recursive equations or as
-//! λ times the analytic Jacobians. Each column of the Hessian is a forward derivative of the gradient.
+//! The gradient of `λᵀ (M ÿ + k − q)` is computed either by reverse differentiation of the recursive equations,
+//! or as the product of λ and the analytic Jacobians. Each column of the Hessian is a forward derivative of the
+//! gradient.
 
 use super::quantity::Argument::{Accelerations, Coordinates, Multipliers, Velocities};
 use super::quantity::{Quantity, SQUARE, matrix};
@@ -78,7 +79,7 @@ pub fn inverse_dynamics_hessian<'g>(
     }
 }
 
-/// Gradients by y and ẏ.
+/// Gradients with respect to y and ẏ.
 type Gradient<'g> = (Vec<Scalar<'g>>, Vec<Scalar<'g>>);
 
 fn reverse_gradient<'g>(
@@ -113,7 +114,7 @@ fn second<'g>(
     (mut by_y, mut by_v): Gradient<'g>,
 ) -> Hessian<'g> {
     let (graph, n) = (equations.graph, equations.model.coordinates.len());
-    // Nothing is differentiated by the motion of driven joints.
+    // Derivatives with respect to driven coordinates are not computed.
     by_y.truncate(n);
     by_v.truncate(n);
     let zeros = vec![vec![graph.constant(0.0); n]; n];
@@ -124,7 +125,7 @@ fn second<'g>(
         by_accelerations: zeros,
     };
     for j in 0..n {
-        // Symmetric: the entries from the diagonal on serve both triangles.
+        // The block is symmetric: entries from the diagonal on are used for both triangles.
         let later: Vec<_> = by_y[j..].iter().chain(&by_v).copied().collect();
         let column = equations.along(&later, y, j);
         let (own, mixed) = column.split_at(by_y.len() - j);

@@ -7,14 +7,14 @@ use crate::model::Model;
 /// A kind of robots: its condition, its additional functions, and its functions and products that differ or
 /// are missing.
 pub struct Kind {
-    /// Property of these robots in documentation, for example `driven joints`.
+    /// Property of these robots in documentation, for example `driven joints` after "robots with".
     pub robots: &'static str,
     /// Code of the errors about missing functions.
     pub code: &'static str,
-    /// Condition in messages. The example replaces `{}`.
+    /// Condition in messages. `{}` stands for the part of the model that [`Self::example`] names.
     pub condition: &'static str,
-    /// Function that names the part of a model because of which the model is of this kind. The name may be
-    /// empty. `None` if the model is not of this kind.
+    /// Names the part of a model that makes the model one of this kind. The name may be empty. `None` if the
+    /// model is not of this kind.
     pub example: fn(&Model) -> Option<String>,
     /// Rows of the catalogue with the functions that only these robots have.
     pub adds: &'static [Quantity],
@@ -31,9 +31,9 @@ pub enum Difference {
     Documented(Otherwise),
     /// The function is missing.
     Missing {
-        /// The cause. It follows the condition in messages, and may be empty.
+        /// Reason, which follows the condition in messages and may be empty.
         why: &'static str,
-        /// The remedy; empty for a product, because a [`Product`] has its own remedy.
+        /// Help text; empty for a product, because a [`Product`] has its own help text.
         help: &'static str,
     },
 }
@@ -51,7 +51,7 @@ pub struct Otherwise {
     pub notes: &'static [&'static str],
 }
 
-/// A missing product.
+/// Difference of a missing product.
 pub(super) const MISSING: Difference = Difference::Missing { why: "", help: "" };
 
 /// Adds notes after the notes of the row.
@@ -65,7 +65,7 @@ pub(super) const fn equation(equation: &'static str, notes: &'static [&'static s
 }
 
 impl Kind {
-    /// A kind without additional functions and without differences.
+    /// A kind without additional functions and differences.
     pub(super) const PLAIN: Self = Self {
         robots: "",
         code: "",
@@ -113,7 +113,7 @@ impl Otherwise {
     }
 }
 
-/// A product that is made from a robot, other than its functions.
+/// Something that gelenk makes from a robot, other than generated functions.
 #[derive(Debug, Clone, Copy)]
 pub struct Product {
     /// Name in [`Kind::differences`].
@@ -128,39 +128,39 @@ const fn product(name: &'static str, missing: &'static str, help: &'static str) 
     Product { name, missing, help }
 }
 
-/// The product: functions as loops over joints.
+/// The product "loops over joints": functions in array form.
 pub const LOOPS: Product =
     product("loops", "loops over joints are not available", "the functions are straight-line code");
 
-/// The product: closed forms for people.
+/// The product "closed forms": short equations for humans.
 pub const CLOSED_FORMS: Product = product(
     "closed-forms",
     "closed forms are not available",
     "`gelenk inspect program` prints the equations with intermediate values",
 );
 
-/// The product: functions for CasADi.
+/// The product "functions for CasADi".
 pub const CASADI: Product = product(
     "casadi",
     "functions for CasADi are not available",
     "the module itself is valid for such robots: remove `--for casadi`",
 );
 
-/// The product: functions for acados.
+/// The product "functions for acados".
 pub const ACADOS: Product = product(
     "acados",
     "functions for acados are not available",
     "the module itself is valid for such robots: remove `--for acados`",
 );
 
-/// The product: export to other formats.
+/// The product "export to URDF or MJCF".
 pub const EXPORT: Product = product(
     "export",
     "the robot cannot be exported",
     "URDF and MJCF have no prescribed motions: without `motion` the joint is a coordinate",
 );
 
-/// The product: identification by the library, without the measured motion of driven joints.
+/// The product "identification" by the library without measured motions of driven joints.
 pub const IDENTIFICATION: Product = product(
     "identification",
     "the robot cannot be identified",

@@ -27,7 +27,7 @@ pub static KINDS: [Kind; 11] = [
                  forward_dynamics_with_wrenches forward_dynamics_derivatives_with_wrenches",
                 Missing {
                     why: "",
-                    help: "describe a mass or rotor that moves with it, or choose functions without the inverse of M",
+                    help: "describe a mass or a rotor that moves with it, or select only functions that do not need the inverse of M",
                 },
             ),
             ("acados", MISSING),
@@ -56,30 +56,30 @@ pub static KINDS: [Kind; 11] = [
             (
                 "coriolis_forces bias_forces equations_of_motion mass_matrix_and_bias_forces",
                 notes(&[
-                    "It contains M_d d̈, the inertial forces of the driven joints' accelerations, so that M ÿ + k = q + B u holds for the other \
-                     joints.",
+                    "The forces include M_d d̈, the inertial forces of the driven joints' accelerations d̈, so that \
+                     M ÿ + k = q + B u holds for the other joints.",
                 ]),
             ),
             (
                 "kinetic_energy",
                 equation(
                     "½ (ẏ, ḋ)ᵀ M (ẏ, ḋ)",
-                    &["With the mass matrix of all joints, the driven ones included."],
+                    &["M is the mass matrix of all joints, including driven joints."],
                 ),
             ),
-            ("joint_wrenches", notes(&["The rows of the driven joints follow those of the coordinates."])),
+            ("joint_wrenches", notes(&["The rows of the driven joints follow the rows of the coordinates."])),
             (
                 "center_of_mass_jacobian centroidal_momentum_matrix frame_NAME_jacobian",
-                notes(&["The columns of the driven joints follow those of the coordinates."]),
+                notes(&["The columns of the driven joints follow the columns of the coordinates."]),
             ),
             (
                 "frame_NAME_jacobian_rate_times_velocity",
-                notes(&["The accelerations of the driven joints are those in d."]),
+                notes(&["The accelerations of the driven joints are taken from d."]),
             ),
             (
                 "discretize step step_derivatives",
                 Missing {
-                    why: ": the motion is needed throughout the sample time",
+                    why: ": its motion is needed throughout the sample time",
                     help: "`forward_dynamics` and `linearize` take the driven motion at one time; \
                            `DrivenRobot` of gelenk-runtime computes steps from them with a motion over time",
                 },
@@ -124,7 +124,7 @@ pub static KINDS: [Kind; 11] = [
         ],
     },
     Kind {
-        robots: "friction under load",
+        robots: "load-dependent friction",
         code: "load-friction",
         condition: "joint `{}` has load-dependent friction",
         example: |model| name(model.joints().find(|joint| !joint.load_friction.is_empty())),
@@ -137,7 +137,7 @@ pub static KINDS: [Kind; 11] = [
             (
                 "applied_forces friction_torques friction_parameters friction_regressor",
                 notes(&[
-                    "Friction without its load-dependent part `|τ_l| load_friction`, which depends on the accelerations.",
+                    "Excludes the load-dependent friction `|τ_l| load_friction`, which depends on the accelerations.",
                 ]),
             ),
             (
@@ -153,8 +153,8 @@ pub static KINDS: [Kind; 11] = [
                     "ÿ = M⁻¹ (τ_l + gravity_forces + spring_forces − k), τ_l = w / (1 + s₁ sign w), w = B u − friction_torques",
                     &[
                         LOAD,
-                        "Computed joint by joint: since `|s₁| < 1`, the drive force without \
-                         `friction_torques`, `w`, has the sign of the load.",
+                        "Since `|s₁| < 1`, `w` (the drive force without `friction_torques`) has the sign of \
+                         the load, so each joint is solved separately.",
                     ],
                 ),
             ),
@@ -162,7 +162,7 @@ pub static KINDS: [Kind; 11] = [
                 "inverse_dynamics_derivatives",
                 Difference::Documented(Otherwise {
                     equation: Some("δ(B u) = ∂/∂y δy + ∂/∂ẏ δẏ + D M δÿ, D = diag(1 + s₁ sign τ_l)"),
-                    first_result: Some("drive forces at the joints, friction under load included"),
+                    first_result: Some("drive forces at the joints, including load-dependent friction"),
                     notes: &[LOAD, KINK],
                     ..Otherwise::ROW
                 }),
@@ -171,7 +171,7 @@ pub static KINDS: [Kind; 11] = [
             (
                 "inertial_regressor",
                 notes(&[
-                    "Here `W π − springs` is the load `τ_l`, and `|τ_l| load_friction` is part of the inverse dynamics too.",
+                    "`W π − springs` is the load `τ_l`. The inverse dynamics also include `|τ_l| load_friction`.",
                 ]),
             ),
             (
@@ -184,9 +184,9 @@ pub static KINDS: [Kind; 11] = [
             (
                 "inverse_dynamics_derivatives_and_mass_matrix forward_dynamics_derivatives inverse_dynamics_hessian",
                 Missing {
-                    why: ": M and M⁻¹ are not the derivatives, which contain another factor",
-                    help: "use `inverse_dynamics_derivatives` or `linearize`; the derivative of the former \
-                           by accelerations is D M, see its documentation",
+                    why: ": M and M⁻¹ are not the derivatives, which have an additional factor",
+                    help: "use `inverse_dynamics_derivatives`, whose documentation has the factor D, or \
+                           `linearize`",
                 },
             ),
             ("loops closed-forms", MISSING),
@@ -214,8 +214,8 @@ pub static KINDS: [Kind; 11] = [
                  inverse_dynamics_derivatives_with_wrenches forward_dynamics_derivatives inverse_dynamics_hessian \
                  forward_dynamics_derivatives_with_wrenches wrench_forces_derivatives",
                 notes(&[
-                    "Column j of ∂/∂y is the derivative along ⊕: of `δ ↦ f(integrate(y, δ))` by δ_j at 0, with the velocities held in the \
-                     frames of their bodies.",
+                    "Column j of ∂/∂y is the derivative along ⊕: the derivative of `f(integrate(y, δ))` by δ_j at δ = 0. Velocities are \
+                     constant in the frames of their bodies.",
                 ]),
             ),
             (
@@ -313,7 +313,7 @@ impl Refusal {
     }
 }
 
-/// Missing functions and products of a model. Whether the model is of a kind is computed once, because some
+/// Finds missing functions and products of a model. Each kind is tested only once for the model, because some
 /// conditions require the mass matrix.
 pub(crate) struct Refusals<'m> {
     model: &'m Model,
@@ -337,7 +337,7 @@ impl<'m> Refusals<'m> {
     }
 }
 
-/// Changes of a function's documentation, for each kind of the model that has one.
+/// Changes of a function's documentation: one for each kind of the model that changes it.
 pub(crate) fn otherwise(model: &Model, name: &str) -> impl Iterator<Item = &'static Otherwise> {
     KINDS.iter().filter_map(move |kind| match kind.difference(name)? {
         Difference::Documented(other) => kind.includes(model).then_some(other),

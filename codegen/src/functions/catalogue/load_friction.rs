@@ -1,26 +1,26 @@
 //! Functions of robots with load-dependent friction: an additional function, other equations, and missing
 //! functions.
 //!
-//! For these robots q includes the friction τ of velocity and position, and the equations of motion have an
-//! additional term for the friction of the load.
+//! For these robots, q includes the friction τ that depends on velocity and position. The equations of motion
+//! have an additional term for the load-dependent friction.
 
 use super::quantity::Argument::{Coordinates, Velocities};
 use super::quantity::{Quantity, VECTOR, vector};
 use crate::function_names as names;
 
-/// Equations of motion with the friction of the load.
+/// Equations of motion with load-dependent friction.
 pub const MOTION: &str = "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u − |τ_l| s₁(y, ẏ)";
 
 /// Row of the additional function.
 pub const QUANTITIES: &[Quantity] = &[Quantity {
     name: names::LOAD_FRICTION,
-    summary: "Friction under load `s₁(y, ẏ)`: additional friction per unit of load.",
+    summary: "Load-dependent friction `s₁(y, ẏ)`: additional friction per unit of load.",
     equation: MOTION,
     arguments: &[Coordinates, Velocities],
     results: &[(
         "s₁",
         VECTOR,
-        "friction over load, without unit; positive for positive velocity, 0 for joints without such friction",
+        "friction divided by load, without unit; positive for positive velocity, 0 for joints without load-dependent friction",
     )],
     notes: &[
         LOAD,
@@ -30,13 +30,13 @@ pub const QUANTITIES: &[Quantity] = &[Quantity {
     ..Quantity::PLAIN
 }];
 
-/// Note that defines the load.
+/// Note that defines the load τ_l.
 pub const LOAD: &str = "The load `τ_l` is the drive force without friction, `M ÿ + k − gravity_forces − \
         spring_forces`. Friction is `friction_torques + |τ_l| load_friction` (Hamon, Gautier and Garrec 2010).";
 
-/// Note on the derivatives at zero load.
-pub const KINK: &str = "At a load of 0 the derivatives are discontinuous; they have the values without \
-        `load_friction`, between both one-sided limits.";
+/// Note on the derivatives at load 0.
+pub const KINK: &str = "The derivatives are discontinuous at a load of 0. There they have the values without \
+        `load_friction`, which are between the two one-sided limits.";
 
 #[cfg(test)]
 mod tests {
@@ -66,7 +66,7 @@ mod tests {
                 "joint_wrenches",
             ];
             let is_true = true_rows.contains(&row.name);
-            // A robot with wrenches or driven joints has no friction under load.
+            // A robot with wrenches or driven joints has no load-dependent friction.
             let mut apart = KINDS.iter().flat_map(|kind| kind.adds);
             let is_own = apart.any(|own| own.name == row.name);
             assert!(

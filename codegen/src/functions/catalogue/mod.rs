@@ -1,8 +1,8 @@
-//! The catalogue of functions. A row is the documentation and the derivation of one generated function.
+//! The catalogue of functions. Each row has the documentation and the derivation of one generated function.
 //!
-//! `quantity` defines the row type. `motion`, `frames`, `regressors`, `hessian` and `reactions` have the
-//! rows. [`KINDS`] is the table of kinds of robots: additional rows, and functions that differ or are
-//! missing.
+//! `quantity` defines the type of a row. `motion`, `frames`, `regressors`, `hessian`, `momentum` and
+//! `reactions` contain the rows. [`KINDS`] is the table of kinds of robots, with their additional rows and with
+//! functions that differ or are missing.
 
 mod driven;
 mod frame_inputs;
@@ -53,12 +53,12 @@ pub(super) fn all_quantities(model: &Model) -> impl Iterator<Item = &'static Qua
     quantities().map(of_model).chain(added).chain(ON_REQUEST).chain(on_request)
 }
 
-/// Whether a function is derived only if requested by name.
+/// Whether a function is generated only if it is requested by name.
 pub(super) fn is_on_request(name: &str) -> bool {
     ON_REQUEST.iter().chain(driven::QUANTITIES).any(|row| row.name == name)
 }
 
-/// Rows of the functions that are derived only if they are requested by name, because few robots need them.
+/// Rows of the functions that are generated only if they are requested by name, because few robots need them.
 const ON_REQUEST: &[Quantity] = {
     let [center, jacobian, matrix, momentum] = momentum::QUANTITIES;
     &[hessian::QUANTITY, reactions::QUANTITY, center, jacobian, matrix, momentum]
@@ -79,7 +79,7 @@ fn all() -> impl Iterator<Item = &'static Quantity> {
     quantities().chain(ON_REQUEST).chain(KINDS.iter().flat_map(|kind| kind.adds))
 }
 
-/// Whether a function differentiates friction by the velocity.
+/// Whether a function contains the derivative of friction with respect to the velocity.
 pub(crate) fn differentiates_friction(name: &str) -> bool {
     row(name).is_some_and(|row| row.differentiates_friction)
 }
@@ -102,8 +102,7 @@ pub fn compositions(selection: &[String]) -> Vec<Composition> {
 
 /// Checks that a model has the selected functions.
 ///
-/// # Errors
-/// `unknown-function` for each name that the model lacks, except [`GROUPS`].
+/// `unknown-function` for each name that is neither a function of the model nor one of [`GROUPS`].
 pub(crate) fn check_names(model: &Model, selection: &[String]) -> Result<(), Diagnostics> {
     let known = names(model);
     let unknown = selection.iter().filter(|name| !GROUPS.contains(&name.as_str()) && !known.contains(name));

@@ -6,7 +6,7 @@ use crate::dynamics::arguments::Arguments;
 use crate::function_names;
 
 const NOTES: &[&str] = &[
-    "Includes all moving bodies, in the axes of the base frame; excludes bodies on a fixed base. Rotors with \
+    "Includes all moving bodies, in the axes of the base frame. Excludes bodies on a fixed base. Rotors with \
      `coupling = \"body\"` spin with their gear ratio.",
 ];
 

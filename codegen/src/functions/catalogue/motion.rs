@@ -12,7 +12,7 @@ use crate::dynamics::recursion::motion::MotionInput;
 use crate::function_names;
 use crate::functions::module_constants;
 
-/// The equations of motion and functions derived from them.
+/// Rows of the equations of motion and of functions derived from them.
 pub(super) const QUANTITIES: &[Quantity] = &[
     Quantity {
         name: function_names::MASS_MATRIX,
@@ -31,26 +31,30 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         summary: "Coriolis, centrifugal and gyroscopic forces `k(y, ẏ)`.",
         equation: "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u",
         arguments: &[Coordinates, Velocities],
-        results: &[("k", VECTOR, "on the left-hand side: without gravity, springs and friction")],
+        results: &[("k", VECTOR, "on the left-hand side, without gravity, springs and friction")],
         notes: &["Recursive Newton–Euler equations without gravity and accelerations."],
         build: |equations, arguments| vec![vector(equations.coriolis_forces(&arguments.y, &arguments.v))],
         ..Quantity::PLAIN
     },
     Quantity {
         name: function_names::GRAVITY_FORCES,
-        summary: "Gravity's share of the applied forces.",
+        summary: "Generalized forces of gravity, a part of the applied forces q.",
         equation: "q = gravity_forces + spring_forces − friction_torques",
         arguments: &[Coordinates],
-        results: &[("q_gravity", VECTOR, "positive where gravity drives the joint forwards; −∂V/∂y")],
+        results: &[(
+            "q_gravity",
+            VECTOR,
+            "a positive force acts in the positive direction of the joint; equals −∂V/∂y",
+        )],
         build: |equations, arguments| vec![vector(equations.gravity_forces(&arguments.y))],
         ..Quantity::PLAIN
     },
     Quantity {
         name: function_names::SPRING_FORCES,
-        summary: "Springs' and dampers' share of the applied forces.",
+        summary: "Generalized forces of springs and dampers, a part of the applied forces q.",
         equation: "q = gravity_forces + spring_forces − friction_torques",
         arguments: &[Coordinates, Velocities],
-        results: &[("q_springs", VECTOR, "positive where a spring drives the joint forwards")],
+        results: &[("q_springs", VECTOR, "a positive force acts in the positive direction of the joint")],
         build: |equations, arguments| vec![vector(equations.spring_forces(&arguments.y, &arguments.v))],
         ..Quantity::PLAIN
     },
@@ -79,7 +83,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         summary: "Input matrix `B`.",
         equation: "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u",
         arguments: &[],
-        results: &[("B", BY_INPUTS, "gear ratios, times motor constants where inputs are currents")],
+        results: &[("B", BY_INPUTS, "gear ratios, times motor constants for inputs that are currents")],
         build: |equations, _| vec![matrix(equations.input_matrix(&[]))],
         ..Quantity::PLAIN
     },
@@ -104,10 +108,14 @@ pub(super) const QUANTITIES: &[Quantity] = &[
     },
     Quantity {
         name: function_names::INVERSE_DYNAMICS,
-        summary: "Inverse dynamics: the joint forces of a motion.",
+        summary: "Inverse dynamics: the drive forces that produce a motion.",
         equation: "M(y) ÿ + k(y, ẏ) − q(y, ẏ)",
         arguments: &[Coordinates, Velocities, Accelerations],
-        results: &[("B u", VECTOR, "drive forces at the joints; u_ff = B⁻¹ times these")],
+        results: &[(
+            "B u",
+            VECTOR,
+            "drive forces at the joints; the feedforward inputs are u_ff = B⁻¹ (B u)",
+        )],
         notes: &["Recursive Newton–Euler equations (Luh, Walker and Paul 1980) with base parameters."],
         build: |equations, arguments| {
             vec![vector(equations.inverse_dynamics(&arguments.y, &arguments.v, &arguments.a))]
@@ -140,7 +148,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
                 "k − gravity_forces: forces that hold the accelerations at zero, without springs and friction",
             ),
         ],
-        notes: &["Common terms of both are computed once."],
+        notes: &["Common terms are computed once."],
         build: |equations, arguments| {
             let (mass, bias) = equations.mass_matrix_and_bias(&arguments.y, &arguments.v);
             vec![matrix(mass), vector(bias)]
@@ -248,7 +256,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         results: &[(
             "V",
             SCALAR,
-            "energy [J], of the moving bodies, zero with their masses at the height of the base frame; springs not included",
+            "energy [J] of the moving bodies without springs, 0 if the centre of mass is at the height of the base frame's origin",
         )],
         build: |equations, arguments| vec![scalar(equations.potential_energy(&arguments.y))],
         describe: frame_inputs::describe_energy,
@@ -256,13 +264,13 @@ pub(super) const QUANTITIES: &[Quantity] = &[
     },
 ];
 
-/// Friction that depends on the velocities alone.
+/// Row of friction that depends only on the velocities.
 const FRICTION_TORQUES: Quantity = Quantity {
     name: function_names::FRICTION_TORQUES,
     summary: "Joint friction `τ(ẏ)`.",
     equation: "q = gravity_forces + spring_forces − friction_torques",
     arguments: &[Velocities],
-    results: &[("τ", VECTOR, "positive for positive velocity, at the joint")],
+    results: &[("τ", VECTOR, "friction at the joint, positive for positive velocity")],
     build: friction_torques,
     ..Quantity::PLAIN
 };
@@ -306,13 +314,13 @@ pub(super) const LINEARIZE_ON_TANGENT: Quantity = Quantity {
         ("A_y", SQUARE, "∂v̇/∂δ, row i = acceleration i"),
         ("A_v", SQUARE, "∂v̇/∂v, row i = acceleration i"),
         ("B_x", BY_INPUTS, "∂v̇/∂u, row i = acceleration i"),
-        ("c", VECTOR, "affine remainder v̇ − A_v v̄ − B_x u: y itself counts as δ = 0"),
-        ("D", SQUARE, "−ad_v̄ in the rows of a spherical or floating joint, else 0"),
+        ("c", VECTOR, "affine remainder v̇ − A_v v̄ − B_x u at δ = 0"),
+        ("D", SQUARE, "−ad_v̄ in the rows of a spherical or floating joint, 0 in all other rows"),
     ],
     notes: &[
         DERIVATIVE_NOTES[0],
-        "δ is a small motion: the positions are `integrate(y, δ)`. v̄ are the velocities of the linearization, \
-         the argument `v`. For joints without quaternions δ is the difference of the positions.",
+        "δ is a small displacement: the positions are `integrate(y, δ)`. v̄ is the argument `v`, the velocities of the \
+         linearization. For joints without quaternions δ is the difference of the positions.",
     ],
     build: |equations, Arguments { y, v, u, .. }| {
         let result = equations.linearize(y, v, u);
@@ -332,8 +340,8 @@ pub(super) const INPUT_MATRIX_BY_POSITION: Quantity = Quantity {
     results: &[(
         "B",
         BY_INPUTS,
-        "generalized forces of a unit of each input: for drives gear ratios, times motor constants where inputs are \
-         currents; for inputs at frames `Jᵀ` times the wrench, or `−∂l/∂y` of the distance that they pull together",
+        "generalized forces of one unit of each input: gear ratios for drives, times motor constants for currents; for \
+         inputs at frames `Jᵀ` times the wrench, or `−∂l/∂y` for inputs that shorten the distance l",
     )],
     build: |equations, arguments| vec![matrix(equations.input_matrix(&arguments.y))],
     ..Quantity::PLAIN
@@ -343,7 +351,7 @@ pub(super) const INPUT_MATRIX_BY_POSITION: Quantity = Quantity {
 pub(super) const FRICTION_BY_POSITION: Quantity = Quantity {
     summary: "Joint friction `τ(y, ẏ)`.",
     arguments: &[Coordinates, Velocities],
-    results: &[("τ", VECTOR, "positive where friction brakes a positive velocity, at the joint")],
+    results: &[("τ", VECTOR, "friction at the joint, positive if it brakes a positive velocity")],
     ..FRICTION_TORQUES
 };
 

@@ -55,7 +55,7 @@ impl Argument {
             Inputs => "inputs",
             Multipliers => "multipliers λ, one for each force",
             Wrenches => "wrenches, each force [N], then moment about the origin of its frame [N m]",
-            Driven => "driven coordinates, each its position, velocity and acceleration",
+            Driven => "driven motion: position, velocity and acceleration of each driven joint",
         }
     }
 
@@ -94,10 +94,10 @@ impl Argument {
         };
         let meaning = match self {
             Coordinates if !model.quaternion_joints.is_empty() => {
-                "positions; quaternions are x y z w and of unit length"
+                "positions; quaternions are x y z w with unit length"
             }
             Velocities if !model.quaternion_joints.is_empty() => {
-                "velocities v, written ẏ in equations; for a joint with a quaternion linear and angular \
+                "velocities v, written ẏ in equations; for a joint with a quaternion, linear and angular \
                  velocity in the frame of its body"
             }
             Accelerations if !model.quaternion_joints.is_empty() => "accelerations v̇, written ÿ in equations",
@@ -130,7 +130,7 @@ fn position_entries(model: &Model) -> Vec<(String, &'static str)> {
     entries.collect()
 }
 
-/// A result of a function, as nodes of the expression graph.
+/// A result of a function: nodes of the expression graph.
 pub struct Value<'g> {
     /// Lengths of the dimensions, rows first; empty for a scalar.
     pub(in crate::functions) lengths: Vec<usize>,
@@ -162,21 +162,21 @@ pub(in crate::functions) const IN_SPACE: &[Dimension] = &[Dimension::Fixed];
 pub(in crate::functions) const ROTATION: &[Dimension] = &[Dimension::Fixed, Dimension::Fixed];
 pub(in crate::functions) const FRAME_JACOBIAN: &[Dimension] = &[Dimension::Fixed, Dimension::Velocities];
 
-/// Derivation of a quantity from the equations of motion.
+/// Function that derives a quantity from the equations of motion.
 pub(in crate::functions) type Build = for<'g> fn(&Equations<'_, 'g>, &Arguments<'g>) -> Vec<Value<'g>>;
 
-/// Estimate of the least number of operations, made before the derivation.
+/// Method to estimate the least number of operations before the derivation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Estimate {
-    /// Operations of the mass matrix. Their number grows with the square of the number of joints.
+    /// Number of operations of the mass matrix, which grows with the square of the number of joints.
     MassMatrix,
-    /// Ten columns for each pair of a joint and a link that it moves. A column has 39 operations for the UR5,
-    /// and 75 for a chain of 30 joints with right angles between their axes.
+    /// Ten columns for each pair of a joint and a link that the joint moves. These ten columns have 39
+    /// operations for the UR5, and 75 for a chain of 30 joints with right angles between their axes.
     Regressor,
-    /// Products and inverses of matrices. With n joints they have 5.2 n³ operations for Talos, and 6.9 n³ for
-    /// a chain of 60 joints with right angles between their axes.
+    /// Products and inverses of matrices. For n joints, they have 5.2 n³ operations for Talos, and 6.9 n³ for a
+    /// chain of 60 joints with right angles between their axes.
     Inverse,
-    /// Products for each pair of joints. A pair has 83 operations for a chain of 60 joints with right angles
+    /// Products for each pair of joints. Each pair has 83 operations for a chain of 60 joints with right angles
     /// between their axes.
     Pairs,
 }
@@ -198,45 +198,46 @@ pub struct Quantity {
     /// Adds documentation that depends on the model.
     pub(in crate::functions) describe: fn(&Model, &mut Function),
     pub(in crate::functions) build: Build,
-    /// Note on the derivation that was chosen because it is the cheapest; `None` without a note.
+    /// Note on the derivation that was chosen because it needs the fewest operations; `None` without a note.
     pub(in crate::functions) route: fn(&Formulations<'_>) -> Option<&'static str>,
     /// Constants that are printed before the function.
     pub(in crate::functions) constants: fn(&Model, &Formulations<'_>, &Program) -> Vec<Constant>,
-    /// Whether the function differentiates friction by the velocity. A jump of a friction law does not appear
-    /// in this derivative.
+    /// Whether the function contains the derivative of friction with respect to the velocity. This derivative
+    /// does not show jumps of a friction law.
     pub(in crate::functions) differentiates_friction: bool,
-    /// Estimate of the operations of straight-line code, if they are very many for some robots. `None` for
-    /// other functions.
+    /// Method to estimate the operations of straight-line code. `None` for functions that never have very many
+    /// operations.
     pub(in crate::functions) straight_size: Option<Estimate>,
-    /// Loops over joints as the other form of the function; `None` if the function is always straight-line
-    /// code.
+    /// Derivation as loops over joints, the other form of the function; `None` if the function is always
+    /// straight-line code.
     pub(in crate::functions) loops: Option<Loops>,
 }
 
 /// Derivation of a function as loops over joints.
 #[derive(Clone, Copy)]
 pub(in crate::functions) enum Loops {
-    /// The function has loops of its own. `size` estimates the number of their operations.
+    /// The function has its own loops. `size` is the method to estimate the number of their operations.
     PerJoint { build: BuildLoops, size: Estimate, products: Option<Products> },
-    /// The results are affine in the results of another function, which is called.
+    /// The function calls another function. Its results are affine functions of the results of this other
+    /// function.
     Affine { called: &'static str },
 }
 
-/// Loops only for the products with M⁻¹. All other code is straight-line code.
+/// Derivation with loops only for products with M⁻¹. All other code is straight-line code.
 #[derive(Clone, Copy)]
 pub(in crate::functions) struct Products {
     pub build: BuildLoops,
-    /// Function that computes the other factor. The loops are faster if this factor is long straight-line
-    /// code.
+    /// Name of the function that computes the other factors of the products. The loops are faster if the
+    /// straight-line code of these factors is long.
     pub beside: &'static str,
 }
 
-/// Construction of loops over joints.
+/// Function that derives loops over joints.
 pub(in crate::functions) type BuildLoops =
     for<'g> fn(&Equations<'_, 'g>, &Arguments<'g>, Vec<InputArray>) -> Arrays;
 
 impl Quantity {
-    /// Default row: a small function without constants.
+    /// Default values of a row: a small function without constants.
     pub(in crate::functions) const PLAIN: Self = Self {
         name: "",
         summary: "",
@@ -254,11 +255,11 @@ impl Quantity {
     };
 }
 
-/// Derivation of a quantity of a named frame.
+/// Function that derives a quantity of a named frame.
 pub(in crate::functions) type FrameBuild =
     for<'g> fn(&Equations<'_, 'g>, &Arguments<'g>, usize, &Pose<Scalar<'g>>) -> Vec<Value<'g>>;
 
-/// A function of each named frame.
+/// A row of the catalogue for a function of each named frame.
 pub(in crate::functions) struct FrameQuantity {
     pub(in crate::functions) kind: FrameKind,
     pub(in crate::functions) summary: &'static str,

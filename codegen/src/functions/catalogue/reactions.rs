@@ -10,7 +10,7 @@ use crate::layout::Dimension;
 /// Row of the joint wrenches in the catalogue.
 pub const QUANTITY: Quantity = Quantity {
     name: function_names::JOINT_WRENCHES,
-    summary: "Wrenches that pass through the joints, from the parent side to the child, in motion.",
+    summary: "Joint wrenches: the wrench that each joint transmits from its parent side to its child side.",
     equation: "(F_i, n_i) = Σ (m (c̈ − g), r × m (c̈ − g) + I ω̇ + ω × I ω) over the bodies beyond joint i",
     arguments: &[Coordinates, Velocities, Accelerations],
     results: &[(
@@ -26,12 +26,12 @@ pub const QUANTITY: Quantity = Quantity {
          gear, drive, spring, friction and belt. Its component along the joint is F_a for a sliding joint with \
          axis a, n_a for a turning joint, and n_a + pitch F_a for a helical joint. This component is the sum \
          of the forces of gear (after the rotor's inertia), springs, friction and couplings at the joint. The \
-         bearing bears the other components. Friction and drives are no arguments; they affect the row only \
+         bearing transmits the other components. Friction and drives are not arguments, and affect the row only \
          through ÿ.",
-        "The masses are as described. Base parameters would give the same generalized forces but other \
-         reactions. Rotors with `coupling = \"body\"` act on their carrier, including the gyroscopic moment. \
+        "The masses are those of the description. Base parameters would give the same generalized forces but \
+         different wrenches. Rotors with `coupling = \"body\"` act on their carrier, including the gyroscopic moment. \
          The inertia of `coupling = \"diagonal\"` has no location and acts on no joint. Bodies on fixed and \
-         held joints belong to the link that carries them; these joints have no rows.",
+         held joints belong to the link that carries them; fixed and held joints have no rows.",
         "Newton–Euler equations in link frames (Luh, Walker and Paul 1980).",
     ],
     build: |equations, Arguments { y, v, a, .. }| {

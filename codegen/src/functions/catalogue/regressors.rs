@@ -14,7 +14,7 @@ use crate::functions::module_constants;
 pub const QUANTITIES: &[Quantity] = &[
     Quantity {
         name: function_names::INERTIAL_PARAMETERS,
-        summary: "Inertial parameters `π` of links and rotors as described.",
+        summary: "Inertial parameters `π` of links and rotors in the description.",
         equation: "W(y, ẏ, ÿ) π = M ÿ + k − q_gravity",
         arguments: &[],
         results: &[("π", PARAMETERS, "in the order of `INERTIAL_PARAMETER_NAMES`")],
@@ -33,10 +33,10 @@ pub const QUANTITIES: &[Quantity] = &[
         results: &[(
             "W",
             REGRESSOR,
-            "rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; those of rotors are last",
+            "rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; columns of rotors are last",
         )],
         notes: &[
-            "The inverse dynamics are `W π + τ − springs`, with friction τ and the springs' forces. Independent of the \
+            "The inverse dynamics are `W π + τ − springs`, with friction τ and the springs' forces. W does not depend on the \
              described inertias (Atkeson, An and Hollerbach 1986).",
         ],
         build: |equations, Arguments { y, v, a, .. }| {
@@ -52,7 +52,7 @@ pub const QUANTITIES: &[Quantity] = &[
         arguments: &[Coordinates, Velocities, Accelerations],
         results: &[("W_b", REGRESSOR, "rows by coordinate, columns in the order of `BASE_PARAMETER_NAMES`")],
         notes: &[
-            "Dependent columns were found numerically (Gautier 1991). Stacked over exciting states, W_b has \
+            "Dependent columns were found numerically (Gautier 1991). If W_b is stacked over enough exciting states, it has \
              full rank for almost all values of free parameters.",
         ],
         build: |equations, Arguments { y, v, a, .. }| {
@@ -70,7 +70,7 @@ pub const QUANTITIES: &[Quantity] = &[
 
 const FRICTION_PARAMETERS: Quantity = Quantity {
     name: function_names::FRICTION_PARAMETERS,
-    summary: "Friction parameters as described: the coefficients of `friction_regressor`.",
+    summary: "Friction parameters `φ` of the description: the factors of `friction_regressor`.",
     equation: "τ(ẏ) = friction_regressor(ẏ) · friction_parameters",
     arguments: &[],
     results: &[("φ", PARAMETERS, "in the order of `FRICTION_PARAMETER_NAMES`")],
@@ -86,7 +86,7 @@ const FRICTION_REGRESSOR: Quantity = Quantity {
     arguments: &[Velocities],
     results: &[("R", REGRESSOR, "rows by coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`")],
     notes: &[
-        "Nonlinear parameters keep their described values: a3 and a5 of the Stribeck law, slopes of tanh.",
+        "Nonlinear parameters keep the values of the description: a3 and a5 of the Stribeck law, and slopes of tanh.",
     ],
     build: friction_regressor,
     ..Quantity::PLAIN

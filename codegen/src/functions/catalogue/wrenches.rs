@@ -13,9 +13,9 @@ pub const QUANTITIES: &[Quantity] = &[
     Quantity {
         name: function_names::WRENCH_FORCES,
         summary: "Generalized forces of the wrenches.",
-        equation: "Σ Jᵀ w over the wrenches, J the Jacobian of each one's frame",
+        equation: "Σ Jᵀ w over the wrenches w, with the Jacobian J of each wrench's frame",
         arguments: &[Coordinates, Wrenches],
-        results: &[("q_w", VECTOR, "positive where the wrenches drive the joint forwards")],
+        results: &[("q_w", VECTOR, "a positive force acts in the positive direction of the joint")],
         build: |equations, Arguments { y, w, .. }| vec![vector(equations.wrench_forces(y, w))],
         ..Quantity::PLAIN
     },
@@ -25,7 +25,7 @@ pub const QUANTITIES: &[Quantity] = &[
         equation: "δ(Σ Jᵀ w) = ∂/∂y δy + Σ Jᵀ δw",
         arguments: &[Coordinates, Wrenches],
         results: &[
-            ("q_w", VECTOR, "positive where the wrenches drive the joint forwards"),
+            ("q_w", VECTOR, "a positive force acts in the positive direction of the joint"),
             ("∂/∂y", SQUARE, "row i = force i; a wrench in the axes of its frame turns with it"),
         ],
         build: |equations, Arguments { y, w, .. }| {
@@ -36,7 +36,7 @@ pub const QUANTITIES: &[Quantity] = &[
     },
     Quantity {
         name: function_names::INVERSE_DYNAMICS_WITH_WRENCHES,
-        summary: "Inverse dynamics: the joint forces of a motion on which wrenches act.",
+        summary: "Inverse dynamics: the drive forces that produce a motion under wrenches.",
         equation: "M(y) ÿ + k(y, ẏ) − q(y, ẏ) − wrench_forces(y, w)",
         arguments: &[Coordinates, Velocities, Accelerations, Wrenches],
         results: &[("B u", VECTOR, "drive forces at the joints")],

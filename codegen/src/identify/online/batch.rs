@@ -1,34 +1,37 @@
-//! Batch laws: friction laws with the terms of the online estimator, fitted to whole intervals of the log.
+//! Batch laws for comparison: friction laws with the terms of the online estimator, fitted to whole
+//! intervals of the log.
 //!
-//! A fit δ is the mean of the coefficients given the samples: `A δ = Σ φ r/σ²` with `A = Σ φ φᵀ/σ² + V⁻¹`. φ
-//! are the values of the terms, and r is the error of the described friction. The prior covariance V (without
-//! drift) and the noise σ are those of the estimator. A fit uses the samples that the estimator used. Errors
-//! are computed for all samples.
+//! A fit δ is the mean of the coefficients given the samples: `A δ = Σ φ r/σ²` with `A = Σ φ φᵀ/σ² + V⁻¹`.
+//! Here φ is the vector of the terms' values, and r is the error of the described friction. The prior
+//! covariance V (without drift) and the standard deviation σ of the noise are those of the estimator. A fit
+//! uses the samples that the estimator used. Errors are computed for all samples.
 
 use super::replay::{JointReplay, OnlineSample, rms};
 use gelenk_adaptation::TERMS;
 use nalgebra::{DMatrix, DVector};
 
-/// Lengths of the interval before a sample to which a causal law is fitted \[s\].
+/// Durations in s of the interval before a sample to which a causal law is fitted.
 const WINDOWS: [f64; 9] = [2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, f64::INFINITY];
 
-/// The best of several batch laws. Only the complete log shows which law is the best.
+/// Best of several batch laws. The choice is made afterwards, from the errors in the complete log.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BatchLaw {
-    /// Number of terms: the first entries of [`TERM_NAMES`](gelenk_adaptation::TERM_NAMES).
+    /// Number of terms. They are the first entries of [`TERM_NAMES`](gelenk_adaptation::TERM_NAMES).
     pub terms: usize,
-    /// Length of the interval before each sample to which the law was fitted \[s\]; infinite without a limit.
+    /// Duration in s of the interval before each sample to which the law was fitted; infinite if there is
+    /// no limit.
     pub window: f64,
-    /// Errors of the predictions, one for each sample [N·m or N].
+    /// Error of the prediction of each sample, in N·m or N.
     pub errors: Vec<f64>,
-    /// Root mean square of the errors [N·m or N].
+    /// Root mean square of the errors, in N·m or N.
     pub error: f64,
 }
 
-/// The best law that predicts each sample from earlier samples. The number of terms and the window are chosen afterwards,
-/// from the errors of the complete log. `None` if no error is finite.
+/// Returns the best law that predicts each sample from earlier samples; `None` if no error is finite. The
+/// number of terms and the interval are chosen afterwards, from the errors in the complete log.
 ///
-/// - `end`: time of the fit for a sample; earlier samples are fitted
+/// - `end`: function that returns the end of the interval of the fit for a sample. The fit uses only
+///   samples before this time.
 #[must_use]
 pub fn best_causal(joint: &JointReplay, end: fn(&OnlineSample) -> f64) -> Option<BatchLaw> {
     let (samples, sums) = (&joint.samples, Sums::of(&joint.samples));
@@ -40,8 +43,8 @@ pub fn best_causal(joint: &JointReplay, end: fn(&OnlineSample) -> f64) -> Option
     })
 }
 
-/// The best single law of the log, fitted to all samples that the estimator used. `None` if no error is
-/// finite.
+/// Returns the best single law for the log, fitted to all samples that the estimator used; `None` if no
+/// error is finite.
 #[must_use]
 pub fn best_in_hindsight(joint: &JointReplay) -> Option<BatchLaw> {
     let sums = Sums::of(&joint.samples);
@@ -67,7 +70,7 @@ fn error(law: &[f64; TERMS], sample: &OnlineSample) -> f64 {
     sample.prediction.torque - law.iter().zip(&sample.prediction.terms).map(|(d, p)| d * p).sum::<f64>()
 }
 
-/// Sums of φ φᵀ and φ r over the first samples.
+/// Sums of φ φᵀ and φ r over the first samples, one entry for each number of samples.
 struct Sums(Vec<[[f64; TERMS + 1]; TERMS]>);
 
 impl Sums {
@@ -89,11 +92,11 @@ impl Sums {
         Self(all)
     }
 
-    /// δ of the law with the first terms, fitted to a range of samples; zero if it has none.
+    /// Returns δ of the law with the first terms, fitted to a range of samples; zero if there are no terms.
     fn law(&self, joint: &JointReplay, [from, to]: [usize; 2], terms: usize) -> [f64; TERMS] {
         let noise = joint.state.noise * joint.state.noise;
         let sum = |i: usize, j: usize| self.0[to][i][j] - self.0[from][i][j];
-        // Scaled by the prior: δ = V^½ x.
+        // The unknowns are scaled by the prior: δ = V^½ x.
         let scale = &joint.prior;
         let matrix = DMatrix::from_fn(terms, terms, |i, j| {
             scale[i] * scale[j] * sum(i, j) / noise + f64::from(u8::from(i == j))

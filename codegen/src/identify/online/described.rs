@@ -10,45 +10,57 @@ use crate::functions::size::MOST_OPERATIONS;
 use crate::model::Model;
 use gelenk_formula::Formula;
 
-/// Inverse dynamics and friction torques of a robot. They are interpreted, with the same bits as the
-/// generated module.
+/// Inverse dynamics and friction torques of a robot. An interpreter evaluates them. The results have the
+/// same bits as those of the generated module.
 #[derive(Debug)]
 pub struct DescribedForces {
     functions: [Function; 2],
+    /// Load-dependent friction per unit of load, if the robot has some.
+    shares: Option<Function>,
     free: Vec<f64>,
 }
 
 impl DescribedForces {
-    /// Derives the inverse dynamics and the friction torques of the robot.
+    /// Derives the inverse dynamics and the friction of the robot.
     ///
-    /// - `without_gravity`: leaves out gravity, for logs whose efforts do not include it
+    /// - `without_gravity`: whether gravity is left out, for logs whose efforts do not include the weight
     ///
     /// # Errors
-    /// Errors of [`derive_in_form`].
+    /// The errors are those of [`derive_in_form`].
     pub fn new(model: &Model, without_gravity: bool) -> Result<Self, Diagnostics> {
         let mut model = model.clone();
         if without_gravity {
             model.gravity = [0.0; 3].map(Formula::Number);
         }
-        let names = [function_names::INVERSE_DYNAMICS, function_names::FRICTION_TORQUES].map(str::to_owned);
+        let always = [function_names::INVERSE_DYNAMICS, function_names::FRICTION_TORQUES];
+        let has_loads = model.joints().any(|joint| !joint.load_friction.is_empty());
+        let of_load = has_loads.then_some(function_names::LOAD_FRICTION);
+        let names: Vec<String> = always.into_iter().chain(of_load).map(str::to_owned).collect();
         let functions = derive_in_form(&model, &names, MOST_OPERATIONS, Form::Straight, &names)?;
-        let function = |name: &String| {
+        let function = |name: &str| {
             let found = functions.iter().find(|function| function.name == *name).cloned();
             found.unwrap_or_else(|| unreachable!("{name} was asked for by name, and no error was returned"))
         };
         Ok(Self {
-            functions: names.each_ref().map(function),
+            functions: always.map(function),
+            shares: of_load.map(function),
             free: model.parameters.iter().map(|parameter| parameter.default).collect(),
         })
     }
 
-    /// Generalized forces of the inverse dynamics including friction, and the friction alone [N·m or N].
+    /// Returns the generalized forces of the inverse dynamics including friction and the friction without its
+    /// load-dependent part, both in N·m or N, and the load-dependent friction per unit of load.
+    ///
+    /// - `y`, `v`, `a`: positions, velocities and accelerations of all joints
     #[must_use]
-    pub fn at(&self, y: &[f64], v: &[f64], a: &[f64]) -> [Vec<f64>; 2] {
+    pub fn at(&self, y: &[f64], v: &[f64], a: &[f64]) -> [Vec<f64>; 3] {
         let [inverse_dynamics, friction] = &self.functions;
-        // Friction takes positions if a law depends on them.
-        let arguments = [y, v];
-        let of_friction = &arguments[2 - friction.program.inputs.len()..];
-        [result(inverse_dynamics, &[y, v, a], &self.free), result(friction, of_friction, &self.free)]
+        // Friction functions have positions as arguments if a law depends on them.
+        let law = |function: &Function| {
+            let arguments = &[y, v][2 - function.program.inputs.len()..];
+            result(function, arguments, &self.free)
+        };
+        let shares = self.shares.as_ref().map_or_else(|| vec![0.0; v.len()], law);
+        [result(inverse_dynamics, &[y, v, a], &self.free), law(friction), shares]
     }
 }

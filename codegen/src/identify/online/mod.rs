@@ -1,9 +1,12 @@
-//! Replay of logs through the friction estimator of the control loop ([`gelenk_adaptation`]), and batch laws
-//! for comparison.
+//! Replay of logs through the friction estimator of the control loop ([`gelenk_adaptation`]), and batch
+//! laws for comparison.
 //!
-//! The estimator is the same code as in the control loop, and its measurements come from the log. Its numbers
-//! therefore have the same bits as in the control loop, if the log has every period, the loop accepted all
-//! positions, and the efforts are the inputs that the loop wrote.
+//! The estimator is the same code as in the control loop, but its measurements come from the log. Its
+//! results have the same bits as in the control loop if three conditions hold:
+//!
+//! - The log has every period.
+//! - The control loop accepted all positions.
+//! - The efforts of the log are the inputs that the control loop wrote.
 
 mod batch;
 mod described;

@@ -1,4 +1,4 @@
-//! Page of a replay: learned friction over time, and errors of the predictions.
+//! Report page of a replay: learned friction over time, and errors of the predictions.
 
 use gelenk_findings::digits::significant;
 use gelenk_report::{Axis, Block, Cell, Figure, Marks, Plot, Report, Section, Table, text};
@@ -6,25 +6,26 @@ use gelenk_report::{Axis, Block, Cell, Figure, Marks, Plot, Report, Section, Tab
 use super::super::page::thinned;
 use super::batch::{BatchLaw, best_causal, best_in_hindsight};
 use super::replay::{JointReplay, OnlineSample};
-use gelenk_adaptation::TERM_NAMES;
 
-/// Time over which errors are averaged in the figure \[s\].
+/// Duration in s over which errors are averaged in the figure.
 const SMOOTHING: f64 = 5.0;
 
-/// A joint of a replay, with batch laws for comparison.
+/// Results of a replay for one joint, with batch laws for comparison.
 #[derive(Debug, Clone)]
 pub struct OnlineJoint {
     /// Name of the joint.
     pub name: String,
-    /// Unit of the joint's position.
+    /// Unit of the joint's position, `rad` or `m`.
     pub unit: &'static str,
     /// Learned friction law and samples of the joint.
     pub replay: JointReplay,
-    /// The best batch law that predicts each run from the samples before it; `None` if there is none.
+    /// Best batch law that predicts each run from the samples before this run; `None` if no such law has a finite
+    /// error.
     pub by_run: Option<BatchLaw>,
-    /// The best batch law that predicts each sample from the samples before it; `None` if there is none.
+    /// Best batch law that predicts each sample from the samples before this sample; `None` if no such law has a
+    /// finite error.
     pub causal: Option<BatchLaw>,
-    /// The best batch law that was fitted to all samples; `None` if there is none.
+    /// Best batch law that was fitted to all samples; `None` if no such law has a finite error.
     pub hindsight: Option<BatchLaw>,
 }
 
@@ -38,8 +39,15 @@ impl OnlineJoint {
         Self { name, unit, replay, by_run, causal, hindsight }
     }
 
-    /// Root mean squares of the prediction errors [N·m or N], in this order: described law, learned law,
-    /// acting law, batch laws fitted before each run and before each sample, best law of the whole log. NaN without the batch law.
+    /// Returns root mean squares of prediction errors in N·m or N, or NaN if the law does not exist. They
+    /// belong to these laws, in this order:
+    ///
+    /// - described law
+    /// - learned law
+    /// - acting law
+    /// - best batch law that was fitted before each run
+    /// - best batch law that was fitted before each sample
+    /// - best law of the whole log
     #[must_use]
     pub fn errors(&self) -> [f64; 6] {
         let of = |law: &Option<BatchLaw>| law.as_ref().map_or(f64::NAN, |law| law.error);
@@ -53,7 +61,7 @@ impl OnlineJoint {
         ]
     }
 
-    /// Number of samples outside of the interval of their prediction.
+    /// Returns the number of samples outside of the interval of their prediction.
     #[must_use]
     pub fn unexplained(&self) -> usize {
         self.replay.samples.iter().filter(|sample| !sample.prediction.is_explained).count()
@@ -64,24 +72,31 @@ impl OnlineJoint {
     }
 }
 
-/// Makes the page.
+/// Creates the report page.
 ///
 /// - `joints`: joints whose friction is learned
 /// - `command`: command line that made the page
 #[must_use]
 pub fn online_page(name: &str, joints: &[OnlineJoint], command: &str) -> Report {
     let mut report = Report::new(format!("Friction of {name}, learned online")).lead(
-        "The log passed through the estimator of the control loop, period by period. Each sample was predicted before it was learned.",
+        "The estimator of the control loop processed the log period by period. It predicted each sample before it used the \
+         sample for learning.",
     );
     report.made_by = command.to_owned();
     let mut section = Section::new("joints", "Joints").block(text(
-        "Left: friction at the joint's root-mean-square speed. Right: errors of the predictions, root mean square over 5 s. The batch law is the best \
-         of those fitted to the samples before each one; its number of terms and its time window are chosen afterwards.",
+        "Left: friction at the joint's root-mean-square speed. Right: errors of the predictions, root mean square over 5 \
+         s. The batch law is the best law that is fitted to the samples before each predicted sample. Its number of terms \
+         and its time window are chosen afterwards.",
     ));
     for (index, joint) in joints.iter().enumerate() {
         section = section.block(Block::Figure(figure(index, joint)));
     }
-    report.section(section.block(Block::Table(errors(joints))).block(Block::Table(terms(joints))))
+    report.section(
+        section
+            .block(Block::Table(errors(joints)))
+            .block(Block::Table(trust(joints)))
+            .block(Block::Table(terms(joints))),
+    )
 }
 
 fn figure(index: usize, joint: &OnlineJoint) -> Figure {
@@ -96,7 +111,8 @@ fn figure(index: usize, joint: &OnlineJoint) -> Figure {
     let law = Plot::new(joint.name.clone(), time(), Axis::new(speed, joint.force()))
         .series("learned", Marks::Line, curve(&|sample| sample.friction[0]))
         .series("90 % interval", Marks::Dashed, [end(1.0), vec![[f64::NAN; 2]], end(-1.0)].concat())
-        .series("described", Marks::Line, curve(&|_| joint.replay.described));
+        .series("described", Marks::Line, curve(&|_| joint.replay.described))
+        .series("acting", Marks::Dashed, curve(&|sample| sample.acting_friction));
     let mut errors = Plot::new(joint.name.clone(), time(), Axis::new("rms error", joint.force()))
         .series("described", Marks::Line, error(&|i| samples[i].prediction.torque))
         .series("learned", Marks::Line, error(&|i| samples[i].prediction.error));
@@ -106,7 +122,7 @@ fn figure(index: usize, joint: &OnlineJoint) -> Figure {
     Figure::new(format!("online_{}", index + 1), "").plot(law).plot(errors)
 }
 
-/// Root mean squares over the samples of the last [`SMOOTHING`] seconds.
+/// Returns root mean squares over the samples of the last [`SMOOTHING`] seconds.
 fn smoothed(samples: &[OnlineSample], of: &dyn Fn(usize) -> f64) -> Vec<[f64; 2]> {
     let mut sums = vec![0.0];
     for i in 0..samples.len() {
@@ -122,8 +138,9 @@ fn smoothed(samples: &[OnlineSample], of: &dyn Fn(usize) -> f64) -> Vec<[f64; 2]
 fn errors(joints: &[OnlineJoint]) -> Table {
     let mut table = Table::new(
         "errors",
-        "Root mean square of the errors of the predictions. Acting: the law that the controller had. By run: the best law fitted to the samples \
-         before each run. Batch: the same before each sample. Hindsight: the best law fitted to the whole log.",
+        "Root mean square of the errors of the predictions. Acting: the law that a controller would have used. By run: the \
+         best law that is fitted to the samples before each run. Batch: the best law that is fitted to the samples before \
+         each sample. Hindsight: the best law that is fitted to the whole log.",
     )
     .column("joint", "joint", "")
     .column("acts", "trust", "")
@@ -146,11 +163,27 @@ fn errors(joints: &[OnlineJoint]) -> Table {
     table.rows(joints.iter().map(row))
 }
 
+fn trust(joints: &[OnlineJoint]) -> Table {
+    let table = Table::new("trust", "Acting law over time: each change of the law, and the reason.")
+        .column("joint", "joint", "")
+        .column("since", "since", "s")
+        .column("acts", "trust", "");
+    let rows = joints.iter().flat_map(|joint| {
+        let phases = joint.replay.samples.chunk_by(|a, b| a.trust == b.trust);
+        phases.map(|phase| {
+            let (since, trust) = (phase[0].time, phase[0].trust.name());
+            vec![Cell::text(joint.name.clone()), Cell::Rounded(since, 4), Cell::text(trust)]
+        })
+    });
+    table.rows(rows)
+}
+
 fn terms(joints: &[OnlineJoint]) -> Table {
     let table = Table::new(
         "terms",
-        "Terms that the learned law adds to the described friction $\\tau_d$, $\\delta_1 \\tau_d + \\delta_2 v + \\delta_3 + \\delta_4 |\\tau_d|$, with half of \
-         their 90 % intervals. A term that the motion did not excite is frozen.",
+        "Terms that the learned law adds to the described friction $\\tau_d$, $\\delta_1 \\tau_d + \\delta_2 v + \\delta_3 \
+         + \\delta_4 |\\tau_d| + \\delta_5 |\\tau_l| s_1$, with the half widths of their 90 % intervals. The coefficient of a term \
+         is frozen if the motion does not excite the term.",
     )
     .column("joint", "joint", "")
     .column("term", "term", "")
@@ -159,17 +192,15 @@ fn terms(joints: &[OnlineJoint]) -> Table {
     .column("acting", "acting", "")
     .column("shown", "shown", "");
     let rows = joints.iter().flat_map(|joint| {
-        let state = &joint.replay.state;
-        TERM_NAMES.iter().enumerate().map(move |(k, term)| {
-            let half = state.half_widths[k];
-            let digits = |value| significant(value, Some(half)).unwrap_or(3);
+        joint.replay.state.terms().map(|term| {
+            let digits = |value| significant(value, Some(term.half_width)).unwrap_or(3);
             vec![
                 Cell::text(joint.name.clone()),
-                Cell::text(*term),
-                Cell::Rounded(state.learned[k], digits(state.learned[k])),
-                Cell::Rounded(half, 2),
-                Cell::Rounded(state.acting[k], digits(state.acting[k])),
-                Cell::text(if state.is_excited[k] { "yes" } else { "no" }),
+                Cell::text(term.name),
+                Cell::Rounded(term.learned, digits(term.learned)),
+                Cell::Rounded(term.half_width, 2),
+                Cell::Rounded(term.acting, digits(term.acting)),
+                Cell::text(if term.is_excited { "yes" } else { "no" }),
             ]
         })
     });

@@ -1,4 +1,4 @@
-//! Replay: the rows of a log are given to the estimator as measurements of the control loop.
+//! Replay of a log: the estimator receives its rows as measurements of the control loop.
 
 use gelenk_adaptation::{
     Adaptation, AdaptationSettings, DescribedForces, JointScale, JointState, MOST_DELAY, Magnitudes,
@@ -9,40 +9,42 @@ use gelenk_identification::robot::{JointLimits, Robot};
 use gelenk_identification::run::{Effort, Run};
 use gelenk_identification::{IdentificationError, Result};
 
-/// Largest number of joints and inputs of a robot: the size of the estimator. Unused places are not learned.
+/// Largest number of joints and of inputs of a robot, for which the estimator has fixed arrays. Unused
+/// entries are not learned.
 const MOST: usize = 32;
-/// Significant digits of the rate of a log, which clocks and printed times disturb.
+/// Significant digits to which the rate of a log is rounded, because clocks and printed times disturb it.
 const RATE_DIGITS: usize = 6;
-/// Relative difference of the rates of two runs that is larger than that of two clocks.
+/// Smallest relative difference of the rates of two runs that is too large for two clocks of the same rate.
 const OTHER_RATE: f64 = 0.01;
-/// Largest difference of a step of time from whole periods for which velocities are accurate enough
-/// \[periods\].
+/// Largest deviation of a time step from whole periods for which velocities are accurate enough, in
+/// periods.
 const LARGEST_JITTER: f64 = 0.1;
 
-/// Function of positions y, velocities ẏ and accelerations ÿ. It returns the generalized forces of the
-/// inverse dynamics including friction, and the friction alone [N·m or N].
-pub type Forces<'a> = dyn Fn(&[f64], &[f64], &[f64]) -> [Vec<f64>; 2] + 'a;
+/// Function of positions y (rad or m), velocities ẏ (per s) and accelerations ÿ (per s²). It returns the
+/// generalized forces of the inverse dynamics including friction and the friction without its load-dependent
+/// part, both in N·m or N, and the load-dependent friction per unit of load.
+pub type Forces<'a> = dyn Fn(&[f64], &[f64], &[f64]) -> [Vec<f64>; 3] + 'a;
 
 /// Result of a replay.
 #[derive(Debug, Clone)]
 pub struct Replay {
     /// Settings of the estimator.
     pub settings: AdaptationSettings,
-    /// Joints in the order of the robot. `None` for a joint without an input or without a measured effort,
-    /// because its friction is not learned.
+    /// Result for each joint, in the order of the robot. It is `None` for a joint without an input or
+    /// without a measured effort, because the friction of such a joint is not learned.
     pub joints: Vec<Option<JointReplay>>,
 }
 
-/// Learned friction of a joint over the log.
+/// Learned friction of a joint in the course of the log.
 #[derive(Debug, Clone)]
 pub struct JointReplay {
     /// State of the estimator after the last row.
     pub state: JointState,
-    /// Standard deviations of the coefficients of the terms before the first sample.
+    /// Standard deviations of the coefficients before the first sample, one for each term.
     pub prior: [f64; gelenk_adaptation::TERMS],
-    /// Root mean square of the joint's speed in motion [rad/s or m/s].
+    /// Root mean square of the joint's speed in motion, in rad/s or m/s.
     pub speed: f64,
-    /// Friction of the description at [`JointReplay::speed`] [N·m or N].
+    /// Described friction at [`JointReplay::speed`], in N·m or N.
     pub described: f64,
     /// Samples of the estimator.
     pub samples: Vec<OnlineSample>,
@@ -51,28 +53,31 @@ pub struct JointReplay {
 /// A sample of the estimator.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OnlineSample {
-    /// Time since the first row \[s\]. Runs follow each other.
+    /// Time since the first row in s. Runs follow each other.
     pub time: f64,
-    /// Time at which the run of this sample begins \[s\].
+    /// Time in s at which the run of this sample begins.
     pub begin: f64,
-    /// Prediction of this sample by the law that was learned before it.
+    /// Prediction of this sample by the law that was learned from earlier samples.
     pub prediction: Prediction,
-    /// Prediction error of the acting law, which a controller would have used [N·m or N].
+    /// Prediction error of the acting law in N·m or N. A controller would have used this law.
     pub acting: f64,
-    /// Learned friction at [`JointReplay::speed`] after this sample, and half the width of its 90 % interval
-    /// [N·m or N].
+    /// Learned friction at [`JointReplay::speed`] after this sample, and the half width of its 90 %
+    /// interval, both in N·m or N.
     pub friction: [f64; 2],
-    /// State that decides which law acts after this sample.
+    /// Friction of the acting law at [`JointReplay::speed`] after this sample, in N·m or N.
+    pub acting_friction: f64,
+    /// State that determines which law acts after this sample.
     pub trust: Trust,
 }
 
 impl JointReplay {
-    /// Root mean square of the error that `of` returns for each sample [N·m or N]; NaN without samples.
+    /// Returns the root mean square of the error that `of` returns for each sample, in N·m or N; NaN if
+    /// there are no samples.
     pub fn error(&self, of: impl Fn(&OnlineSample) -> f64) -> f64 {
         rms(self.samples.iter().map(of))
     }
 
-    /// Time of the last change of the acting law \[s\].
+    /// Returns the time in s of the last change of the acting law.
     #[must_use]
     pub fn since(&self) -> f64 {
         let changed = self.samples.iter().rposition(|sample| sample.trust != self.state.trust);
@@ -81,17 +86,22 @@ impl JointReplay {
 }
 
 /// Replays runs in their order. Between two runs the estimator keeps its laws, as if the control loop were
-/// started again.
+/// restarted.
 ///
-/// Efforts at the joints are values at the time of their row, and are linear between rows. Inputs are written
-/// after the positions of their row are measured, so they act over the period after this row, as in the log
-/// of the control loop.
+/// Efforts at the joints are the values at the times of their rows, and are interpolated linearly between
+/// rows. Inputs act over the period after their row, because the control loop writes them after it has
+/// measured the positions of the row.
 ///
-/// - `delay`: time from the writing of an input until it acts \[s\]
+/// - `delay`: time in s from the writing of an input until it acts
 ///
 /// # Errors
-/// An error for robots with quaternions, driven joints or inputs at frames, for joints without limits, for
-/// currents without a described motor constant, and for a log that is too slow for the filter.
+/// [`IdentificationError`] in these cases:
+///
+/// - The robot has quaternions, driven joints or inputs at frames.
+/// - The size of a joint's friction is unknown, because limits are missing.
+/// - The log has currents, but a motor constant is not described.
+/// - The period of the log is not constant, or is too long for the filter.
+/// - `delay` is negative, too long, or not a multiple of the period.
 pub fn replay(robot: &dyn Robot, forces: &Forces<'_>, runs: &[Run], delay: f64) -> Result<Replay> {
     let robot = Described::new(robot, forces, runs)?;
     let rate = rate(runs)?;
@@ -100,7 +110,8 @@ pub fn replay(robot: &dyn Robot, forces: &Forces<'_>, runs: &[Run], delay: f64) 
     let adaptation = Adaptation::new(scales, settings, |y, v, a| robot.forces(y, v, a));
     let mut adaptation = adaptation.map_err(|error| fault("the log", error.to_string()))?;
     let speeds: Vec<f64> = (0..robot.joints).map(|joint| speed(runs, joint, rate)).collect();
-    let described: Vec<f64> = (0..robot.joints).map(|joint| robot.friction(joint, speeds[joint])).collect();
+    let described: Vec<f64> =
+        (0..robot.joints).map(|joint| robot.friction(joint, speeds[joint])[0]).collect();
     let mut samples = vec![Vec::new(); robot.joints];
     let mut begin = 0.0;
     for run in runs {
@@ -115,12 +126,14 @@ pub fn replay(robot: &dyn Robot, forces: &Forces<'_>, runs: &[Run], delay: f64) 
                 let Some(prediction) = prediction else { continue };
                 let explained: f64 = acting[joint].iter().zip(&prediction.terms).map(|(d, p)| d * p).sum();
                 let friction = adaptation.friction(joint, described[joint], speeds[joint]);
+                let acts = adaptation.acting_friction(joint, described[joint], speeds[joint]);
                 samples[joint].push(OnlineSample {
                     time,
                     begin,
                     prediction,
                     acting: prediction.torque - explained,
                     friction: friction.unwrap_or_default(),
+                    acting_friction: acts.unwrap_or_default(),
                     trust: adaptation.states()[joint].map_or(Trust::Unknown, |state| state.trust),
                 });
             }
@@ -143,8 +156,8 @@ fn fault(place: impl Into<String>, message: impl Into<String>) -> Identification
     IdentificationError::unusable(place, message)
 }
 
-/// Periods per second: the inverse of the median time step of the log, rounded to few digits. An error if a
-/// run has another rate.
+/// Returns the number of periods per second: the inverse of the median time step of the log, rounded to few
+/// digits. Fails if a run has another rate.
 fn rate(runs: &[Run]) -> Result<f64> {
     let steps = |run: &Run| run.times.windows(2).map(|t| t[1] - t[0]).collect::<Vec<f64>>();
     let rate = 1.0
@@ -157,13 +170,14 @@ fn rate(runs: &[Run]) -> Result<f64> {
         let own = 1.0 / median(steps.clone()).unwrap_or(1.0 / rate);
         if (own / rate - 1.0).abs() > OTHER_RATE {
             let message = format!(
-                "it has {own:.6} rows per second, but all logs together {rate:.6}: replay logs of one rate"
+                "it has {own:.6} rows per second, but the median of all logs is {rate:.6}: replay only logs with the same rate"
             );
             return Err(fault(&run.name, message));
         }
         if irregular * 10 > steps.len() {
             let message = format!(
-                "{irregular} of its {} time steps differ from the period of {:.6} s by more than a tenth: a loop has a constant period",
+                "{irregular} of its {} time steps differ from the period of {:.6} s by more than a tenth: replay a log with \
+                 a constant period",
                 steps.len(),
                 1.0 / rate
             );
@@ -171,7 +185,9 @@ fn rate(runs: &[Run]) -> Result<f64> {
         }
     }
     let digits = RATE_DIGITS - 1;
-    format!("{rate:.digits$e}").parse().map_err(|_| fault("the log", format!("{rate} rows in a second")))
+    format!("{rate:.digits$e}")
+        .parse()
+        .map_err(|_| fault("the log", format!("its rate of {rate} rows per second is not valid")))
 }
 
 fn median(mut values: Vec<f64>) -> Option<f64> {
@@ -184,10 +200,10 @@ fn settings(rate: f64, delay: f64) -> Result<AdaptationSettings> {
     let is_whole = (delay * rate - periods).abs() < LARGEST_JITTER;
     if !is_whole || !(0.0..=MOST_DELAY as f64).contains(&periods) {
         return Err(IdentificationError::Setting {
-            name: "the time from an input until it acts (minus --delay)".into(),
+            name: "the time from an input until it acts (the negative of --delay)".into(),
             value: delay,
             requirement: format!(
-                "it is a multiple of the period, from 0 to {MOST_DELAY} times {:.6} s",
+                "it must be a multiple of the period, from 0 to {MOST_DELAY} times {:.6} s",
                 1.0 / rate
             ),
         });
@@ -195,8 +211,8 @@ fn settings(rate: f64, delay: f64) -> Result<AdaptationSettings> {
     Ok(AdaptationSettings { delay: periods as usize, ..AdaptationSettings::new(1.0 / rate) })
 }
 
-/// Root mean square of a joint's speed in the rows in which its position changes. Steps over left-out rows do
-/// not count.
+/// Returns the root mean square of a joint's speed in the rows in which its position changes. Time steps
+/// over rows that were left out do not count.
 fn speed(runs: &[Run], joint: usize, rate: f64) -> f64 {
     let speeds = runs.iter().flat_map(|run| {
         let steps = run.positions[joint].windows(2).zip(run.times.windows(2));
@@ -207,13 +223,13 @@ fn speed(runs: &[Run], joint: usize, rate: f64) -> f64 {
     if moving.is_finite() { moving } else { 0.0 }
 }
 
-/// Root mean square; NaN without values.
+/// Returns the root mean square; NaN if there are no values.
 pub(super) fn rms(values: impl Iterator<Item = f64>) -> f64 {
     let (squares, count) = values.fold((0.0, 0.0), |(squares, count), x| (squares + x * x, count + 1.0));
     f64::sqrt(squares / count)
 }
 
-/// A robot, with arrays of the size of the estimator.
+/// A robot, with arrays of the estimator's size.
 struct Described<'a> {
     robot: &'a dyn Robot,
     forces: &'a Forces<'a>,
@@ -222,15 +238,15 @@ struct Described<'a> {
     /// Input matrix B.
     matrix: [[f64; MOST]; MOST],
     limits: Vec<JointLimits>,
-    /// Inputs at which drives make their largest torque.
+    /// Lowest and highest value of each input. At these values the drive is at its limit.
     ends: [[f64; 2]; MOST],
-    /// The joints whose effort was measured.
+    /// Whether the effort of each joint was measured.
     is_measured: Vec<bool>,
 }
 
 impl<'a> Described<'a> {
     fn new(robot: &'a dyn Robot, forces: &'a Forces<'a>, runs: &[Run]) -> Result<Self> {
-        const HELP: &str = "the estimator needs an input at each joint that it learns";
+        const HELP: &str = "the estimator needs an input at each joint whose friction it learns";
         let (joints, inputs) = (robot.joint_names().len(), robot.input_names().len());
         let effort = runs.first().map_or(Effort::Joint, |run| run.effort);
         let cases = [
@@ -239,13 +255,23 @@ impl<'a> Described<'a> {
             ("inputs act at frames", robot.has_inputs_at_frames()),
         ];
         if let Some((reason, _)) = cases.iter().find(|(_, holds)| *holds) {
-            return Err(fault("the robot", format!("{reason}, and friction is not learned online: {HELP}")));
+            return Err(fault(
+                "the robot",
+                format!("{reason}, so that friction cannot be learned online: {HELP}"),
+            ));
         }
         if joints.max(inputs) > MOST {
-            return Err(fault("the robot", format!("it has more than {MOST} joints or inputs")));
+            return Err(fault(
+                "the robot",
+                format!(
+                    "it has more than {MOST} joints or inputs, which is the largest number \
+                                                   for the estimator"
+                ),
+            ));
         }
         if effort == Effort::Current && robot.described_currents().contains(&false) {
-            let message = "its efforts are currents of motors without a described constant: describe it (`drive = { input = \"current\" }`)";
+            let message = "its efforts are motor currents, but the description has no motor constant: describe it (`drive = \
+                           { input = \"current\" }`)";
             return Err(fault("the log", message));
         }
         let mut matrix = [[0.0; MOST]; MOST];
@@ -267,14 +293,17 @@ impl<'a> Described<'a> {
 
     fn forces(&self, y: &[f64; MOST], v: &[f64; MOST], a: &[f64; MOST]) -> DescribedForces<MOST> {
         let n = self.joints;
-        let [forces, friction] = (self.forces)(&y[..n], &v[..n], &a[..n]);
-        DescribedForces { forces: padded(&forces), friction: padded(&friction) }
+        let [forces, friction, shares] =
+            (self.forces)(&y[..n], &v[..n], &a[..n]).map(|values| padded(&values));
+        DescribedForces::new(forces, friction, &shares)
     }
 
-    fn friction(&self, joint: usize, speed: f64) -> f64 {
-        let mut v = [0.0; MOST];
+    /// Friction of a joint, and its load-dependent friction per unit of load.
+    fn friction(&self, joint: usize, speed: f64) -> [f64; 2] {
+        let (zero, mut v) = (vec![0.0; self.joints], vec![0.0; self.joints]);
         v[joint] = speed;
-        self.forces(&[0.0; MOST], &v, &[0.0; MOST]).friction[joint]
+        let [_, friction, shares] = (self.forces)(&zero, &v, &zero);
+        [friction[joint], shares[joint]]
     }
 
     fn scales(&self) -> Result<[Option<JointScale>; MOST]> {
@@ -292,14 +321,15 @@ impl<'a> Described<'a> {
             scales[joint] = Some(magnitudes.scale(joint, friction).ok_or_else(|| {
                 fault(
                     format!("joint {}", self.robot.joint_names()[joint]),
-                    "the size of its friction is unknown, because neither its largest speed nor its friction and effort are described: describe its limits",
+                    "the size of its friction is unknown, because the description has neither its largest speed nor its \
+                     friction and effort: add the `limits` of the joint",
                 )
             })?);
         }
         Ok(scales)
     }
 
-    /// Rows of a run as measurements, and an empty measurement for each row that was left out.
+    /// Returns the rows of a run as measurements, and an empty measurement for each row that was left out.
     fn measurements(&self, run: &'a Run, rate: f64) -> impl Iterator<Item = Measured<MOST>> {
         (0..run.times.len()).flat_map(move |row| {
             let before = row.saturating_sub(1);
@@ -318,8 +348,8 @@ impl<'a> Described<'a> {
         })
     }
 
-    /// Efforts at the joints over the period before a row: the mean of the efforts at both ends of the
-    /// period.
+    /// Returns the efforts at the joints over the period before a row. They are the mean of the efforts at
+    /// both ends of the period.
     fn at_joints(&self, run: &Run, row: usize) -> ([f64; MOST], [bool; MOST]) {
         let before = padded_row(&run.efforts, row.saturating_sub(1));
         let mut torques = padded_row(&run.efforts, row);
@@ -332,8 +362,8 @@ impl<'a> Described<'a> {
         (torques, saturated)
     }
 
-    /// B u for the inputs of a row, and the joints with a drive at its limit. Inputs before the run are
-    /// unknown.
+    /// Returns the joint forces B u for the inputs u of a row, and whether the drive of each joint is at
+    /// its limit. Inputs before the run are unknown.
     fn by_inputs(&self, run: &Run, row: Option<usize>) -> ([f64; MOST], [bool; MOST]) {
         let Some(row) = row else { return ([f64::NAN; MOST], [false; MOST]) };
         let inputs = padded_row(&run.efforts, row);
@@ -347,7 +377,7 @@ impl<'a> Described<'a> {
     }
 }
 
-/// Lowest and highest inputs that motors and joints bear for a short time.
+/// Returns the lowest and the highest inputs that motors and joints tolerate for a short time.
 fn ends(robot: &dyn Robot, limits: &[JointLimits], matrix: &[[f64; MOST]; MOST]) -> [[f64; 2]; MOST] {
     const ANY: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
     let mut inputs = [ANY; MOST];
@@ -371,7 +401,7 @@ fn padded(values: &[f64]) -> [f64; MOST] {
     std::array::from_fn(|i| values.get(i).copied().unwrap_or(0.0))
 }
 
-/// A row of columns.
+/// Returns a row of columns, padded with zeros.
 fn padded_row(columns: &[Vec<f64>], row: usize) -> [f64; MOST] {
     std::array::from_fn(|i| columns.get(i).map_or(0.0, |column| column[row]))
 }

@@ -1,13 +1,14 @@
-//! Pivots of M for robots with followers: `M = Gᵀ M_joints G` by composite bodies (Walker and Orin 1982;
-//! Featherstone 2008, ch. 6), factorized from the last coordinate to the first.
+//! Pivots of M for robots with followers. M is `Gᵀ M_joints G` with the ratios G of joints to coordinates.
+//! M_joints is computed by composite bodies (Walker and Orin 1982; Featherstone 2008, ch. 6). M is factorized
+//! from the last coordinate to the first.
 
 use super::{
     Matrix, Model, Motion, Pivot, ROUNDING, add, child_from_parent, congruent, link_inertia, magnitude,
     motion_axis,
 };
 
-/// M, and for each coordinate the sum of the magnitudes in its diagonal entry. This sum bounds the rounding
-/// error.
+/// M, and for each coordinate the sum of the magnitudes of all terms in its diagonal entry. This sum is a bound
+/// for the rounding error.
 pub(super) fn mass_matrix(model: &Model, described: &[f64], positions: &[f64]) -> (Vec<Vec<f64>>, Vec<f64>) {
     let all = model.motion_count();
     let (mut mass, mut sizes) = (vec![vec![0.0; all]; all], vec![0.0; all]);
@@ -16,7 +17,7 @@ pub(super) fn mass_matrix(model: &Model, described: &[f64], positions: &[f64]) -
     (mass, sizes)
 }
 
-/// Pivots by link; `None` for links without an independent joint.
+/// Signs of the pivots by link; `None` for links without an independent joint.
 pub(super) fn pivots(model: &Model, described: &[f64], positions: &[f64]) -> Vec<Option<Pivot>> {
     let n = model.coordinates.len();
     let (mut mass, sizes) = mass_matrix(model, described, positions);
@@ -45,7 +46,8 @@ fn eliminate(mass: &mut [Vec<f64>], k: usize) {
     }
 }
 
-/// A link's joint as a row of G; empty if it does not move.
+/// Ratios of each link's joint to the coordinates: the non-zero entries of its row of G. The row is empty if
+/// the joint does not move.
 fn rows(model: &Model, described: &[f64]) -> Vec<Vec<(usize, f64)>> {
     let mut rows = vec![Vec::new(); model.links.len()];
     for moving in model.moving_joints() {
@@ -75,7 +77,8 @@ fn add_bodies(model: &Model, described: &[f64], positions: &[f64], mass: &mut [V
     }
 }
 
-/// Adds the forces that a unit acceleration of a joint needs at the joint itself and at those before it.
+/// Adds the forces for a unit acceleration of one joint to M, at the joint itself and at all joints between it
+/// and the base.
 fn add_column(
     model: &Model,
     described: &[f64],
@@ -106,7 +109,7 @@ fn add_column(
     }
 }
 
-/// `i² J_R` of the coordinates that each drive acts on.
+/// Adds `i² J_R` of each drive to the entries of all coordinates that the drive acts on.
 fn add_rotors(model: &Model, described: &[f64], mass: &mut [Vec<f64>], sizes: &mut [f64]) {
     let value = |formula: &gelenk_formula::Formula| formula.evaluate(described, 0.0, 0.0);
     for drive in &model.drives {

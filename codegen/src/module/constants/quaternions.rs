@@ -45,9 +45,9 @@ pub(super) fn names(model: &Model) -> Vec<Constant> {
         constant("JOINT_KINDS", "Types of the joints.", strings(Joints, joints.iter().map(kind))),
         constant(
             "JOINT_POSITIONS",
-            "Number of position entries of each joint: 1; 4 for a spherical joint, a quaternion x y z w; 7 for a floating \
-             one, the position of its body's origin in the parent's frame, then the quaternion. They have 1, 3 and 6 \
-             velocities.",
+            "Number of position entries of each joint: 4 for a spherical joint (quaternion x y z w), 7 for a floating \
+                         joint (position of its body's origin in the parent's frame, then the quaternion), otherwise 1. The numbers of \
+                         velocities are 3, 6 and 1.",
             ConstantValue::Indices(Joints, joint_positions(model)),
         ),
         indices("FIRST_POSITIONS", "The first position entry of each joint.", &|joint| {
@@ -66,8 +66,8 @@ pub(super) fn names(model: &Model) -> Vec<Constant> {
         ),
         constant(
             "VELOCITY_NAMES",
-            "Names of the velocities. Those of a floating joint are linear (x, y, z), then angular (rx, ry, rz), those of a \
-             spherical joint angular, in the axes of the body that the joint carries.",
+            "Names of the velocities. A floating joint has linear velocities (x, y, z), then angular velocities (rx, ry, \
+                         rz). A spherical joint has angular velocities. Both are in the axes of the body that the joint carries.",
             strings(Coordinates, velocities.iter().map(|joint| joint.name.as_str())),
         ),
         constant("VELOCITY_UNITS", "Units of the velocities: `rad/s` or `m/s`.", strings(Coordinates, rates)),

@@ -1,4 +1,5 @@
-//! The linearization in array form: a call of the forward dynamics' Jacobians, then the affine remainder.
+//! The linearization in array form: a call of `forward_dynamics_derivatives`, then the computation of the
+//! affine remainder.
 
 use super::Arrays;
 use super::unroll::numbered;
@@ -6,21 +7,23 @@ use super::writer::Writer;
 use crate::layout::{Dimension, Extent};
 use crate::program::{Operand, Operation, Output, Program, Shape};
 
-/// The linearization: `A_y`, `A_v`, `B_x` and `c` from the results of `forward_dynamics_derivatives`.
+/// The linearization: `A_y`, `A_v`, `B_x` and `c` are computed from the results of
+/// `forward_dynamics_derivatives`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Affine {
     /// Name of the called function.
     pub name: &'static str,
     /// Called function in array form. Its results are ÿ, ∂ÿ/∂y, ∂ÿ/∂ẏ and M⁻¹.
     pub called: Arrays,
-    /// For each input, the coordinates on which it acts, each with its gain. A gain is a constant or a
+    /// For each input, the coordinates on which the input acts, each with its gain. A gain is a constant or a
     /// parameter.
     pub inputs: Vec<Vec<(usize, Operand)>>,
-    /// D for positions with quaternions; otherwise `None`. With D, `c` has no term of y.
+    /// Entries of the matrix D in `δ̇ = D δ + v` for positions with quaternions; otherwise `None`. If D
+    /// exists, `c` has no term of y.
     pub drift: Option<Vec<Drift>>,
 }
 
-/// An entry of D: a velocity or the negative of a velocity.
+/// An entry of the matrix D: a velocity or the negative of a velocity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Drift {
     /// Row of the entry.
@@ -34,9 +37,9 @@ pub struct Drift {
 }
 
 impl Affine {
-    /// Equivalent straight-line program. Column m of `B_x` is the sum of columns of M⁻¹ times gains. The
-    /// remainder is `c = ÿ − ((A_y y + A_v ẏ) + B_x u)`, or with quaternions `c = ÿ − (A_v ẏ + B_x u)`. It is
-    /// computed row by row. Each product has four partial sums.
+    /// Converts to the equivalent straight-line program. Column m of `B_x` is the sum of columns of M⁻¹ times
+    /// gains. The remainder is `c = ÿ − ((A_y y + A_v ẏ) + B_x u)`, or `c = ÿ − (A_v ẏ + B_x u)` with
+    /// quaternions. It is computed row by row. Each dot product has four partial sums.
     #[must_use]
     pub fn unrolled(&self) -> Program {
         let Program { inputs, instructions, outputs } = self.called.unrolled();
@@ -74,7 +77,7 @@ impl Affine {
 }
 
 impl Writer {
-    /// D, rows first.
+    /// All entries of D, row-major.
     fn drift(&mut self, entries: &[Drift], n: usize) -> Vec<Operand> {
         let mut matrix = vec![Operand::Constant(0.0); n * n];
         for entry in entries {
@@ -87,7 +90,7 @@ impl Writer {
         matrix
     }
 
-    /// The sum of entries of a row times their gains. Nothing is fused here.
+    /// Sum of the entries of a row times their gains, without fused operations.
     fn gained(&mut self, row: &[Operand], gains: &[(usize, Operand)]) -> Operand {
         let mut sum = None;
         for &(coordinate, gain) in gains {
@@ -103,7 +106,8 @@ impl Writer {
         sum.unwrap_or(Operand::Constant(0.0))
     }
 
-    /// A row times an input array. Entry k belongs to partial sum k mod 4. Each partial sum starts at 0.
+    /// Dot product of a row and an input array. Entry k belongs to partial sum k mod 4. Each partial sum
+    /// starts at 0.
     fn dot(&mut self, row: &[Operand], array: usize) -> Operand {
         let mut sums = [Operand::Constant(0.0); 4];
         for (k, &entry) in row.iter().enumerate() {

@@ -1,4 +1,5 @@
-//! A function in array form: it has steps of its own, or it is affine in the results of another function.
+//! A function in array form. It has its own steps, or its results are affine in the results of another
+//! function.
 
 use super::super::Program;
 use super::{Affine, Arrays};

@@ -18,7 +18,8 @@ pub struct Arrays {
     pub joints: Tree,
     /// Coordinates that the joints follow; `None` if each joint is independent.
     pub coordinates: Option<Coordinates>,
-    /// For each joint with a quaternion, the loop joints of its velocities, from the base outwards.
+    /// For each joint with a quaternion, the joints of the loops that are its velocities, from the base
+    /// outwards.
     pub chains: Vec<Vec<usize>>,
     /// Whether products and sums of the steps are fused.
     pub is_fused: bool,
@@ -31,16 +32,17 @@ pub struct Array {
     pub name: String,
     /// Number of rows.
     pub rows: usize,
-    /// Index set of the entries of a row.
+    /// Index set of each row: joints or coordinates.
     pub over: Over,
 }
 
-/// Relation of a joint to another one.
+/// Relation of a joint to another joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Relation {
-    /// The joint is before the other joint on the path to the base, or is another velocity of the same joint.
+    /// The joint is before the other joint on the path to the base, or both are velocities of the same joint
+    /// with a quaternion.
     Before,
-    /// Both are the same joint.
+    /// The joints are the same.
     Same,
     /// The joint is beyond the other joint.
     Beyond,
@@ -71,10 +73,10 @@ pub struct ArrayOutput {
     pub array: ArrayId,
 }
 
-/// A step over arrays. Sums of products start with the first product and add the other products in order.
+/// A step over arrays. A sum of products starts with the first product and adds the other products in order.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Step {
-    /// The same small straight-line program for each joint.
+    /// Runs the same small straight-line program for each joint.
     Map(Map),
     /// `to[·][j] = from[·][j]` plus the entries of all joints before j, computed from parents to children.
     SumAncestors {
@@ -90,7 +92,7 @@ pub enum Step {
         /// Array of the sums.
         to: ArrayId,
     },
-    /// A matrix over pairs of joints on one path.
+    /// Computes a matrix over pairs of joints on one path.
     Pairs(Pairs),
     /// `to[·][c]` is the sum of `from[·][j]` over the joints j that follow coordinate c.
     Collect {
@@ -128,8 +130,8 @@ pub enum Step {
         /// Array over joints.
         to: ArrayId,
     },
-    /// Inverse of a symmetric positive definite matrix with the zeros of a mass matrix, by Gauss–Jordan
-    /// elimination without pivoting from the leaves to the base.
+    /// Inverse of a symmetric positive definite matrix that has the zeros of a mass matrix. It is computed by
+    /// Gauss–Jordan elimination without pivoting, from the leaves to the base.
     Invert {
         /// The matrix.
         from: ArrayId,
@@ -156,7 +158,7 @@ pub enum Step {
     },
 }
 
-/// A straight-line program for each joint.
+/// A step that runs a straight-line program for each joint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Map {
     /// Name of the step, an identifier.
@@ -209,8 +211,8 @@ impl Arrays {
         }
     }
 
-    /// Whether the joints form one chain, in which the previous joint carries each joint except the first.
-    /// False if a joint has a quaternion.
+    /// Whether the joints form one chain, in which each joint except the first is carried by the previous
+    /// joint. False if a joint has a quaternion.
     #[must_use]
     pub fn is_chain(&self) -> bool {
         self.joints.is_chain() && self.chains.is_empty()
@@ -229,8 +231,8 @@ impl Arrays {
         carriers
     }
 
-    /// For each loop joint, the last velocity of the joint with a quaternion to which it belongs. For other
-    /// joints, the joint itself.
+    /// For each joint of the loops, its last velocity if it belongs to a joint with a quaternion; otherwise
+    /// the joint itself.
     #[must_use]
     pub fn last(&self) -> Vec<usize> {
         let mut last: Vec<usize> = (0..self.joints.len()).collect();
@@ -248,9 +250,9 @@ impl Arrays {
         self.over(self.arrays[array].over)
     }
 
-    /// Whether a matrix over coordinates is zero at all pairs of coordinates that share no path. Other
-    /// matrices belong to forces that depend on another branch, for example friction of a shaft that moves
-    /// two branches.
+    /// Whether a matrix over coordinates is zero for all pairs of coordinates that are not on one path. Other
+    /// matrices belong to forces that depend on another branch, for example the friction of a shaft that
+    /// moves two branches.
     #[must_use]
     pub fn is_over_paths(&self, array: ArrayId) -> bool {
         let Some(output) = self.setup.outputs.get(array) else {
@@ -274,7 +276,7 @@ impl Arrays {
         }
     }
 
-    /// The steps with fused multiply-adds: each product that only sums use becomes part of these sums.
+    /// Fuses multiply-adds in the steps: each product that is used only by sums becomes part of these sums.
     #[must_use]
     pub fn fused(&self) -> Self {
         let mut fused = self.clone();

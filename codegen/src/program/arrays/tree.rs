@@ -37,7 +37,7 @@ impl Tree {
         path.into_iter().any(|ancestor| ancestor == j)
     }
 
-    /// Whether two entries are equal or on one path to the base.
+    /// Whether two entries are equal, or one is on the other's path to the base.
     #[must_use]
     pub fn meet(&self, i: usize, j: usize) -> bool {
         i == j || self.is_before(i, j) || self.is_before(j, i)
@@ -49,8 +49,7 @@ impl Tree {
 pub struct Coordinates {
     /// Coordinate of each joint. Independent joints come first, in order.
     pub of_joints: Vec<usize>,
-    /// Tree of the coordinates. Two coordinates are on one path if their rows are combined during the
-    /// inversion of M.
+    /// Tree of the coordinates. Two coordinates are on one path if the inversion of M combines their rows.
     pub tree: Tree,
 }
 
@@ -79,8 +78,8 @@ impl Coordinates {
     }
 }
 
-/// The elimination tree of a symmetric matrix (Liu 1990). Rows are on one path if the inversion combines
-/// them. The inversion goes from the end of `order` to its beginning.
+/// Elimination tree of a symmetric matrix (Liu 1990). Two rows are on one path if the inversion combines
+/// these rows. The inversion goes from the end of `order` to its beginning.
 fn elimination(mut meet: Vec<Vec<bool>>, order: &[usize]) -> Vec<Option<usize>> {
     let mut parents = vec![None; order.len()];
     for (place, &pivot) in order.iter().enumerate().rev() {

@@ -1,4 +1,4 @@
-//! Conversion of the array form to its equivalent straight-line program.
+//! Converts the array form to its equivalent straight-line program.
 
 use super::writer::Writer;
 use super::{Array, Arrays, Coordinates, Map, Pairs, Relation, Step};
@@ -6,9 +6,9 @@ use crate::program::lower::give_names;
 use crate::program::{Operand, Operation, Output, Program};
 
 impl Arrays {
-    /// Each operation of the array form as an instruction in the same order. Padding of rows, entries that
-    /// loops compute and discard, and products with zeros of the tree are omitted, so a sum that is −0 here
-    /// may be 0 in the loops.
+    /// Returns a program with each operation of the array form as an instruction, in the same order. The
+    /// program omits the padding of rows, entries that loops compute and discard, and products with
+    /// structural zeros of the tree. Therefore a sum that is −0 in the program may be 0 in the loops.
     #[must_use]
     pub fn unrolled(&self) -> Program {
         let mut unrolling = Unrolling {
@@ -44,7 +44,7 @@ pub(super) fn numbered(mut program: Program) -> Program {
 struct Unrolling<'a> {
     form: &'a Arrays,
     writer: Writer,
-    /// Entries of each array, rows first.
+    /// Entries of each array, row-major.
     values: Vec<Vec<Operand>>,
 }
 
@@ -125,7 +125,7 @@ impl Unrolling<'_> {
         }
     }
 
-    /// Adds the entries of another joint to those of a joint.
+    /// Adds the entries of another joint to the entries of a joint.
     fn add_rows(&mut self, array: usize, joint: usize, other: Option<usize>) {
         let Some(other) = other else { return };
         for row in 0..self.form.arrays[array].rows {
@@ -135,7 +135,7 @@ impl Unrolling<'_> {
         }
     }
 
-    /// Sums the entries of the joints that follow each coordinate.
+    /// Sums, for each coordinate, the entries of the joints that follow it.
     fn collect(&mut self, from: usize, to: usize) {
         for row in 0..self.form.arrays[from].rows {
             let collected = self.collected(|joint| self.at(from, row, joint));
@@ -146,7 +146,7 @@ impl Unrolling<'_> {
         }
     }
 
-    /// For each coordinate, the entries of the joints that follow it.
+    /// Collects, for each coordinate, the entries of the joints that follow it.
     fn collected(&self, entry: impl Fn(usize) -> Operand) -> Vec<Vec<Operand>> {
         let mut collected: Vec<Vec<Operand>> =
             (0..self.form.coordinates().len()).map(|own| vec![entry(own)]).collect();
@@ -184,7 +184,7 @@ impl Unrolling<'_> {
         self.gather(from, to, &of_joints);
     }
 
-    /// `to[·][k] = from[·][sources[k]]`, or 0.
+    /// Copies `to[·][k] = from[·][sources[k]]`, or sets 0 if the source is `None`.
     fn gather(&mut self, from: usize, to: usize, sources: &[Option<usize>]) {
         for row in 0..self.form.arrays[from].rows {
             for (place, source) in sources.iter().enumerate() {
@@ -216,7 +216,7 @@ impl Unrolling<'_> {
         self.writer.sum_of_products(&terms)
     }
 
-    /// One step of the Gauss–Jordan elimination, with pivot k.
+    /// One step of the Gauss–Jordan elimination with pivot k.
     fn sweep(&mut self, matrix: usize, k: usize) {
         let (n, tree) = (self.form.coordinates().len(), self.form.coordinates());
         let pivot = self.at(matrix, k, k);

@@ -2,7 +2,7 @@
 
 use crate::program::{Instruction, Operand, Operation};
 
-/// A straight-line program under construction; names are added at the end.
+/// A straight-line program under construction. Instructions get their names at the end.
 pub(super) struct Writer {
     pub(super) instructions: Vec<Instruction>,
     /// Whether products and sums are fused.

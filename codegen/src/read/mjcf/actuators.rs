@@ -204,7 +204,7 @@ impl<'a> Reader<'_, 'a> {
         Motor { gear, rotor_inertia, friction, input: Input::Torque, torque, span: element.span() }
     }
 
-    /// Adds a motor. The first motor on a joint becomes the joint's own drive, with the joint's armature, so
+    /// Adds a motor. The first motor on a joint becomes the `drive` of the joint and gets the joint's armature, so
     /// that an extending description can replace it.
     fn on_joint(&mut self, name: Option<Name>, joint: String, mut motor: Motor) {
         let wanted = name.as_ref().map_or_else(|| joint.clone(), |name| name.value.clone());
@@ -279,7 +279,7 @@ impl<'a> Reader<'_, 'a> {
 }
 
 impl Motor {
-    /// A property of a joint or a tendon without a motor.
+    /// A motor without input, for the armature and friction of a joint or a tendon.
     fn passive(span: Span) -> Self {
         let torque = MotorTorque::default();
         Self { gear: 1.0, rotor_inertia: 0.0, friction: Vec::new(), input: Input::None, torque, span }

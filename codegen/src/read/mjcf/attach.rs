@@ -1,4 +1,4 @@
-//! `<attach>`: adds a body of another model with its content. The names get a prefix.
+//! Reads `<attach>`, which adds a body of another model with its content. The names get a prefix.
 
 use std::collections::BTreeSet;
 
@@ -10,7 +10,7 @@ use crate::model::Pose;
 use crate::read::one_tree;
 use crate::read::options::ReadOptions;
 
-/// Largest depth of models that attach each other, to find models that attach themselves.
+/// Largest depth of models that attach each other. It detects models that attach themselves.
 const DEEPEST: usize = 8;
 
 impl<'a> Reader<'_, 'a> {
@@ -26,7 +26,7 @@ impl<'a> Reader<'_, 'a> {
         let Some(&first) = part.bodies.get(&body.value) else {
             self.report.error(body.span, "unknown-link", format!("the model has no body `{}`", body.value));
             let help = nearest(&body.value, part.bodies.keys().map(String::as_str));
-            return self.report.help(help.unwrap_or_else(|| "it has no bodies".to_owned()));
+            return self.report.help(help.unwrap_or_else(|| "the model has no bodies".to_owned()));
         };
         let first = &mut part.robot.joints[first];
         let (name, root) = (first.name.value.clone(), first.child.clone());

@@ -14,7 +14,7 @@ const GENERATORS: [&str; 2] = ["composite", "flexcomp"];
 /// Elements with bodies.
 const BODIES: [&str; 2] = ["body", "attach"];
 
-/// Largest number of elements in a body, because the number is an attribute of the file.
+/// Largest number of elements in a body. It limits the attribute `count` of `<replicate>`.
 const MOST_ELEMENTS: usize = 10_000;
 
 /// A body that is read later.
@@ -126,7 +126,7 @@ impl<'a> Reader<'_, 'a> {
         let is_turned = ORIENTATIONS.iter().any(|key| element.attribute(key).is_some());
         let keys = ["pos", "quat", "axisangle", "euler", "xyaxes", "zaxis"];
         let found = keys.map(|key| match is_turned && ORIENTATIONS.contains(&key) {
-            // One orientation of its own replaces any of the class.
+            // An orientation of the element replaces all orientations of the class.
             true => element.attribute(key),
             false => self.find(placed, key),
         });

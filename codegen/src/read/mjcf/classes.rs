@@ -78,7 +78,7 @@ impl<'a> Classes<'a> {
         let mut next = Some(class);
         while let Some(class) = next.and_then(|index| self.0.get(index)) {
             let said = class.elements.iter().filter(|element| kind(element.tag()) == wanted);
-            // They were collected from the last to the first, and the last word counts.
+            // The elements are in reverse order, and the last element in the file counts.
             if let Some(found) = said.filter_map(|element| element.attribute(key)).next() {
                 return Some(found);
             }

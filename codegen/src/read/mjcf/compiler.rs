@@ -7,21 +7,27 @@ use super::files::{Element, plain_path};
 
 /// Settings of the model. The defaults are MuJoCo's.
 pub(super) struct Compiler {
-    /// Unit of angles \[rad\].
+    /// Size of the unit of angles, in rad.
     pub(super) angle: f64,
     /// Axes of the three angles of `euler`. Capital letters mean axes of the parent frame.
     pub(super) eulerseq: [char; 3],
-    /// Whether a range is a limit even if no attribute says so.
+    /// Whether a range is a limit if no attribute says otherwise.
     pub(super) autolimits: bool,
+    /// Cases in which geoms determine the inertia.
     pub(super) inertia_from_geoms: FromGeoms,
     /// Lowest and highest group of geoms with mass.
     pub(super) groups: [f64; 2],
+    /// Smallest mass of a body in kg (`boundmass`).
     pub(super) least_mass: f64,
+    /// Smallest principal moment of a body in kg m² (`boundinertia`).
     pub(super) least_inertia: f64,
+    /// Whether moments that violate the triangle inequality are replaced by their mean (`balanceinertia`).
     pub(super) balances: bool,
+    /// Sum of all masses in kg, to which the masses are scaled (`settotalmass`).
     pub(super) total_mass: Option<f64>,
     /// Folder of the model, in which paths of meshes begin.
     pub(super) folder: PathBuf,
+    /// Folder of the meshes, relative to `folder` (`meshdir`).
     pub(super) mesh_folder: PathBuf,
     /// Whether folders are removed from file names.
     pub(super) strips_paths: bool,
@@ -127,11 +133,13 @@ impl<'a> Reader<'_, 'a> {
                 "global-coordinates",
                 "MuJoCo no longer supports global coordinates",
             );
-            self.report.help("load the file in MuJoCo 2.3.3 or older and save it, which converts it");
+            self.report.help(
+                "load the file in MuJoCo 2.3.3 or older and save it; MuJoCo then converts the coordinates",
+            );
         }
     }
 
-    /// Reads gravity, and remarks on other global forces and on flags.
+    /// Reads gravity. Adds remarks about other global forces and about flags.
     pub(super) fn option(&mut self, element: Element<'a>) {
         if let Some(gravity) = self.vector(element.attribute("gravity"), "gravity") {
             self.gravity = gravity.value;

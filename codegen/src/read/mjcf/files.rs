@@ -15,25 +15,25 @@ const MOST_FILES: usize = 100;
 
 /// A file of the model.
 pub(super) struct Text {
-    /// Where it was found, from the folder of the first description.
+    /// Path of the file, relative to the folder of the first description.
     pub(super) path: PathBuf,
-    /// Index of the including file, and the name of this file there; `None` for the model itself.
+    /// Index of the including file, and the name of this file in its `<include>`; `None` for the model itself.
     included: Option<(usize, String)>,
     source: usize,
     text: UrdfText,
 }
 
 impl Text {
-    /// The text of a model.
+    /// Creates the text of a model.
     ///
-    /// - `source`: its index in the report
+    /// - `source`: index of the text in the report
     pub(super) fn new(path: &Path, source: usize, text: &str) -> Self {
         Self { path: path.to_owned(), included: None, source, text: UrdfText::new(text) }
     }
 }
 
-/// Reads the includes of a model's text; `None` after reporting an error. Their paths are relative to that of the model, or
-/// else to the including file.
+/// Reads the included files of a model. Their paths are relative to the folder of the model, or otherwise to the folder of
+/// the including file. Returns `None` after it has reported an error.
 pub(super) fn gather(model: Text, load: &mut dyn Fetch, report: &mut Report) -> Option<Vec<Text>> {
     let folder = |path: &Path| path.parent().map(Path::to_owned).unwrap_or_default();
     let path = model.path.clone();
@@ -42,7 +42,7 @@ pub(super) fn gather(model: Text, load: &mut dyn Fetch, report: &mut Report) -> 
     while next < texts.len() {
         for file in includes(&texts[next], report)? {
             let name = plain_path(&file.value);
-            // As in MuJoCo: in the folder of the model, else in that of the file that includes it.
+            // As in MuJoCo: first in the folder of the model, then in the folder of the including file.
             let [first, second] = [&path, &texts[next].path].map(|from| folder(from).join(&name));
             let mut read = |path: &Path| load.text(&path.to_string_lossy());
             let (path, found) = match read(&first) {
@@ -100,7 +100,7 @@ pub(super) fn plain_path(path: &str) -> String {
     path.replace('\\', "/")
 }
 
-/// Index of the including file, and the name of the included file there.
+/// Index of the including file, and the name of the included file in its `<include>`.
 type Included<'t> = Option<(usize, &'t str)>;
 
 /// Parsed texts of the model and its includes.

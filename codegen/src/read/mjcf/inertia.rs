@@ -131,7 +131,11 @@ impl<'a> Reader<'_, 'a> {
             return Share::Nothing;
         }
         if let Some(given) = self.find(&geom, "shellinertia").filter(|given| given.text == "true") {
-            self.report.error(given.span, "shell-inertia", "the inertia of a hollow geom is not supported");
+            self.report.error(
+                given.span,
+                "shell-inertia",
+                "the inertia of a hollow geom (`shellinertia`) is not supported",
+            );
             self.report
                 .help("give the body an <inertial>; `mujoco.mj_saveLastXML` with `saveinertial` writes it");
             return Share::Nothing;
@@ -205,7 +209,7 @@ impl<'a> Reader<'_, 'a> {
             }
             (None, _) => {
                 let span = given.map_or(geom.element.span(), |given| given.span);
-                let message = format!("a {kind} needs more sizes than {}, all positive", size.len());
+                let message = format!("a {kind} needs more than {} sizes, all positive", size.len());
                 self.report.error(span, "geom-size", message);
                 None
             }

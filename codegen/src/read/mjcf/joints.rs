@@ -41,7 +41,7 @@ impl<'a> Reader<'_, 'a> {
             match self.kind(&joint) {
                 Some("free") => self.free(&joint, name, between, joints.len() == 1),
                 Some("ball") => self.ball(&joint, name, between),
-                // What is unknown was reported; taken as a hinge it causes no second complaint.
+                // An unknown type was reported. It counts as a hinge, so that it causes no further error.
                 kind => self.single(&joint, name, between, kind == Some("slide")),
             }
         }
@@ -80,7 +80,7 @@ impl<'a> Reader<'_, 'a> {
         Pose { translation, ..Pose::identity() }
     }
 
-    /// A hinge or a slide.
+    /// Reads a hinge or a slide.
     fn single(&mut self, joint: &Placed<'a>, name: Name, between: Between, slides: bool) {
         let axis = self.find(joint, "axis");
         let axis = self.direction(axis, "axis").unwrap_or([0.0, 0.0, 1.0]);
@@ -89,7 +89,7 @@ impl<'a> Reader<'_, 'a> {
         let reference = unit * or(self.number(self.find(joint, "ref"), "ref"), 0.0);
         let anchor = self.anchor(joint);
         let back = anchor.translation.clone().map(Formula::negation);
-        // The file shows the joint at its reference, gelenk's frames stand at 0.
+        // The frames in the file are at the joint's reference; gelenk's frames are at position 0.
         let displacement = match slides {
             true => Pose { translation: axis.map(|x| Formula::Number(-reference * x)), ..Pose::identity() },
             false => Pose { rotation: by_axis(axis, -reference), ..Pose::identity() },
@@ -113,7 +113,7 @@ impl<'a> Reader<'_, 'a> {
         self.robot.joints.push(description);
     }
 
-    /// Adds a free joint. Its body is in the world, at any pose that the file shows.
+    /// Adds a free joint. The file may show its body at any pose in the world.
     fn free(&mut self, joint: &Placed<'a>, name: Name, between: Between, is_only: bool) {
         self.require_world(&name, &between.parent, &between.frame, is_only);
         let place = Place {
@@ -125,7 +125,7 @@ impl<'a> Reader<'_, 'a> {
         self.quaternion(joint, name, QuaternionKind::Floating, place, Pose::identity());
     }
 
-    /// Rejects a free joint outside the world; notes that its initial pose is ignored.
+    /// Reports an error if a free joint is not in the world. Adds a note if its initial pose is ignored.
     pub(super) fn require_world(&mut self, name: &Name, parent: &Name, frame: &Pose, is_only: bool) {
         if parent.value != super::WORLD || !is_only {
             let message =

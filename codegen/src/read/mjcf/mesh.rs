@@ -34,7 +34,7 @@ const LEAST_SIZE: f64 = 1e-15;
 /// of the surface, in the second step the centre of mass.
 ///
 /// # Errors
-/// The reason, if the mesh has no volume.
+/// Returns the reason if the mesh has no volume.
 pub(super) fn integrals(triangles: &[Triangle], filling: Filling) -> Result<MeshIntegrals, &'static str> {
     let area: f64 = triangles.iter().map(area).sum();
     if area < LEAST_SIZE {
@@ -110,7 +110,7 @@ fn dot(a: Point, b: Point) -> f64 {
 /// Triangles of an STL file (binary or text) or an OBJ file. Coordinates have single precision, as in MuJoCo.
 ///
 /// # Errors
-/// The reason, if the file is damaged, has another format, or has no finite triangles.
+/// Returns the reason if the file is damaged, has another format, or has no finite triangles.
 pub(super) fn triangles(bytes: &[u8], is_obj: bool) -> Result<Vec<Triangle>, &'static str> {
     let found = match is_obj {
         true => obj(&String::from_utf8_lossy(bytes)),
@@ -182,7 +182,7 @@ fn obj(text: &str) -> Option<Vec<Triangle>> {
 /// Triangles of the convex hull of the corners, in single precision.
 ///
 /// # Errors
-/// The reason, if the corners have no convex hull.
+/// Returns the reason if the corners have no convex hull.
 pub(super) fn convex_hull(triangles: &[Triangle]) -> Result<Vec<Triangle>, &'static str> {
     let single = |point: &Point| glam::Vec3A::from(point.map(|x| x as f32));
     let points: Vec<_> = triangles.iter().flatten().map(single).collect();

@@ -46,7 +46,7 @@ const HARMLESS: [&str; 9] =
 /// Properties of a joint that other sections need.
 struct KnownJoint {
     name: Name,
-    /// Position of the joint in the pose that the file shows.
+    /// Position of the joint in the pose of the file (attribute `ref`).
     reference: f64,
     has_quaternion: bool,
     is_free: bool,
@@ -86,7 +86,7 @@ struct Placed<'a> {
     element: Element<'a>,
     pose: Pose,
     class: usize,
-    /// Suffix of its name, from the enclosing `<replicate>` elements.
+    /// Suffix of the element's name, from the enclosing `<replicate>` elements.
     suffix: String,
 }
 
@@ -264,7 +264,11 @@ impl<'a> Reader<'_, 'a> {
     fn one_of(&mut self, given: Given<'a>, key: &str, known: &[&'static str]) -> Option<&'static str> {
         let found = known.iter().find(|word| **word == given.text);
         if found.is_none() {
-            self.report.error(given.span, "unknown-word", format!("`{key}` is {:?}", given.text));
+            self.report.error(
+                given.span,
+                "unknown-word",
+                format!("`{key}` has the unknown value {:?}", given.text),
+            );
             self.report.help(nearest(given.text, known.iter().copied()).unwrap_or_default());
         }
         found.copied()

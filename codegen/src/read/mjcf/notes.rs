@@ -17,7 +17,7 @@ pub(super) const ELASTIC: Remark =
     Remark::warning("elastic-skipped", "deformable bodies and forces of plugins were omitted");
 pub(super) const EQUALITY: Remark = Remark::warning(
     "equality-skipped",
-    "equality constraints between joints or tendons were omitted if they are not linear, act on joints with quaternions, or act on a joint that already follows",
+    "equality constraints between joints or tendons were omitted if they are nonlinear, or act on a follower or a joint with a quaternion",
 );
 pub(super) const FLAG: Remark =
     Remark::warning("flag-skipped", "flags of <option> that disable parts of the model were ignored");
@@ -25,12 +25,12 @@ pub(super) const GRAVITY_COMPENSATION: Remark =
     Remark::warning("gravity-compensation", "gravity compensation (`gravcomp`) was omitted");
 pub(super) const LOOP: Remark = Remark::warning(
     "loop-opened",
-    "equality constraints that close loops (connect, weld and similar) were omitted: the robot moves without them",
+    "equality constraints that close loops (connect, weld and similar) were omitted; the robot moves without them",
 );
 pub(super) const MEDIUM: Remark = Remark::warning("medium-skipped", "fluid forces were omitted");
 pub(super) const MESH_INERTIA: Remark = Remark::warning(
     "mesh-inertia",
-    "meshes without a volume were omitted: bodies without <inertial> have the mass of their other geoms",
+    "meshes whose mass cannot be computed were omitted; bodies without <inertial> have only the mass of their other geoms",
 );
 pub(super) const QUATERNION_FORCE: Remark = Remark::warning(
     "quaternion-joint",
@@ -46,7 +46,7 @@ pub(super) const SPRING_DAMPER: Remark = Remark::warning(
 );
 pub(super) const START_POSE: Remark = Remark::note(
     "start-pose",
-    "initial poses of free bodies were omitted: their positions are relative to the world",
+    "initial poses of free bodies were omitted; their positions are relative to the world",
 );
 pub(super) const TENDON_BRANCHES: Remark = Remark::warning(
     "tendon-branches",

@@ -43,8 +43,11 @@ impl<'a> Reader<'_, 'a> {
             let message = format!("unknown attribute `{name}` of <{}>", element.tag());
             self.report.error(span, "unknown-attribute", message);
             let help = nearest(name, known.iter().copied().filter(|key| element.attribute(key).is_none()));
-            self.report
-                .help(help.unwrap_or_else(|| "remove the attribute: this element has no others".to_owned()));
+            self.report.help(
+                help.unwrap_or_else(|| {
+                    "remove the attribute: this element has no other attributes".to_owned()
+                }),
+            );
         }
     }
 
@@ -54,7 +57,9 @@ impl<'a> Reader<'_, 'a> {
         let keys: Vec<String> = keys.map(|(key, _)| format!("`{key}`")).collect();
         if let (2.., Some(last)) = (keys.len(), given.iter().flatten().max_by_key(|given| given.span.start)) {
             let message = format!("<{}> has several orientations: {}", element.tag(), keys.join(", "));
-            self.report.error(last.span, "several-orientations", message).help("give exactly one of them");
+            self.report
+                .error(last.span, "several-orientations", message)
+                .help("give exactly one orientation");
         }
     }
 }

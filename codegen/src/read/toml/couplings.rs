@@ -26,7 +26,7 @@ pub(crate) fn followed_joints(
         let joint = At::new(term.key.to_owned(), term.key_span);
         Some(FollowsDescription { joint, ratio: At::new(ratio, term.span) })
     };
-    // All of them are read, so that all that is wrong is reported.
+    // All terms are read, so that all errors are reported.
     let terms: Vec<Option<FollowsDescription>> = terms.into_iter().map(term).collect();
     terms.into_iter().collect()
 }

@@ -246,7 +246,8 @@ fn coupling(reader: &mut Reader, item: Item<'_>) -> RotorCoupling {
     }
 }
 
-/// Warns of `carrier` or `axis` of a rotor that only adds i² J_R to the diagonal, because it has no place.
+/// Warns of `carrier` or `axis` if the rotor only adds i² J_R to the diagonal of M, because both keys then
+/// have no effect.
 fn warn_of_unused_mounting(reader: &mut Reader, table: &Table<'_>, coupling: RotorCoupling) {
     let mounting = ["carrier", "axis"].into_iter().filter_map(|key| table.get(key));
     for item in mounting.filter(|_| coupling == RotorCoupling::Diagonal) {

@@ -1,6 +1,6 @@
 //! Joint tables of a TOML description. A table describes a new joint, or refers to an existing joint with a
-//! quaternion: the floating joint of the base, or a joint of the extended description. The table refers to
-//! this joint as a whole, with values for its parts, or to one of its velocities.
+//! quaternion: the floating joint of the base, or a joint of the extended description. The table refers either
+//! to the whole joint, with values for its parts, or to one velocity of the joint.
 
 use super::joints::{by_part, check_all_parts, forces, of_part, read_joint, single_joint};
 use super::table::Table;
@@ -132,7 +132,7 @@ fn is_called(table: &Table<'_>, name: &str) -> bool {
     table.get("name").is_some_and(|item| item.value.as_str() == Some(name))
 }
 
-/// The velocities of a joint for which the table has values.
+/// Returns the velocities of a joint for which the table has values.
 fn whole(reader: &mut Reader, table: &Table<'_>, name: &Name, composite: Composite) -> Vec<JointDescription> {
     refuse(reader, table, &PLACE, &name.value, composite);
     refuse(reader, table, &SINGLE, &name.value, composite);

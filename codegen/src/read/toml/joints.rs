@@ -55,7 +55,7 @@ pub(crate) fn single_joint(
         link_frame,
         axis: table.get("axis").and_then(|item| reader.axis(item)),
         follows: table.get("follows").map(|item| {
-            // What could not be read was reported, and the joint stays one that follows.
+            // Unreadable entries were reported. The joint still counts as a follower.
             At::new(followed_joints(reader, item, &owner).unwrap_or_default(), item.key_span)
         }),
         offset: table.get("offset").and_then(|item| reader.number(item)),
@@ -98,7 +98,7 @@ fn read_type(reader: &mut Reader, table: &Table<'_>, item: Item<'_>, name: &Name
         Some("helical") => JointKind::Helical { pitch: pitch(reader, table, name) },
         word => match word.and_then(Composite::named) {
             Some(composite) => return JointType::Composite(composite),
-            // Also for an unknown type: a joint that moves causes no second complaint.
+            // An unknown type counts as revolute, so that it causes no further error.
             None => JointKind::Revolute,
         },
     };
@@ -107,7 +107,7 @@ fn read_type(reader: &mut Reader, table: &Table<'_>, item: Item<'_>, name: &Name
 
 /// The pitch of a helical joint (m/rad). After an error it is 1.
 fn pitch(reader: &mut Reader, table: &Table<'_>, name: &Name) -> f64 {
-    const HELP: &str = "`pitch` is the slide in m per rad: `pitch = \"0.02/(2*pi)\"` is 20 mm per turn; \
+    const HELP: &str = "`pitch` is the translation in m per rad: `pitch = \"0.02/(2*pi)\"` is 20 mm per turn; \
                         negative values are left-handed screws";
     let Some(item) = table.get("pitch") else {
         let message = format!("helical joint `{}` has no `pitch`", name.value);
@@ -187,7 +187,7 @@ pub(crate) fn of_part<'t>(
 pub(crate) fn check_all_parts(reader: &mut Reader, table: &Table<'_>, name: &Name, composite: Composite) {
     for item in by_part(table) {
         if let (Some(kind), "held") = (composite.quaternion(), item.key) {
-            let message = format!("`held` at {} joint `{}`", kind.name(), name.value);
+            let message = format!("{} joint `{}` cannot have `held`", kind.name(), name.value);
             reader.report.error(item.key_span, "quaternion-joint", message).help(kind.how_to_hold());
             continue;
         }
@@ -200,7 +200,7 @@ fn check_parts(reader: &mut Reader, item: Item<'_>, name: &Name, composite: Comp
     let kind = composite.name();
     let help = || {
         format!(
-            "its parts are {}: `{} = {{ {} = … }}`",
+            "give a value for each part ({}): `{} = {{ {} = … }}`",
             composite.listed(),
             item.key,
             composite.parts()[0].name
@@ -228,7 +228,7 @@ fn check_parts(reader: &mut Reader, item: Item<'_>, name: &Name, composite: Comp
         let part = composite.parts()[0].name;
         reader.report.help(match item.row.value.keys().is_some_and(|keys| keys.row(entry.key).is_some()) {
             true => format!(
-                "the parts are {}; give each its own value: `{} = {{ {part} = {{ {} = … }} }}`",
+                "the parts are {}; give each part a value: `{} = {{ {part} = {{ {} = … }} }}`",
                 composite.listed(),
                 item.key,
                 entry.key

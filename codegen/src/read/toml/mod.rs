@@ -34,7 +34,7 @@ pub(super) struct Preamble {
     pub no_friction: bool,
     /// Joints that are held.
     pub held: Vec<At<Hold>>,
-    /// Name of the body of an extended MJCF whose tree is the robot.
+    /// Name of a body of an extended MJCF. The robot is the kinematic tree that contains this body.
     pub body: Option<Name>,
 }
 
@@ -50,14 +50,14 @@ pub(super) fn parse<'t>(
         let span = Span::new(source, wrong.span().unwrap_or(0..0));
         if wrong.message().starts_with(DUPLICATE) {
             let header = header(text, span.start);
-            // All keys of a table that stands twice are duplicates.
+            // All keys of a table that occurs twice are duplicates.
             if repeated.is_some() && repeated == header {
                 continue;
             }
             repeated = header.filter(|header| header.contains(&span.start));
         }
         let line = text.get(..span.start).map(|before| before.matches('\n').count());
-        // What follows on the same line is usually a consequence of the first error.
+        // Further errors on the same line are usually consequences of the first error.
         if line.is_none() || line != last_line {
             reader.report.error(span, "toml-syntax", wrong.message());
             if let Some(help) = syntax_help(wrong.message(), text, span.start) {
@@ -94,8 +94,8 @@ fn duplicate_help(line: &str) -> String {
         Some(name) if ROBOT.row(name).is_some_and(|row| row.value.is_tables()) => {
             format!("use double brackets for each of several tables: `[[{name}]]`")
         }
-        Some(name) => format!("a table may occur once: combine the keys of both under one `[{name}]`"),
-        None => "a key may occur once in a table: remove one".to_owned(),
+        Some(name) => format!("a table may occur only once: combine the keys of both under one `[{name}]`"),
+        None => "a key may occur only once in a table: remove one entry".to_owned(),
     }
 }
 
@@ -230,7 +230,7 @@ fn read_base(reader: &mut Reader, item: Item<'_>) -> (Option<Name>, Option<Span>
         return (None, None);
     };
     let link = table.get("link").and_then(|item| reader.name(item));
-    // An unknown type is that of a base that moves, so that it causes no second complaint.
+    // An unknown type counts as floating, so that it causes no further error.
     let floats = table.get("type").filter(|kind| kind.word(&mut reader.report) != Some("fixed"));
     let floats = floats.map(|kind| kind.span);
     (link, floats)

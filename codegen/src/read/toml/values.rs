@@ -89,8 +89,8 @@ impl Reader {
         self.scalar(item, Allowed::Motion)
     }
 
-    /// A force law between two frames: a formula of parameters, the distance `l` and its rate `dl`. They
-    /// become the position and the velocity of the formula.
+    /// A force law between two frames: a formula of parameters, the distance `l` and its rate `dl`. The formula
+    /// has `l` as its position and `dl` as its velocity.
     pub fn force_between_law(&mut self, item: Item<'_>) -> Option<Formula> {
         self.scalar(item, Allowed::Distance)
     }
@@ -140,8 +140,8 @@ impl Reader {
                 Some(formula)
             }
             Err(wrong) => {
-                // A plain string literal has its text one byte behind the quote; other forms are marked as a
-                // whole.
+                // A plain string literal has its text one byte after the quote. In other literals the whole value is
+                // marked.
                 let plain = self.report.text(span).get(1..).is_some_and(|rest| rest.starts_with(text));
                 let start = span.start + 1;
                 let place = Span { start: start + wrong.range.start, end: start + wrong.range.end, ..span };

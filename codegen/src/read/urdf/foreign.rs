@@ -5,7 +5,7 @@
 struct Effect {
     /// Tags and attributes in small letters, without prefix and underscores.
     words: &'static [&'static str],
-    /// Values without effect. In other rows, these are 0 and `false`.
+    /// Values of these tags and attributes that have no effect.
     idle: &'static [&'static str],
     text: &'static str,
 }
@@ -28,7 +28,7 @@ const EFFECTS: [Effect; 10] = [
     Effect {
         words: &["damping", "dampingfactor", "frictionloss", "viscousfriction", "coulombfriction"],
         idle: IDLE,
-        text: "friction and damping of other tools were skipped; write them in a TOML file as `friction = { \
+        text: "friction and damping in the notation of other tools were skipped; write them in a TOML file as `friction = { \
                viscous = 0.5, coulomb = 2 }` of the joint",
     },
     Effect {
@@ -57,12 +57,12 @@ const EFFECTS: [Effect; 10] = [
     Effect {
         words: &["turngravityoff", "gravcomp"],
         idle: IDLE,
-        text: "links without gravity have gravity here; `gravity = [0, 0, 0]` in a TOML file removes it from all links",
+        text: "links without gravity have gravity in gelenk; `gravity = [0, 0, 0]` in a TOML file removes it from all links",
     },
     Effect {
         words: &["gravity"],
         idle: &["1", "true", "0 0 -9.81"],
-        text: "another gravity was skipped; write it in a TOML file as `gravity = [0, 0, -1.6]`",
+        text: "gravity other than (0, 0, -9.81) was skipped; write it in a TOML file as `gravity = [0, 0, -1.6]`",
     },
     Effect {
         words: &[

@@ -63,7 +63,7 @@ impl Reader<'_> {
             (Limit::Unset | Limit::Broken, true) => None,
             (_, true) => Some(notes::CONTINUOUS_LIMITS),
         };
-        // The last three are those of URDF 1.1: 0 or absent, they are not given.
+        // The last three attributes are new in URDF 1.1. If they are 0 or absent, there is no limit and no remark.
         let of_amounts = amounts.iter().enumerate().filter_map(|(index, amount)| match amount {
             Limit::Unset if index > 1 => None,
             amount => amount.remark(),

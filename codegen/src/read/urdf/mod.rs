@@ -31,7 +31,7 @@ use gelenk_formula::{Formula, TermOf};
 use roxmltree::{Document, Node};
 use std::path::Path;
 
-/// Published axes have about six digits. A smaller difference of their length from 1 is rounding.
+/// Largest rounding error of the length of a published axis, which has about six digits.
 const WRITTEN_DIGITS: f64 = 1e-5;
 
 /// Reads a URDF; `None` if the text is not XML or has no robot.
@@ -84,7 +84,7 @@ pub(super) fn report_syntax(wrong: &roxmltree::Error, text: &str, source: usize,
 
 fn stem(file: &str) -> &str {
     let stem = Path::new(file).file_stem().and_then(|stem| stem.to_str());
-    // `arm.urdf.xacro` was expanded under its old name, say.
+    // The file may still have the name `arm.urdf.xacro` after its expansion.
     stem.map_or("robot", |stem| stem.trim_end_matches(".urdf"))
 }
 
@@ -297,7 +297,7 @@ impl Reader<'_> {
         result.joints.extend(joints);
     }
 
-    /// Reports keys that a joint with several degrees of freedom cannot have in this form.
+    /// Reports elements that are ambiguous for a joint with several degrees of freedom.
     fn refuse_in_composite(&mut self, node: XmlNode<'_>, name: &Name, composite: Composite) {
         let (owner, kind) = (name.quoted(), composite.name());
         if composite == Composite::Planar && !node.children().any(|inner| inner.has_tag_name("axis")) {
@@ -318,7 +318,7 @@ impl Reader<'_> {
         let unclear = [dynamics, mimic];
         for inner in unclear.into_iter().flatten() {
             let message = format!(
-                "{kind} joint {owner} has <{}>, which has no meaning for several motions",
+                "{kind} joint {owner} has <{}>, which is ambiguous for several degrees of freedom",
                 inner.tag_name().name()
             );
             let code = if composite == Composite::Planar { "planar-joint" } else { "quaternion-joint" };
@@ -355,7 +355,7 @@ impl Reader<'_> {
                 self.report.error(span, "joint-type", message);
                 let wanted = kind.map_or("", |attribute| attribute.value());
                 self.report.help(nearest(wanted, TYPES).unwrap_or_default());
-                // Reported; taken as moving, so that it causes no second complaint.
+                // The type was reported. The joint counts as moving, so that it causes no further error.
                 Some(JointKind::Revolute)
             }
         }

@@ -2,8 +2,8 @@
 
 use crate::read::skipped::Remark;
 
-/// Elements that do not affect the dynamics, unless [`urdf_foreign`] knows their content. All of them share
-/// one note.
+/// Elements that do not affect the dynamics, unless `foreign.rs` lists their content. All of them share one
+/// note.
 pub(super) const HARMLESS: [&str; 14] = [
     "<visual>",
     "<collision>",
@@ -22,18 +22,20 @@ pub(super) const HARMLESS: [&str; 14] = [
 ];
 
 pub(super) const AXIS_MISSING: Remark =
-    Remark::warning("axis-missing", "an <axis> without `xyz` was taken as x");
+    Remark::warning("axis-missing", "an <axis> without `xyz` was read as the x axis");
 pub(super) const AXIS_NORMALIZED: Remark =
     Remark::note("axis-normalized", "axes and quaternions were normalized");
-pub(super) const CONTINUOUS_LIMITS: Remark =
-    Remark::note("continuous-limits", "continuous joints have no position limits; those given were ignored");
+pub(super) const CONTINUOUS_LIMITS: Remark = Remark::note(
+    "continuous-limits",
+    "continuous joints have no position limits; the given limits were ignored",
+);
 pub(super) const DUPLICATE_ELEMENT: Remark =
     Remark::warning("duplicate-element", "only the first of several elements of the same kind was used");
 pub(super) const EMPTY_INERTIAL: Remark =
     Remark::warning("empty-inertial", "links with an empty <inertial> have no mass");
 pub(super) const LIMIT_MISSING: Remark = Remark::note(
     "limit-missing",
-    "joints without <limit> have no limits here; ROS rejects such revolute and prismatic joints",
+    "joints without <limit> have no limits in gelenk; ROS rejects revolute and prismatic joints without <limit>",
 );
 pub(super) const LIMIT_UNSET: Remark =
     Remark::note("limit-unset", "limits that are 0 or infinite were ignored");
@@ -43,15 +45,17 @@ pub(super) const PLANAR_LIMITS: Remark = Remark::note(
     "planar-limits",
     "limits of joints with several degrees of freedom were ignored, because they do not name a motion; describe them in a TOML file for each part",
 );
-pub(super) const REDUCTION_IGNORED: Remark =
-    Remark::note("transmission-ignored", "mechanical reductions were ignored; inputs act at the joints");
+pub(super) const REDUCTION_IGNORED: Remark = Remark::note(
+    "transmission-ignored",
+    "mechanical reductions were ignored, because inputs act at the joints",
+);
 pub(super) const ROTOR_READ: Remark = Remark::note(
     "rotor-read",
-    "rotors of transmissions were read as i² J at their joints, where the inputs act",
+    "rotors of transmissions were read as inertias i² J at their joints, where the inputs act",
 );
 pub(super) const SPHERICAL_WITHOUT_DRIVE: Remark = Remark::note(
     "spherical-without-drive",
     "spherical joints of a URDF have no drive and no input; add inputs in a TOML file (`drive = \"ideal\"`)",
 );
 pub(super) const UNKNOWN: Remark =
-    Remark::warning("unknown-tag", "unknown elements of the dynamics were skipped");
+    Remark::warning("unknown-tag", "unknown elements and attributes of the dynamics were skipped");

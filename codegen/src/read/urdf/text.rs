@@ -28,7 +28,7 @@ impl UrdfText {
         std::str::from_utf8(&self.0).unwrap_or("")
     }
 
-    /// Overwrites comments. A comment without an end is left to the message of the parser.
+    /// Overwrites comments. The parser reports a comment without an end.
     fn blank_comments(&mut self) {
         let mut at = 0;
         while let Some(start) = self.find(b"<!", at) {

@@ -59,7 +59,7 @@ impl Reader<'_> {
         is_known
     }
 
-    /// Whether the name has an effect on the dynamics in other tools. If it has, a remark is added.
+    /// Whether the name has an effect on the dynamics in other tools. If so, adds a remark.
     pub(super) fn foreign_word(&mut self, node: XmlNode<'_>, word: &str, value: &str, span: Span) -> bool {
         let Some(text) = effect(word, value) else { return false };
         let is_contact = |node: XmlNode<'_>| CONTACTS.contains(&node.tag_name().name());

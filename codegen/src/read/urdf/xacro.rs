@@ -43,9 +43,9 @@ pub(super) fn report(node: Node<'_, '_>, span: Span, file: &str, report: &mut Re
     let name = node.tag_name().name();
     let message = match is_macro(node) {
         true => format!("<xacro:{}> is a macro", name.trim_start_matches("xacro.")),
-        false => format!("<{name}> holds a xacro expression"),
+        false => format!("<{name}> contains a xacro expression"),
     };
-    report.error(span, "xacro-not-expanded", format!("{message}: expand the file first"));
+    report.error(span, "xacro-not-expanded", format!("{message}; the file must be expanded"));
     let expanded = expanded(file);
     report.help(format!(
         "`xacro {} > {}` expands the file (ROS package xacro, or `pip install xacro`); write arguments of \

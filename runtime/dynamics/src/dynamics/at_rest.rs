@@ -1,22 +1,24 @@
-//! Friction on both sides of rest.
+//! Friction just before and just after rest.
 
-/// Speed [rad/s or m/s] at which friction is evaluated on one side of rest. Discontinuous friction laws give
-/// the value of their direction, other laws give the value at rest. The speed does not underflow when it is
-/// multiplied by a gear ratio.
+/// Speed [rad/s or m/s] at which friction is evaluated just before or just after rest. At this speed, a discontinuous friction
+/// law has the value of the direction of motion, and other laws have the value at rest. The speed does not underflow when it
+/// is multiplied by a gear ratio.
 pub const JUST_MOVING: f64 = 1e-300;
 
-/// Largest difference between both sides of rest for friction without a jump, which is its slope times
-/// [`JUST_MOVING`]. Free parameters that make a jump zero leave this difference.
+/// Largest difference between both sides of rest for friction without a jump. This difference is the slope of friction times
+/// [`JUST_MOVING`]. It remains if free parameters make a jump zero.
 const OF_SLOPES: f64 = 1e-200;
 
-/// Whether friction is discontinuous at rest, like dry friction. The arguments are the two values of a joint
-/// in [`Dynamics::friction_at_rest`](super::Dynamics::friction_at_rest).
+/// Returns whether friction is discontinuous at rest, for example dry friction. The arguments are the two values of a joint in
+/// [`Dynamics::friction_at_rest`](super::Dynamics::friction_at_rest).
 pub fn jumps([backward, forward]: [f64; 2]) -> bool {
     backward < forward
 }
 
-/// Whether friction at i is discontinuous at a sign change of velocity j while all other velocities are 0,
-/// for example on a shaft that both joints rotate. NaN counts as discontinuous.
+/// Returns whether friction at joint i is discontinuous when the velocity of joint j changes its sign and all other velocities are
+/// 0. An example is friction on a shaft that both joints rotate. NaN counts as discontinuous.
+///
+/// - `friction`: function that returns the friction torques for velocities
 pub fn jumps_with<const N: usize>([i, j]: [usize; 2], friction: impl Fn(&[f64; N]) -> [f64; N]) -> bool {
     let [backward, forward] = [-JUST_MOVING, JUST_MOVING].map(|speed| {
         let mut velocities = [0.0; N];
@@ -27,7 +29,7 @@ pub fn jumps_with<const N: usize>([i, j]: [usize; 2], friction: impl Fn(&[f64; N
     !is_smooth
 }
 
-/// Friction before and after rest. Both values are equal for friction without a jump.
+/// Friction of each joint just before and just after rest. The two values are equal for friction without a jump.
 pub(super) fn either_side<const N: usize>(
     jumps: &[[usize; 2]],
     friction: impl Fn(&[f64; N]) -> [f64; N],

@@ -1,4 +1,4 @@
-//! Default implementations of functions that a module does not have.
+//! Default implementations of methods, for modules that were generated without the corresponding functions.
 
 use super::lanes::{Instructions, LANES, LinearizeLanes, Point};
 use super::load_friction::{load, under_load};
@@ -22,7 +22,7 @@ pub fn applied_forces<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M: u
     core::array::from_fn(|i| gravity[i] + springs[i] - friction[i])
 }
 
-/// Returns [`Dynamics::load_friction`] of a robot without load-dependent friction, which is zero.
+/// Returns zero, which is [`Dynamics::load_friction`] of a robot without load-dependent friction.
 #[inline]
 pub fn load_friction<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M: usize, const NY: usize>(
     _: &D,
@@ -169,7 +169,7 @@ pub fn discretize<D: Differentiable<N, M, NY> + ?Sized, const N: usize, const M:
     period: f64,
 ) -> Discretization<N, M, NY> {
     let linear = robot.linearize(y, v, u);
-    // Known to the compiler: arms take the one, robots with quaternions the other.
+    // The compiler evaluates the condition. Arms use the first form, and robots with quaternions the second form.
     if NY == N { linear.held(period) } else { linear.discretize_with(&robot.drift(v), period) }
 }
 
@@ -242,7 +242,7 @@ pub fn midpoint_step<
         }
     }
     let mut by_way = by_y;
-    // Known to the compiler: of arms the tangents are the identity.
+    // The compiler evaluates the condition. For arms the tangents are the identity.
     if NY != N {
         let (by_position, by_displacement) = robot.integrate_derivatives(y, &way);
         (by_way, by_y) = (times(&by_y, &by_displacement), times(&by_y, &by_position));
@@ -262,7 +262,7 @@ pub fn midpoint_step<
     stepped(robot, y, v, a, &mean, &columns, period)
 }
 
-/// Returns the step whose changes of the velocities are in `columns`.
+/// Returns the result of a midpoint step. `columns` contains the changes of the velocities and their derivatives.
 #[inline]
 fn stepped<D: Differentiable<N, M, NY> + ?Sized, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
@@ -281,7 +281,7 @@ fn stepped<D: Differentiable<N, M, NY> + ?Sized, const N: usize, const M: usize,
         input: [columns.by_u; 2],
     };
     let (mut whole, mut correction) = ([0.0; N], [0.0; N]);
-    // T/2 times the sum of the velocities before and after.
+    // The change of the positions is T/2 times the sum of the velocities before and after the step.
     for i in 0..N {
         (whole[i], correction[i]) = (period * mean[i], half * columns.rest[i]);
         step.velocities[i] += period * a[i] + columns.rest[i];
@@ -316,8 +316,8 @@ fn stepped<D: Differentiable<N, M, NY> + ?Sized, const N: usize, const M: usize,
     step
 }
 
-/// Computes [`Discretizable::step`] of a robot with time-dependent equations from `time` (s) on. Each stage
-/// of the method uses the robot at the time of the stage.
+/// Computes [`Discretizable::step`] from `time` (s) on, for a robot with time-dependent equations. Each stage of the
+/// Runge–Kutta method uses the robot at the time of the stage.
 #[inline]
 pub fn step_from<D: Discretizable<N, M>, const N: usize, const M: usize>(
     robot: &D,
@@ -333,7 +333,7 @@ pub fn step_from<D: Discretizable<N, M>, const N: usize, const M: usize>(
     discrete_time::runge_kutta(*y, *v, period, D::SUBSTEPS, acceleration)
 }
 
-/// Computes [`Discretizable::step_derivatives`] of a robot with time-dependent equations from `time` (s) on.
+/// Computes [`Discretizable::step_derivatives`] from `time` (s) on, for a robot with time-dependent equations.
 #[inline]
 pub fn step_derivatives_from<D: Discretizable<N, M>, const N: usize, const M: usize>(
     robot: &D,
@@ -353,8 +353,8 @@ pub fn step_derivatives_from<D: Discretizable<N, M>, const N: usize, const M: us
     Step { coordinates, velocities, state, input }
 }
 
-/// Times of the stages of Runge–Kutta steps (s), in the order in which the method evaluates accelerations: at
-/// the beginning of each step, twice in its middle, and at its end.
+/// Times of the stages of Runge–Kutta steps (s), in the order in which the method evaluates accelerations. Each step has one
+/// stage at its beginning, two stages in its middle, and one stage at its end.
 struct StageTimes {
     start: f64,
     step: f64,
@@ -387,7 +387,7 @@ pub fn linearize_along<D, L, P: Copy, const N: usize, const M: usize, const NY: 
 {
     let count = points.len().min(results.len());
     for (points, results) in points[..count].chunks(LANES).zip(results[..count].chunks_mut(LANES)) {
-        // A call takes as long as two or three single ones.
+        // A call for eight points takes as long as two or three calls for a single point.
         let lanes = (&of, &numbers);
         if points.len() < 3 || !table.linearize(instructions, parameters, lanes, points, results) {
             linearize_one_by_one(robot, points, results);
@@ -395,7 +395,7 @@ pub fn linearize_along<D, L, P: Copy, const N: usize, const M: usize, const NY: 
     }
 }
 
-/// Implements [`Differentiable::linearize_along`] with one call for each point.
+/// Implements [`Differentiable::linearize_along`] by one call for each point.
 pub fn linearize_one_by_one<D, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
     points: &[Point<N, M, NY>],

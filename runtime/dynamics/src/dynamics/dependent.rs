@@ -1,33 +1,34 @@
-//! Joints that follow coordinates, `θ = G y + G_d d + g₀`, with their limits in the description.
+//! Joints that follow coordinates and driven joints, `θ = G y + G_d d + g₀`, and their limits.
 
-/// A joint that follows coordinates y and driven joints d, `θ = G y + G_d d + g₀`, with its limits. Code that
-/// keeps the limits of coordinates also keeps the limits of these joints.
+/// A joint with limits whose position `θ = G y + G_d d + g₀` follows coordinates y and driven joints d. Code that keeps the limits
+/// of coordinates also keeps the limits of these joints.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DependentJoint<const N: usize> {
     /// Name of the joint.
     pub name: &'static str,
-    /// Ratios G: motion of the joint per unit of motion of each coordinate.
+    /// Ratios G: motion of this joint per unit of motion of each coordinate.
     pub ratios: [f64; N],
-    /// Ratios G_d: motion of the joint per unit of motion of each driven joint; empty for a robot without
-    /// driven joints.
+    /// Ratios G_d: motion of this joint per unit of motion of each driven joint; empty for a robot without driven joints.
     pub driven_ratios: &'static [f64],
-    /// Offset g₀: position of the joint if all joints that it follows are at 0 [rad or m].
+    /// Offset g₀: position of this joint if all followed joints are at 0 [rad or m].
     pub offset: f64,
-    /// Lowest and highest position [rad or m].
+    /// Lower and upper position limit [rad or m]; infinite without a limit.
     pub position: [f64; 2],
-    /// Highest speed [rad/s or m/s].
+    /// Speed limit [rad/s or m/s]; infinite without a limit.
     pub velocity: f64,
 }
 
 impl<const N: usize> DependentJoint<N> {
-    /// Position and velocity of the joint from those of the coordinates and of the driven joints
-    /// ([`Dynamics::driven_motion`](super::Dynamics::driven_motion)). NaN if the joint follows a driven joint
-    /// with unknown motion.
+    /// Position [rad or m] and velocity [rad/s or m/s] of the joint, for positions `y` and velocities `v` of the coordinates. The
+    /// result is NaN if the joint follows a driven joint with unknown motion.
+    ///
+    /// - `driven`: position, velocity and acceleration of each driven joint, see
+    ///   [`Dynamics::driven_motion`](super::Dynamics::driven_motion)
     #[must_use]
     pub fn motion(&self, y: &[f64; N], v: &[f64; N], driven: &[[f64; 3]]) -> [f64; 2] {
         let mut motion = [self.offset, 0.0];
         let mut add = |ratio: f64, [y, v]: [f64; 2]| {
-            // Nothing is known, and nothing needs to be, of what it does not follow.
+            // The motion of a driven joint that this joint does not follow may be NaN, and is not needed.
             if ratio != 0.0 {
                 motion[0] += ratio * y;
                 motion[1] += ratio * v;
@@ -49,8 +50,7 @@ impl<const N: usize> DependentJoint<N> {
         count(self.driven_ratios) > 0
     }
 
-    /// Index of the followed coordinate if the joint follows only this coordinate and no driven joint; `None`
-    /// otherwise.
+    /// Index of the followed coordinate if the joint follows exactly one coordinate and no driven joint; `None` otherwise.
     #[must_use]
     pub fn followed_alone(&self) -> Option<usize> {
         if self.follows_driven_joints() || count(&self.ratios) != 1 {
@@ -77,8 +77,8 @@ impl<const N: usize> DependentJoint<N> {
         self.velocity != f64::INFINITY
     }
 
-    /// Index of the only followed coordinate, and the limits of its position and speed that keep the limits
-    /// of this joint; `None` if the joint follows several coordinates or a driven joint.
+    /// Index of the followed coordinate, and limits of its position and speed for which this joint keeps its limits; `None` if the
+    /// joint follows several coordinates or a driven joint.
     fn limits_of_followed(&self) -> Option<(usize, [f64; 2], f64)> {
         let i = self.followed_alone()?;
         let ratio = self.ratios[i];
@@ -98,8 +98,7 @@ const fn count(ratios: &[f64]) -> usize {
     found
 }
 
-/// Narrows the limits of coordinates so that each joint that follows a single coordinate keeps its own
-/// limits.
+/// Narrows the limits of coordinates so that joints that follow a single coordinate keep their limits.
 pub(super) fn narrowed<const N: usize>(
     joints: &[DependentJoint<N>],
     positions: &mut [[f64; 2]; N],
@@ -111,7 +110,7 @@ pub(super) fn narrowed<const N: usize>(
     }
 }
 
-/// Number of rows for the limits of joints, see [`LimitRows`].
+/// Number of rows for the limits of joints that follow several coordinates, see [`LimitRows`].
 pub const fn count_rows<const N: usize>(joints: &[DependentJoint<N>]) -> usize {
     let (mut i, mut rows) = (0, 0);
     while i < joints.len() {
@@ -123,16 +122,16 @@ pub const fn count_rows<const N: usize>(joints: &[DependentJoint<N>]) -> usize {
     rows
 }
 
-/// The number NR of rows that limit sums: `lower ≤ G y + g₀ ≤ upper` and `|G ẏ| ≤ limit` for joints that
-/// follow several coordinates, and `|u + c ẏ| ≤ limit` for motors. [`dynamics!`](crate::dynamics!) implements
-/// this trait, so that predictive controllers have all of these rows.
+/// Number NR of rows that limit weighted sums. The rows are `lower ≤ G y + g₀ ≤ upper` and `|G ẏ| ≤ limit` for joints that follow
+/// several coordinates, and `|u + c ẏ| ≤ limit` for torque–speed lines of motors. [`dynamics!`](crate::dynamics!) implements
+/// this trait, so that the size of a predictive controller includes all rows.
 #[diagnostic::on_unimplemented(
-    note = "a robot written by hand must give the number of rows that limit sums (followers of several \
-            coordinates, torque–speed lines): `impl LimitRows<0> for Robot {{}}`"
+    note = "a hand-written robot must declare the number of rows for joints that follow several coordinates and \
+            for torque–speed lines: `impl LimitRows<0> for Robot {{}}`"
 )]
 pub trait LimitRows<const NR: usize> {}
 
-/// Converts the constants of a module to joints.
+/// Converts the constants of a module to its K joints that follow other joints.
 ///
 /// - `ratios`, `driven_ratios`: K rows, stored one after the other
 pub const fn dependent_joints<const N: usize, const K: usize>(
@@ -142,7 +141,7 @@ pub const fn dependent_joints<const N: usize, const K: usize>(
     positions: &[[f64; 2]],
     velocities: &[f64],
 ) -> [DependentJoint<N>; K] {
-    const { assert!(N > 0 || K == 0, "a joint that follows has something to follow") }
+    const { assert!(N > 0 || K == 0, "a robot without coordinates cannot have joints that follow coordinates") }
     let mut joints = [DependentJoint {
         name: "",
         ratios: [0.0; N],
@@ -169,7 +168,7 @@ pub const fn dependent_joints<const N: usize, const K: usize>(
     joints
 }
 
-/// Value of `DEPENDENT_JOINT_NAMES` for a module without joints that follow others.
+/// Value of `DEPENDENT_JOINT_NAMES` for a module without joints that follow other joints.
 pub const NO_NAMES: [&str; 0] = [];
 /// Value of `DEPENDENT_JOINT_RATIOS`, `DEPENDENT_DRIVEN_RATIOS` and `TORQUE_SPEED_SLOPES` for a module
 /// without these constants.
@@ -177,7 +176,7 @@ pub const NO_ROWS: [[f64; 0]; 0] = [];
 /// Value of `DEPENDENT_JOINT_OFFSETS`, `DEPENDENT_VELOCITY_LIMITS` and `TORQUE_SPEED_LIMITS` for a module
 /// without these constants.
 pub const NO_NUMBERS: [f64; 0] = [];
-/// Value of `DEPENDENT_POSITION_LIMITS` for a module without joints that follow others.
+/// Value of `DEPENDENT_POSITION_LIMITS` for a module without joints that follow other joints.
 pub const NO_RANGES: [[f64; 2]; 0] = [];
 
 #[cfg(test)]

@@ -1,7 +1,6 @@
-//! Parts of [`dynamics!`](crate::dynamics!) for joints that follow others, torque–speed lines and driven
-//! joints.
+//! Parts of [`dynamics!`](crate::dynamics!) for joints that follow other joints, torque–speed lines and driven joints.
 
-/// Joints of a module that follow others. Most modules do not have these constants.
+/// Returns the joints of a module that follow other joints. Most modules do not have the constants for them.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! dependent_joints_of {
@@ -27,7 +26,7 @@ macro_rules! dependent_joints_of {
     }};
 }
 
-/// Torque–speed lines of the motors of a module. Most modules do not have these constants.
+/// Returns the torque–speed lines of the motors of a module. Most modules do not have the constants for them.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! torque_speed_lines_of {

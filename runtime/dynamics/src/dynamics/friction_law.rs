@@ -1,8 +1,8 @@
-//! Generated functions of the friction torques, with or without the positions as an argument.
+//! Traits for generated functions `friction_torques` with different arguments.
 //!
-//! A module has `friction_torques(v)`, or `friction_torques(y, v)` if a friction law depends on the position.
-//! The macro [`dynamics!`](crate::dynamics!) cannot distinguish these functions. The compiler selects the
-//! implementation for the type of the function.
+//! A module has `friction_torques(v)`, or `friction_torques(y, v)` if a friction law depends on the position. The macro
+//! [`dynamics!`](crate::dynamics!) cannot distinguish these functions. The compiler selects the implementation of a trait by the
+//! type of the function.
 
 /// A generated function `friction_torques`. The type `Arguments` distinguishes the implementations and is
 /// inferred.
@@ -100,10 +100,10 @@ where
     }
 }
 
-/// Represents the argument y in the list of a function's arguments.
+/// Represents the argument y in the type `Arguments` of a function.
 #[derive(Debug, Clone, Copy)]
 pub struct Coordinates;
 
-/// Represents the argument v in the list of a function's arguments.
+/// Represents the argument v in the type `Arguments` of a function.
 #[derive(Debug, Clone, Copy)]
 pub struct Velocities;

@@ -1,9 +1,9 @@
-//! Access of the macro [`dynamics!`](crate::dynamics!) to the functions that a module has.
+//! Access of the macro [`dynamics!`](crate::dynamics!) to functions that a module may not have.
 //!
-//! A macro cannot test whether a module has a function. Instead the macro writes two nested blocks. The inner
-//! block imports everything from the module, the outer block imports [`Missing`] under the name of the
-//! function. The compiler resolves the name to the function if the module has it, and to [`Missing`]
-//! otherwise. [`OrElse`] then calls the function or its replacement.
+//! A macro cannot test whether a module has a function. Instead, the macro writes two nested blocks. The outer block imports
+//! [`Missing`] under the name of the function. The inner block imports everything from the module. If the module has the
+//! function, the compiler resolves the name to the function, otherwise to [`Missing`]. [`OrElse`] then calls the function or its
+//! replacement.
 
 use super::types::OfResults;
 
@@ -55,16 +55,16 @@ impl<A, R> MadeOrElse<A, R> for Missing {
 /// gelenk_dynamics::dynamics!(struct Arm = arm);
 /// ```
 #[diagnostic::on_unimplemented(
-    message = "the module lacks a function that `Dynamics` requires",
+    message = "the module does not have a function that `Dynamics` requires",
     label = "generate it with mass_matrix, coriolis_forces, gravity_forces, spring_forces, friction_torques and input_matrix",
-    note = "without a choice of functions (`--functions`, `functions` in the description) the generator writes them all"
+    note = "if you do not choose functions (`--functions`, or `functions` in the description), the generator writes all functions"
 )]
 pub trait Required<A, T> {
     /// Result of the function.
     fn result(&self, arguments: A) -> T;
 }
 
-/// Implements the traits for functions of each number of arguments.
+/// Implements the traits for functions with each number of arguments.
 macro_rules! functions {
     ($($argument:ident: $type:ident),*) => {
         impl<F: Fn($($type),*) -> R, $($type,)* R> OrElse<($($type,)*), R> for F {
@@ -122,7 +122,7 @@ const fn is_same(a: &[u8], b: &[u8]) -> bool {
 #[derive(Debug, Clone, Copy)]
 pub struct HasDerivatives<const B: bool>;
 
-/// Implemented if a module has the functions that a trait requires.
+/// Trait that is only implemented if a module has the functions that a trait requires.
 ///
 /// ```compile_fail,E0277
 /// mod arm {
@@ -137,12 +137,12 @@ pub struct HasDerivatives<const B: bool>;
 /// gelenk_dynamics::dynamics!(struct Arm = arm: Differentiable);
 /// ```
 ///
-/// The macro compiles without `: Differentiable`. The lifetime has the effect that the compiler checks the
+/// Without `: Differentiable` the macro compiles also for this module. The lifetime has the effect that the compiler checks the
 /// bound only when the trait is used.
 #[diagnostic::on_unimplemented(
     message = "the module has no derivatives",
     label = "generate it with inverse_dynamics_derivatives and linearize",
-    note = "without a choice of functions (`--functions`, `functions` in the description) the generator writes them all"
+    note = "if you do not choose functions (`--functions`, or `functions` in the description), the generator writes all functions"
 )]
 pub trait Yes<'a> {}
 

@@ -1,9 +1,7 @@
-//! Generated functions of the input matrix, with or without the positions as an argument, and ranges of
-//! inputs.
+//! Traits for generated functions `input_matrix` with different arguments, and for ranges of inputs.
 //!
-//! A module has `input_matrix()`, or `input_matrix(y)` if inputs act at frames. The macro
-//! [`dynamics!`](crate::dynamics!) cannot distinguish these functions. The compiler selects the
-//! implementation for the type of the function.
+//! A module has `input_matrix()`, or `input_matrix(y)` if inputs act at frames. The macro [`dynamics!`](crate::dynamics!) cannot
+//! distinguish these functions. The compiler selects the implementation of a trait by the type of the function.
 
 use super::friction_law::Coordinates;
 use super::functions::Missing;
@@ -113,9 +111,10 @@ where
     }
 }
 
-/// `INPUT_RANGES` of a module, or [`Missing`] if the limits of its inputs are symmetric.
+/// Ranges of the inputs of a module. The type of the constant `INPUT_RANGES` implements this trait. [`Missing`] implements it for
+/// modules whose input limits are symmetric.
 pub trait InputRanges<const M: usize> {
-    /// Ranges of the inputs, limited to these magnitudes.
+    /// Lowest and highest value of each input, limited to these magnitudes.
     fn within(&self, magnitudes: [f64; M]) -> [[f64; 2]; M];
 }
 
@@ -134,5 +133,5 @@ impl<const M: usize> InputRanges<M> for Missing {
     }
 }
 
-/// Number of drives for modules without the constant `DRIVES`, whose inputs are all drives.
+/// Value of `DRIVES` for modules without this constant, in which all inputs are drives.
 pub const ALL_DRIVES: usize = usize::MAX;

@@ -1,4 +1,4 @@
-//! Linearization at many points, eight at a time if the module has a function for this.
+//! Linearization at many points. If the module has functions for eight states, eight points are linearized at a time.
 
 use super::functions::Missing;
 use super::types::Linearization;
@@ -9,7 +9,7 @@ pub(super) const LANES: usize = 8;
 /// A point at which a robot is linearized.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point<const N: usize, const M: usize, const NY: usize = N> {
-    /// Time (s), for robots with driven joints.
+    /// Time (s). Only robots with driven joints depend on the time.
     pub time: f64,
     /// Positions y [rad or m].
     pub positions: [f64; NY],
@@ -19,13 +19,13 @@ pub struct Point<const N: usize, const M: usize, const NY: usize = N> {
     pub inputs: [f64; M],
 }
 
-/// Vector instructions that functions for eight states may use. `gelenk_runtime::lanes::instructions()`
-/// returns the instructions of the processor.
+/// Vector instructions that functions for eight states can use. `gelenk_runtime::lanes::instructions()` returns the widest
+/// instructions of the processor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Instructions(usize);
 
 impl Instructions {
-    /// The instructions that the compiler uses for the target.
+    /// The instructions of the compilation target, which every processor of this target has.
     pub const ANY: Self = Self(0);
 
     /// The instructions AVX2.
@@ -51,8 +51,9 @@ impl Instructions {
 #[derive(Debug, Clone, Copy)]
 pub struct NoLanes(pub [f64; LANES]);
 
-/// The table `LINEARIZE_LANES` of a module, or [`Missing`]. The table contains the versions of `linearize`
-/// for eight states, whose numbers have the type L. P is the type of the free parameters.
+/// Linearization at up to eight points by the table `LINEARIZE_LANES` of a module. The table contains the versions of `linearize`
+/// for eight states. [`Missing`] implements this trait for modules without the table. L is the type of eight numbers, and P is the
+/// type of the free parameters.
 pub trait LinearizeLanes<L, P, const N: usize, const M: usize, const NY: usize> {
     /// Linearizes at up to eight points. Returns false if the module has no function for this.
     fn linearize(
@@ -116,7 +117,7 @@ macro_rules! tables {
                 let (mut by_y, mut by_v, mut by_u) = ([[zero; N]; N], [[zero; N]; N], [[zero; M]; N]);
                 let mut affine = [zero; N];
                 $(let mut $drift = [[zero; N]; N];)?
-                // SAFETY: the processor has the instructions, as whoever made `instructions` has promised.
+                // SAFETY: the processor has the instructions, because the constructors of `Instructions` require this.
                 unsafe {
                     self[instructions.0](
                         &y, &v, &u, $($p,)? &mut by_y, &mut by_v, &mut by_u, &mut affine $(, &mut $drift)?

@@ -1,17 +1,22 @@
-//! Load-dependent friction `|τ_l| s₁`, in addition to the friction s₀ that depends on the velocity.
+//! Load-dependent friction `|τ_l| s₁`, in addition to the velocity-dependent friction s₀.
 //!
-//! The load τ_l is the force of a joint's drive without friction. The drive exerts `s₀ + τ_l + |τ_l| s₁`
-//! (Hamon, Gautier and Garrec 2010). This force increases with the load if |s₁| < 1.
+//! The load τ_l of a joint is the force of its drive minus all friction. The force of the drive is `s₀ + τ_l + |τ_l| s₁` (Hamon,
+//! Gautier and Garrec 2010). If |s₁| < 1, this force increases with the load.
 
-/// Load-dependent friction `|τ_l| s₁` [N m or N] for the load τ_l and the friction `share` s₁ per unit of
-/// load.
+/// Returns the load-dependent friction `|τ_l| s₁` [N m or N].
+///
+/// - `load`: load τ_l [N m or N]
+/// - `share`: friction s₁ per unit of load
 #[must_use]
 pub fn under_load(load: f64, share: f64) -> f64 {
     if share == 0.0 { 0.0 } else { load.abs() * share }
 }
 
-/// Load τ_l of a joint from w, which is the drive's force minus the friction s₀: `τ_l = w / (1 + s₁ sign w)`.
-/// This is the unique solution of `w = τ_l + |τ_l| s₁` if |s₁| < 1. Otherwise the result is NaN.
+/// Returns the load `τ_l = w / (1 + s₁ sign w)` of a joint [N m or N]. This is the unique solution of `w = τ_l + |τ_l| s₁` if
+/// |s₁| < 1. Otherwise the result is NaN.
+///
+/// - `exerted`: force w of the drive minus the friction s₀ [N m or N]
+/// - `share`: friction s₁ per unit of load
 #[must_use]
 pub fn load(exerted: f64, share: f64) -> f64 {
     if share == 0.0 {

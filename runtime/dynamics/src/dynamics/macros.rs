@@ -1,4 +1,4 @@
-//! The macro that wraps a generated module as a type with traits.
+//! Macro that wraps a generated module as a type with traits.
 
 /// Wraps a generated module as a type that implements [`Dynamics`](crate::dynamics::Dynamics). If the module
 /// has derivatives, the type also implements [`Differentiable`](crate::dynamics::Differentiable) and
@@ -9,26 +9,28 @@
 ///
 /// gelenk_dynamics::dynamics!(pub struct PowerCube = gelenk_generated::powercube);
 ///
-/// // Upright and at rest, gravity drives neither joint.
+/// // In the upright position, the gravity forces of both joints are zero.
 /// assert_eq!(PowerCube.gravity_forces(&[0.0, 0.0]), [0.0, 0.0]);
 /// ```
 ///
-/// Every method calls the function of the module with the same name. If the module was generated without this
-/// function, the method computes the same result from other functions. Six functions of
-/// [`Dynamics`](crate::dynamics::Dynamics), and two of [`Differentiable`](crate::dynamics::Differentiable)
-/// for derivatives, have no replacement. Limits and the names of joints and inputs are constants of the
-/// module.
+/// Every method calls the function of the module with the same name. If the module was generated without this function, the method
+/// computes the same result from other functions. These functions are always necessary:
 ///
-/// Traits can be listed after the module. They are checked at this place, so that an error message points
-/// here and not to the first use of a trait:
+/// - for [`Dynamics`](crate::dynamics::Dynamics): `mass_matrix`, `coriolis_forces`, `gravity_forces`, `spring_forces`,
+///   `friction_torques` and `input_matrix`
+/// - for [`Differentiable`](crate::dynamics::Differentiable): `inverse_dynamics_derivatives` and `linearize`
+///
+/// Limits and names of joints and inputs are constants of the module.
+///
+/// Traits can be listed after the module. The compiler then checks here that the module has the functions for these traits. Without
+/// the list, a missing function is only reported at the first use of a trait.
 ///
 /// ```
 /// gelenk_dynamics::dynamics!(pub struct Ur5 = gelenk_generated::ur5: Differentiable + Discretizable);
 /// ```
 ///
-/// With `Discretizable []`, the type uses no discrete-time functions of the module. The default methods of
-/// the trait then discretize the derivatives, with one Runge–Kutta step per period, independently of
-/// `substeps` in the description.
+/// With `Discretizable []`, the type does not use the discrete-time functions of the module. Instead, the default methods of the
+/// trait discretize the derivatives with one Runge–Kutta step per period, independently of `substeps` in the description:
 ///
 /// ```
 /// use gelenk_dynamics::dynamics::Discretizable;
@@ -39,8 +41,8 @@
 /// assert_eq!((<Fine as Discretizable<2, 2>>::SUBSTEPS, <Coarse as Discretizable<2, 2>>::SUBSTEPS), (8, 1));
 /// ```
 ///
-/// A module with free parameters needs `{ parameters }`. The type then has a field `parameters`, and
-/// implements `Default`:
+/// A module with free parameters needs `{ parameters }`. The type then has a field `parameters` and implements `Default` with the
+/// values of the description:
 ///
 /// ```
 /// use gelenk_dynamics::dynamics::Dynamics;
@@ -53,11 +55,10 @@
 /// assert!(effort(&heavier) > effort(&Pendulum::default()));
 /// ```
 ///
-/// A module with driven joints needs `{ driven }` or `{ driven, parameters }`. The type then has a field
-/// `driven` with position, velocity and acceleration of each driven joint, and is the robot at one time. Its
-/// `Default` has NaN in this field, because there is no default motion. `DrivenRobot` of `gelenk-runtime`
-/// adds a motion over time. It is [`Discretizable`](crate::dynamics::Discretizable), and can be used in
-/// plants and predictive controllers.
+/// A module with driven joints needs `{ driven }` or `{ driven, parameters }`. The type then has a field `driven` with position,
+/// velocity and acceleration of each driven joint, and represents the robot at one time. Its `Default` has NaN in this field,
+/// because a default motion does not exist. `DrivenRobot` of `gelenk-runtime` adds a motion over time. `DrivenRobot` implements
+/// [`Discretizable`](crate::dynamics::Discretizable), so plants and predictive controllers can use it.
 ///
 /// ```
 /// use gelenk_dynamics::dynamics::Dynamics;
@@ -77,10 +78,10 @@ macro_rules! dynamics {
         #[derive(Debug, Clone, Copy, PartialEq, Default)]
         $visibility struct $name;
         const _: fn() = || {
-            // The module's own `Parameters`, where it has free ones, else this.
+            // If the module has free parameters, its type `Parameters` is used instead of this type.
             #[allow(dead_code, reason = "only modules without free parameters need it")]
             type Parameters = ();
-            // Likewise what driven joints add.
+            // If the module has driven joints, its type `Driven` is used instead of this type.
             #[allow(dead_code, reason = "only modules without driven joints need it")]
             type Driven = ();
             {
@@ -122,7 +123,7 @@ macro_rules! dynamics {
             pub driven: [[f64; 3]; $($module)::+::DRIVEN],
         }
         impl Default for $name {
-            /// Driven joints with unknown motion: NaN.
+            /// Returns the robot with unknown motion (NaN) of the driven joints.
             fn default() -> Self {
                 Self { driven: $crate::dynamics::unknown() }
             }
@@ -150,7 +151,7 @@ macro_rules! dynamics {
             pub parameters: $($module)::+::Parameters,
         }
         impl Default for $name {
-            /// Driven joints with unknown motion (NaN), and described parameters.
+            /// Returns the robot with unknown motion (NaN) of the driven joints, and with the parameters of the description.
             fn default() -> Self {
                 Self { driven: $crate::dynamics::unknown(), parameters: Default::default() }
             }
@@ -158,7 +159,7 @@ macro_rules! dynamics {
         $crate::dynamics!(@driven $name, [$($module)::+], [driven, parameters], [$($first $(, $other)*)?]);
     };
 
-    // Over a sample time it needs the motion of the driven joints, which it does not have.
+    // `Discretizable` is not implemented, because a step would need the motion of the driven joints over the period.
     (@driven $name:ident, $module:tt, $p:tt, [$($trait:ident),*]) => {
         $crate::dynamics!(@driven_joints $name, $module);
         $crate::dynamics!(@dynamics $name, $module, $p);
@@ -298,7 +299,7 @@ macro_rules! dynamics {
             $crate::dynamics!(@linearize_along [$($module)::+], $p);
         }
     };
-    // What the trait makes of the module's derivatives.
+    // The default methods of the trait, which use the derivatives of the module.
     (@discretizable $name:ident, [$($module:ident)::+], $p:tt, [[]]) => {
         impl $crate::dynamics::Discretizable<
             { $($module)::+::N },
@@ -345,7 +346,7 @@ macro_rules! dynamics {
         }>
     };
 
-    // The number of positions, which modules without quaternions do not have.
+    // The number of positions. Modules without quaternions do not have this constant.
     (@positions [$($module:ident)::+]) => {{
         #[allow(unused_imports, reason = "only modules without quaternions need it")]
         use $crate::dynamics::NO_POSITIONS as NY;
@@ -354,7 +355,7 @@ macro_rules! dynamics {
             $crate::dynamics::positions_of(NY, $($module)::+::N)
         }
     }};
-    // The numbers of positions of the joints, which these do not have either.
+    // The number of positions of each joint. Modules without quaternions do not have this constant.
     (@widths [$($module:ident)::+]) => {{
         #[allow(unused_imports, reason = "only modules without quaternions need it")]
         use $crate::dynamics::NO_WIDTHS as JOINT_POSITIONS;
@@ -373,7 +374,7 @@ macro_rules! dynamics {
         }
     }};
 
-    // Magnitudes, and the ranges of inputs that are not symmetric.
+    // The ranges of the inputs: symmetric ranges from the magnitudes, or `INPUT_RANGES`.
     (@ranges [$($module:ident)::+], $magnitudes:ident) => {{
         #[allow(unused_imports, reason = "only modules whose inputs all are drives need it")]
         use $crate::dynamics::Missing as INPUT_RANGES;
@@ -382,7 +383,7 @@ macro_rules! dynamics {
             $crate::dynamics::InputRanges::within(&INPUT_RANGES, $($module)::+::$magnitudes)
         }
     }};
-    // A module's function takes y only where inputs act at frames.
+    // The function of a module has the argument y only if inputs act at frames.
     (@input_matrix [$($module:ident)::+], [$($p:ident),*]) => {
         #[inline]
         fn input_matrix(
@@ -405,7 +406,7 @@ macro_rules! dynamics {
         $crate::dynamics::InputMatrixWithDriven::at(&$function, $y, $d, $p)
     };
 
-    // A module's function takes y only where a law depends on it.
+    // The function of a module has the argument y only if a friction law depends on y.
     (@friction [$($module:ident)::+], [$($p:ident),*]) => {
         #[inline]
         fn friction_torques(
@@ -429,7 +430,7 @@ macro_rules! dynamics {
         $crate::dynamics::FrictionLawWithDriven::torques(&$function, $y, $v, $d, $p)
     };
 
-    // The function of the module, which has to have it.
+    // A function that the module must have.
     (@required $function:ident, $module:tt, [$($p:ident),*], ($($argument:ident: $len:ident),*), $result:ident) => {
         #[inline]
         fn $function(&self, $($argument: $crate::dynamics!(@argument $len, $module)),*) -> $crate::dynamics!(@type $result, $module) {
@@ -441,7 +442,7 @@ macro_rules! dynamics {
             }
         }
     };
-    // The function of the module, else what the trait's other methods make of it.
+    // The function of the module, or the default method of the trait.
     (@provided $function:ident, $module:tt, [$($p:ident),*], ($($argument:ident: $len:ident),*), $result:ident) => {
         #[inline]
         fn $function(&self, $($argument: $crate::dynamics!(@argument $len, $module)),*) -> $crate::dynamics!(@type $result, $module) {
@@ -457,7 +458,7 @@ macro_rules! dynamics {
             }
         }
     };
-    // The same with the results as a type of the runtime.
+    // Like `@provided`, but the result is converted to a type of the runtime.
     (
         @made $function:ident, $module:tt, [$($p:ident),*], ($($argument:ident: $len:ident),*),
         $made:ident<$($size:ident),*> $(, $by_default:ident)?
@@ -476,7 +477,7 @@ macro_rules! dynamics {
             }
         }
     };
-    // Equations with driven joints depend on time.
+    // Equations with driven joints depend on the time, so the default method is used.
     (@linearize_along $module:tt, [driven $(, $parameters:ident)?]) => {};
     (@linearize_along [$($module:ident)::+], [$($p:ident)?]) => {
         fn linearize_along(

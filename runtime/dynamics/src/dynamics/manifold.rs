@@ -4,13 +4,15 @@ use super::names::Named;
 use core::fmt;
 use gelenk_kernels::manifold;
 
-/// Value of `NY` for a module without this constant, in which each position entry has a velocity.
+/// Value of `NY` for a module without this constant, in which positions and velocities have the same number of entries.
 pub const NO_POSITIONS: usize = usize::MAX;
 
 /// Value of `JOINT_POSITIONS` for a module without this constant.
 pub const NO_WIDTHS: [usize; 0] = [];
 
-/// Number of position entries of a robot with `n` velocities.
+/// Returns the number of position entries of a robot with `n` velocity entries.
+///
+/// - `positions`: `NY` of the module, or [`NO_POSITIONS`]
 #[must_use]
 pub const fn positions_of(positions: usize, n: usize) -> usize {
     if positions == NO_POSITIONS { n } else { positions }
@@ -25,8 +27,8 @@ pub struct QuaternionJoint {
     pub position: usize,
     /// Index of the first velocity entry.
     pub velocity: usize,
-    /// Whether the joint is floating. Its position in the parent's frame then precedes the quaternion, and
-    /// its linear velocity precedes the angular velocity. Otherwise the joint is spherical.
+    /// Whether the joint is floating. For a floating joint, the position in the frame of the parent precedes the quaternion, and
+    /// the linear velocity precedes the angular velocity. Otherwise the joint is spherical.
     pub is_floating: bool,
 }
 
@@ -44,10 +46,10 @@ impl QuaternionJoint {
     }
 }
 
-/// Indices of the velocity entries in `0..n` of joints without quaternions, each with the index of its
-/// position entry.
+/// Returns the indices of velocity entry and position entry, for each joint without a quaternion.
 ///
 /// - `joints`: joints with quaternions, in order
+/// - `n`: number of velocity entries
 pub fn plain_entries(joints: &[QuaternionJoint], n: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..n).filter_map(move |velocity| {
         let before = joints.iter().take_while(|joint| joint.velocity <= velocity).count();
@@ -57,7 +59,7 @@ pub fn plain_entries(joints: &[QuaternionJoint], n: usize) -> impl Iterator<Item
     })
 }
 
-/// One position for each velocity entry. The positions for joints with quaternions are 0.
+/// Returns one position for each velocity entry. The positions of joints with quaternions are replaced by 0.
 ///
 /// - `joints`: joints with quaternions, in order
 #[inline]
@@ -75,8 +77,8 @@ pub fn plain_positions<const N: usize, const NY: usize>(
     positions
 }
 
-/// Rates ẏ = T(y) v of the positions. Linear velocities are rotated to the parent's frame. A quaternion q has
-/// the rate `q̇ = ½ q (ω, 0)`.
+/// Returns the rates ẏ = T(y) v of the positions. Linear velocities are rotated to the frame of the parent. A quaternion q has the
+/// rate `q̇ = ½ q (ω, 0)` with the angular velocity ω.
 ///
 /// - `joints`: joints with quaternions, in order
 pub fn position_rates<const N: usize, const NY: usize>(
@@ -110,7 +112,7 @@ fn quaternion_rate([x, y, z, w]: &[f64; 4], [a, b, c]: &[f64; 3]) -> [f64; 4] {
     ]
 }
 
-/// A vector of the body's frame in the parent's axes.
+/// Rotates a vector from the frame of the body to the axes of the parent.
 fn turned([x, y, z, w]: &[f64; 4], [a, b, c]: &[f64; 3]) -> [f64; 3] {
     let [d, e, f] = [2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)];
     [a + w * d + (y * f - z * e), b + w * e + (z * d - x * f), c + w * f + (x * e - y * d)]
@@ -127,7 +129,7 @@ fn set<const K: usize>(all: &mut [f64], first: usize, values: &[f64; K]) {
     }
 }
 
-/// Number of joints with a quaternion.
+/// Number of joints with a quaternion, for the numbers of position entries of all joints.
 #[must_use]
 pub const fn count_quaternions(widths: &[usize]) -> usize {
     let (mut count, mut joint) = (0, 0);
@@ -162,7 +164,7 @@ pub const fn quaternion_joints<const C: usize>(
     joints
 }
 
-/// A quaternion in the positions is not an attitude.
+/// Error: a quaternion in the positions is not an attitude, because its length is not 1 or not finite.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AttitudeError {
     /// Name of the joint.
@@ -171,8 +173,8 @@ pub struct AttitudeError {
     pub quaternion: [f64; 4],
 }
 
-/// Largest deviation of the length of a quaternion from 1. Positions that were written as text have enough
-/// digits for it.
+/// Largest allowed deviation of the length of a quaternion from 1. Quaternions that were written as text with seven or more digits
+/// meet this tolerance.
 pub const UNIT_LENGTH: f64 = 1e-6;
 
 impl fmt::Display for AttitudeError {
@@ -196,12 +198,12 @@ fn length(q: &[f64; 4]) -> f64 {
 /// Checks that all quaternions are attitudes.
 ///
 /// # Errors
-/// [`AttitudeError`] for the first quaternion that is zero, not finite, or not of unit length to
+/// [`AttitudeError`] for the first quaternion that is zero, not finite, or whose length differs from 1 by more than
 /// [`UNIT_LENGTH`].
 pub(super) fn check(joints: &[QuaternionJoint], y: &[f64]) -> Result<(), AttitudeError> {
     for joint in joints {
         let quaternion = entries(y, joint.quaternion());
-        // Written so that NaN is refused.
+        // This form rejects NaN.
         let is_attitude = (length(&quaternion) - 1.0).abs() <= UNIT_LENGTH;
         if !is_attitude {
             return Err(AttitudeError { joint: joint.name, quaternion });
@@ -220,8 +222,8 @@ pub(super) fn same<const A: usize, const B: usize>(entries: &[f64; A]) -> &[f64;
     entries.first_chunk().unwrap_or(const { &[f64::NAN; B] })
 }
 
-/// Computes `y ⊕ d`, which is `y + d` if `widths` is empty. The functions below treat empty `widths` in the
-/// same way.
+/// Computes `y ⊕ d`. `widths` are the numbers of position entries of the joints. If `widths` is empty, the robot has no quaternions,
+/// and the result is `y + d`. The functions below use `widths` in the same way.
 #[inline]
 pub fn integrate<const J: usize, const N: usize, const NY: usize>(
     widths: &[usize; J],
@@ -267,7 +269,7 @@ pub fn difference_derivatives<const J: usize, const N: usize>(
     if J == 0 { (diagonal(1.0), diagonal(-1.0)) } else { manifold::difference_derivatives(widths, d) }
 }
 
-/// Lie bracket `ad_a b`.
+/// Computes the Lie bracket `ad_a b` of two velocities.
 #[inline]
 pub fn bracket<const J: usize, const N: usize>(widths: &[usize; J], a: &[f64; N], b: &[f64; N]) -> [f64; N] {
     if J == 0 { [0.0; N] } else { manifold::bracket(widths, a, b) }
@@ -279,13 +281,13 @@ pub fn normalize<const J: usize, const NY: usize>(widths: &[usize; J], y: &mut [
     manifold::normalize(widths, y)
 }
 
-/// Zero positions with identity quaternions.
+/// Returns positions 0 with identity quaternions.
 #[inline]
 pub fn neutral<const J: usize, const NY: usize>(widths: &[usize; J]) -> [f64; NY] {
     manifold::neutral(widths)
 }
 
-/// Matrix `D = −ad_v` of the rates of small displacements.
+/// Matrix `D = −ad_v` of the rates of small displacements δ, with `δ̇ = D δ` if velocities do not change.
 pub(super) fn drift<const N: usize>(
     bracket: impl Fn(&[f64; N], &[f64; N]) -> [f64; N],
     v: &[f64; N],

@@ -1,10 +1,10 @@
 //! Part of [`dynamics!`](crate::dynamics!) for positions and quaternions.
 
-/// Implements the methods of [`Dynamics`](crate::dynamics::Dynamics) that concern positions.
+/// Implements the methods of [`Dynamics`](crate::dynamics::Dynamics) that operate on positions.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! dynamics_on_manifold {
-    // Methods about positions, by the functions that modules with quaternions hold as text.
+    // The methods on positions call functions that are pasted as text into modules with quaternions.
     ($module:tt) => {
         fn position_names(&self) -> [&'static str; $crate::dynamics!(@positions $module)] {
             $crate::dynamics!(@position_names $module)

@@ -1,7 +1,7 @@
-//! The linear system of a step of the implicit midpoint rule.
+//! Linear system of equations for a step of the implicit midpoint rule.
 
-/// Right-hand sides of the linear system. The solution overwrites them by the derivatives of the velocity
-/// change with respect to positions, velocities and inputs, and by the velocity change due to the residual.
+/// Right-hand sides of the linear system. [`solve`] overwrites them by the solutions, which are the derivatives of the velocity
+/// change with respect to positions, velocities and inputs, and the velocity change due to the residual.
 pub(super) struct Columns<const N: usize, const M: usize> {
     pub by_y: [[f64; N]; N],
     pub by_v: [[f64; N]; N],
@@ -36,7 +36,7 @@ impl<const N: usize, const M: usize> Columns<N, M> {
     }
 }
 
-/// Subtracts whole rows, which the compiler vectorizes.
+/// Subtracts `factor` times row `k` from row `i`. The compiler vectorizes this operation on whole rows.
 #[inline]
 fn subtract<const N: usize, const C: usize>(rows: &mut [[f64; C]; N], i: usize, factor: f64, k: usize) {
     let other = rows[k];
@@ -45,8 +45,8 @@ fn subtract<const N: usize, const C: usize>(rows: &mut [[f64; C]; N], i: usize, 
     }
 }
 
-/// Gaussian elimination with partial pivoting (Golub and Van Loan, Matrix Computations, 2013, section 3.4). The
-/// result is not finite if the matrix is singular.
+/// Solves the system by Gaussian elimination with partial pivoting (Golub and Van Loan, Matrix Computations, 2013, section 3.4).
+/// The result is not finite if the matrix is singular.
 #[inline]
 pub(super) fn solve<const N: usize, const M: usize>(matrix: &mut [[f64; N]; N], columns: &mut Columns<N, M>) {
     for k in 0..N {

@@ -1,8 +1,8 @@
 //! Interface between generated modules and generic code: the traits [`Dynamics`], [`Differentiable`] and
 //! [`Discretizable`], and macros that wrap a module in one line.
 //!
-//! Generated files have no dependencies, so they cannot implement a trait. [`dynamics!`](crate::dynamics!)
-//! implements the traits. Every method only calls the generated function.
+//! Generated files have no dependencies, so they cannot implement a trait. The macro [`dynamics!`](crate::dynamics!) implements
+//! the traits for a module. The methods call the generated functions.
 
 mod at_rest;
 #[doc(hidden)]

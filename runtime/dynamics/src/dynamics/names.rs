@@ -43,7 +43,7 @@ impl<const L: usize> Numbers<L> {
     };
 }
 
-/// Names of joints or inputs without names, which are their numbers from 1.
+/// Returns "1", "2", … as names of joints or inputs without names.
 pub fn numbered<const L: usize>() -> [&'static str; L] {
     Numbers::<L>::NAMES
 }
@@ -57,8 +57,8 @@ pub(super) fn names_of_arms<'a, const N: usize, const NY: usize>(
     names.first_chunk().unwrap_or(const { &[""; NY] })
 }
 
-/// A name in a message. A single word is written unchanged, other names are quoted and escaped. Names come
-/// from descriptions and may contain any characters.
+/// Displays a name in a message. A single word is written unchanged. Other names are quoted and escaped, because names come from
+/// descriptions and can contain any characters.
 pub struct Named<'a>(pub &'a str);
 
 impl fmt::Display for Named<'_> {

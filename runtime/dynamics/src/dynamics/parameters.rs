@@ -1,8 +1,8 @@
-//! Error message of [`dynamics!`](crate::dynamics!) for missing free parameters.
+//! Error message of [`dynamics!`](crate::dynamics!) for a type without its free parameters.
 
 /// Trait of the type that replaces `Parameters` in a module without free parameters.
 #[diagnostic::on_unimplemented(
-    message = "the module has free parameters, so the type must hold them",
+    message = "the module has free parameters, so the type needs a field for them",
     label = "write `struct Name {{ parameters }} = module`"
 )]
 pub trait NoFreeParameters {}

@@ -1,4 +1,4 @@
-//! Products and the solution of small systems.
+//! Scalar products and solution of small systems of equations.
 
 pub(super) fn product<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()

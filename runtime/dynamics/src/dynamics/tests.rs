@@ -4,8 +4,8 @@ use super::*;
 mod discrete_time;
 mod lanes;
 
-/// A cart-pole with unit masses and length, written by hand like a generated module: ideal force on the cart.
-/// Equations: Barto, Sutton and Anderson 1983, frictionless, point mass, angle from upright.
+/// Hand-written module of a cart-pole with unit masses and unit length, with an ideal force on the cart. The equations are those of
+/// Barto, Sutton and Anderson 1983 without friction, for a point mass and the angle from upright.
 mod cart_pole {
     pub const N: usize = 2;
     pub const M: usize = 1;
@@ -40,7 +40,7 @@ mod cart_pole {
     }
 }
 
-/// A module with all functions of the trait; those here are marked by impossible values.
+/// A module with all functions of the trait. The functions here return impossible values, so that tests recognize them.
 mod full {
     pub use super::cart_pole::*;
 
@@ -64,7 +64,7 @@ mod full {
     }
 }
 
-/// The same with a free friction coefficient.
+/// The cart-pole with a free friction coefficient.
 mod free {
     pub use super::cart_pole::*;
 
@@ -182,7 +182,7 @@ fn an_indefinite_mass_matrix_gives_nan() {
 
 #[test]
 fn a_system_of_three_is_solved() {
-    // Moler matrix with α = −1: x was chosen, b = A x by hand.
+    // Moler matrix with α = −1. x was chosen, and b = A x was computed by hand.
     let a = [[1.0, -1.0, -1.0], [-1.0, 2.0, 0.0], [-1.0, 0.0, 3.0]];
     assert_eq!(solve_positive_definite(a, [-4.0, 3.0, 8.0]), [1.0, 2.0, 3.0]);
 }
@@ -281,7 +281,7 @@ fn limits<const N: usize, const M: usize>(motors: [f64; M], efforts: [f64; N]) -
     }
 }
 
-/// The highest inputs; the lowest ones are their negatives.
+/// Returns the highest inputs. The lowest inputs must be their negatives.
 fn upper<const M: usize>(ranges: [[f64; 2]; M]) -> [f64; M] {
     ranges.map(|[low, high]| {
         assert_eq!(low, -high);
@@ -289,7 +289,7 @@ fn upper<const M: usize>(ranges: [[f64; 2]; M]) -> [f64; M] {
     })
 }
 
-/// A propeller pushes one way; an effort cuts off what is beyond it.
+/// A propeller pushes in one direction. The effort limit clamps the range.
 #[test]
 fn ranges_that_are_not_symmetric_stay_so() {
     let mut robot = limits([f64::INFINITY], [10.0]);
@@ -299,8 +299,8 @@ fn ranges_that_are_not_symmetric_stay_so() {
     assert_eq!(robot.at_inputs(&[[20.0]]).peak, [[-0.5, 0.5]]);
 }
 
-/// The smaller of what motor and joint bear, over each ratio and each sign; a joint without an input limits
-/// none.
+/// An input is limited by the smaller of the limits of motor and joint, for each ratio and sign. A joint without an input limits no
+/// input.
 #[test]
 fn inputs_keep_the_efforts_of_their_joints() {
     let gears = [[-100.0, 0.0], [0.0, 0.5], [0.0, 0.0]];
@@ -313,16 +313,16 @@ fn inputs_keep_the_efforts_of_their_joints() {
     assert_eq!(Dynamics::input_limits(&Free::default()).peak, [[-20.0, 20.0]]);
 }
 
-/// A differential: both motors turn the first joint, their difference the second.
+/// The robot is a differential. Both motors turn the first joint, and their difference turns the second joint.
 #[test]
 fn inputs_that_share_a_joint_keep_its_effort_whatever_their_signs() {
     let differential = [[2.0, 2.0], [2.0, -2.0]];
     let of_joints = limits([f64::INFINITY; 2], [12.0, 8.0]);
     assert_eq!(upper(of_joints.at_inputs(&differential).peak), [2.0; 2]);
-    // Weak motors need no share: together they stay below both efforts.
+    // Weak motors are not limited, because together they stay below both efforts.
     let of_motors = limits([1.0, 0.5], [12.0, 8.0]);
     assert_eq!(upper(of_motors.at_inputs(&differential).peak), [1.0, 0.5]);
-    // The first leaves less than half of the effort to the second, and the whole is used up.
+    // The first motor leaves less than half of the effort to the second motor. Together they use the whole effort.
     let mixed = limits([1.0, f64::INFINITY], [12.0, f64::INFINITY]);
     let [first, second] = upper(mixed.at_inputs(&differential).peak);
     assert!(first <= 1.0 && (2.0 * (first + second) - 12.0).abs() < 1e-14);
@@ -346,17 +346,17 @@ mod dry {
 
 crate::dynamics!(struct Dry = dry);
 
-/// The only jump at rest is that of the sign, however steep what is smooth.
+/// Only the friction with `sign` is discontinuous at rest, and not the steep smooth friction.
 #[test]
 fn friction_jumps_where_it_is_dry() {
     let at_rest = Dry.friction_at_rest(&[0.5, 0.0]);
     assert_eq!(at_rest, [[-3.5, 3.5], [0.0; 2]]);
     assert_eq!(at_rest.map(jumps), [true, false]);
-    // Where it jumps by nothing, its slope is not a jump.
+    // At this position the jump is zero. The slope of friction does not count as a jump.
     assert_eq!(Dry.friction_at_rest(&[-3.0, 0.0]), [[0.0; 2]; 2]);
 }
 
-/// Every corner of the box, on matrices without structure.
+/// Tests every corner of the input limits for matrices without structure.
 #[test]
 fn no_corner_of_the_input_limits_exceeds_an_effort() {
     let mut state = 1_u64;

@@ -1,14 +1,13 @@
-//! Torque–speed lines of motors: `|u + c ẏ| ≤ limit`.
+//! Torque–speed lines of motors, `|u + c ẏ| ≤ limit`.
 
-/// Torque–speed line `|u + c ẏ| ≤ limit` of the motor of an input u. The available torque decreases with the
-/// speed.
+/// Torque–speed line `|u + c ẏ| ≤ limit` of a motor with the input u. The available torque decreases with the speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TorqueSpeedLine<const N: usize> {
     /// Name of the input.
     pub name: &'static str,
     /// Index of the input.
     pub input: usize,
-    /// Slopes c: loss of torque per velocity of each coordinate, in the unit of the input.
+    /// Slopes c: loss of torque per velocity of each coordinate, in the unit of the input per rad/s or m/s.
     pub slopes: [f64; N],
     /// Largest input at rest, in the unit of the input.
     pub limit: f64,
@@ -21,8 +20,8 @@ impl<const N: usize> TorqueSpeedLine<N> {
         input + self.slopes.iter().zip(velocities).map(|(slope, v)| slope * v).sum::<f64>()
     }
 
-    /// Lowest and highest input at these velocities. Above the no-load speed both have the same sign, so the
-    /// motor brakes.
+    /// Lowest and highest input at these velocities. Above the no-load speed both values have the same sign, so the motor can only
+    /// brake.
     #[must_use]
     pub fn range(&self, velocities: &[f64; N]) -> [f64; 2] {
         let taken = self.value(0.0, velocities);
@@ -30,8 +29,7 @@ impl<const N: usize> TorqueSpeedLine<N> {
     }
 }
 
-/// Number of torque–speed lines in `TORQUE_SPEED_LIMITS` of a module. An infinite limit belongs to an input
-/// without a line.
+/// Returns the number of torque–speed lines in `TORQUE_SPEED_LIMITS` of a module. Inputs without a line have an infinite limit.
 pub const fn count_lines(limits: &[f64]) -> usize {
     let (mut i, mut lines) = (0, 0);
     while i < limits.len() {
@@ -43,7 +41,7 @@ pub const fn count_lines(limits: &[f64]) -> usize {
     lines
 }
 
-/// Converts the constants of a module to its K lines.
+/// Converts the constants of a module to its K torque–speed lines.
 ///
 /// - `slopes`: one row for each input, stored one after the other
 pub const fn torque_speed_lines<const N: usize, const K: usize>(

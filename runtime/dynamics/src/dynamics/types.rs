@@ -1,11 +1,11 @@
-//! Results with named blocks.
+//! Types of results with named blocks, and limits.
 
 use super::dependent::{self, DependentJoint};
 use super::solve::product;
 use super::torque_speed::TorqueSpeedLine;
 use gelenk_kernels::discrete_time;
 
-/// Forces of the inverse dynamics, with derivatives. Row i of a derivative belongs to force i.
+/// Forces of the inverse dynamics and their derivatives. Row i of a derivative belongs to force i.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ForceDerivatives<const N: usize> {
     /// Forces `M ÿ + k − q` [N m or N].
@@ -16,16 +16,16 @@ pub struct ForceDerivatives<const N: usize> {
     pub by_velocities: [[f64; N]; N],
 }
 
-/// Inverse dynamics with derivatives with respect to coordinates and velocities, and ∂forces/∂ÿ.
+/// Forces of the inverse dynamics, their derivatives with respect to coordinates and velocities, and ∂forces/∂ÿ.
 pub type ForceDerivativesAndMass<const N: usize> = (ForceDerivatives<N>, [[f64; N]; N]);
 
-/// Accelerations as an affine function of state and input. The blocks are the lower halves of A, B_x and c in
-/// `ẋ = A x + B_x u + c`. The upper halves are `[0 I]`, 0 and 0.
+/// Linearized forward dynamics, `ÿ = A_y y + A_v ẏ + B_x u + c`. The blocks are the lower halves of the matrices in
+/// `ẋ = A x + B_x u + c` for the state x = (y, ẏ). The upper halves are `[0 I]`, 0 and 0.
 ///
-/// For a robot with quaternions (NY ≠ N) the blocks are derivatives along ⊕ at the positions ȳ and velocities
-/// v̄ of the linearization: `v̇ = A_y δ + A_v v + B_x u + c` for `y = ȳ ⊕ δ`, so `c = v̇ − A_v v̄ − B_x ū`.
+/// For a robot with quaternions (NY ≠ N), let ȳ and v̄ be the positions and velocities of the linearization. The derivatives are
+/// those with respect to a small displacement δ in `y = ȳ ⊕ δ`: `v̇ = A_y δ + A_v v + B_x u + c`, so `c = v̇ − A_v v̄ − B_x ū`.
 /// Small deviations δ from the motion with the velocities v̄ satisfy `δ̇ = D δ + v − v̄` with `D = −ad_v̄`
-/// ([`Differentiable::drift`](super::Differentiable::drift)), so A is `[D I; A_y A_v]`. For arms D is zero.
+/// ([`Differentiable::drift`](super::Differentiable::drift)). Therefore A is `[D I; A_y A_v]`. For arms D is zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Linearization<const N: usize, const M: usize, const NY: usize = N> {
     /// Block A_y = ∂ÿ/∂y.
@@ -34,12 +34,12 @@ pub struct Linearization<const N: usize, const M: usize, const NY: usize = N> {
     pub by_velocities: [[f64; N]; N],
     /// Block B_x = ∂ÿ/∂u.
     pub by_inputs: [[f64; M]; N],
-    /// Affine remainder c, which is ÿ if y, ẏ and u are zero.
+    /// Affine term c, which is the acceleration of the linearized robot if y, ẏ and u are zero.
     pub affine: [f64; N],
 }
 
 impl<const N: usize, const M: usize> Linearization<N, M> {
-    /// Accelerations of the linearized robot.
+    /// Accelerations of the linearized robot [rad/s² or m/s²].
     #[must_use]
     pub fn accelerations(&self, y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
         core::array::from_fn(|i| {
@@ -50,7 +50,7 @@ impl<const N: usize, const M: usize> Linearization<N, M> {
         })
     }
 
-    /// Exact solution (zero-order hold) over a period (s) with constant inputs. The error is that of
+    /// Discrete-time system (exact zero-order hold) for a period (s) with constant inputs. The accuracy is that of
     /// [`Discretizable::discretize`](super::Discretizable::discretize).
     #[must_use]
     pub fn discretize(&self, period: f64) -> Discretization<N, M> {
@@ -67,12 +67,11 @@ impl<const N: usize, const M: usize, const NY: usize> Linearization<N, M, NY> {
         affine: [0.0; N],
     };
 
-    /// Exact solution of `δ̇ = D δ + v`, `v̇ = A_y δ + A_v v + B_x u + c` over a period (s) with constant
-    /// inputs, for `x = (δ, v)` and the drift D = −ad_v̄ of a robot with quaternions.
+    /// Discrete-time system (exact zero-order hold) for a period (s) with constant inputs, for a robot with quaternions. It is the
+    /// exact solution of `δ̇ = D δ + v`, `v̇ = A_y δ + A_v v + B_x u + c` for `x = (δ, v)`. `drift` is the matrix D = −ad_v̄.
     ///
-    /// Here δ is the displacement from ȳ at the beginning. Because `D v̄ = 0`, `δ − v̄ t` is the deviation
-    /// from the motion with the velocities v̄. Derivatives of δ⁺ are along ⊕ at the final position of the
-    /// linear robot.
+    /// δ is the displacement from ȳ. Because `D v̄ = 0`, `δ − v̄ t` is the deviation from the motion with the velocities v̄.
+    /// Derivatives of δ⁺ are with respect to small displacements from the final position of the linearized robot.
     #[must_use]
     pub fn discretize_with(&self, drift: &[[f64; N]; N], period: f64) -> Discretization<N, M, NY> {
         let linear = (self.by_coordinates, self.by_velocities, self.by_inputs, self.affine, *drift);
@@ -88,21 +87,21 @@ impl<const N: usize, const M: usize, const NY: usize> Linearization<N, M, NY> {
     }
 }
 
-/// Blocks of `x⁺ = A_d x + B_d u + c_d` over a period with constant inputs and the state `x = (y, ẏ)`. For a
-/// robot with quaternions (NY ≠ N) `x = (δ, v)`, see [`Linearization::discretize_with`].
+/// Discrete-time linear system `x⁺ = A_d x + B_d u + c_d` for a period with constant inputs and the state `x = (y, ẏ)`. For a robot
+/// with quaternions (NY ≠ N) the state is `x = (δ, v)`, see [`Linearization::discretize_with`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Discretization<const N: usize, const M: usize, const NY: usize = N> {
     /// Blocks of A_d: `[[∂y⁺/∂y, ∂y⁺/∂ẏ], [∂ẏ⁺/∂y, ∂ẏ⁺/∂ẏ]]`.
     pub state: [[[[f64; N]; N]; 2]; 2],
     /// Blocks of B_d: `[∂y⁺/∂u, ∂ẏ⁺/∂u]`.
     pub input: [[[f64; M]; N]; 2],
-    /// Blocks of c_d, which are the affine remainders of y⁺ and ẏ⁺.
+    /// Blocks of c_d, which are the affine terms of y⁺ and ẏ⁺.
     pub affine: [[f64; N]; 2],
 }
 
 impl<const N: usize, const M: usize, const NY: usize> Discretization<N, M, NY> {
-    /// Whether every entry is finite. Entries are infinite if the robot is too fast for the period, and NaN
-    /// if its linearization is not finite.
+    /// Whether every entry is finite. Entries are infinite if the robot is too fast for the period. Entries are NaN if the
+    /// linearization is not finite.
     #[must_use]
     pub fn is_finite(&self) -> bool {
         let state = self.state.as_flattened().as_flattened().as_flattened();
@@ -111,8 +110,8 @@ impl<const N: usize, const M: usize, const NY: usize> Discretization<N, M, NY> {
         state.iter().chain(input).chain(affine).all(|entry| entry.is_finite())
     }
 
-    /// Displacement from ȳ and velocities after a period, from the displacement `d` and the velocities `v`
-    /// before the period. For arms the displacements are the coordinates.
+    /// Displacement from ȳ and velocities after a period, for the displacement `d` and the velocities `v` before the period. For
+    /// arms the displacements are the coordinates.
     #[must_use]
     pub fn displaced(&self, d: &[f64; N], v: &[f64; N], u: &[f64; M]) -> ([f64; N], [f64; N]) {
         let half = |h: usize| {
@@ -135,8 +134,8 @@ impl<const N: usize, const M: usize> Discretization<N, M> {
     }
 }
 
-/// A step of the nonlinear robot with sensitivities. Derivatives of positions and with respect to positions
-/// are along ⊕.
+/// Result of a step of the nonlinear robot, with its derivatives. For robots with quaternions, derivatives of positions and with
+/// respect to positions refer to small displacements (⊕).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step<const N: usize, const M: usize, const NY: usize = N> {
     /// Positions y⁺ after the step.
@@ -160,7 +159,7 @@ impl<const N: usize, const M: usize, const NY: usize> Step<N, M, NY> {
     }
 }
 
-/// Limits of joints and inputs. A limit that the description does not have is infinite.
+/// Limits of joints and inputs. Limits that the description does not contain are infinite.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits<const N: usize, const M: usize> {
     /// Lowest and highest positions [rad or m].
@@ -171,21 +170,21 @@ pub struct Limits<const N: usize, const M: usize> {
     pub effort: [f64; N],
     /// Largest short-time forces at the joints [N m or N].
     pub peak_effort: [f64; N],
-    /// Lowest and highest inputs that the motors can produce continuously. 0 is between them. The limits of
-    /// efforts apply in addition, see [`Self::at_inputs`].
+    /// Lowest and highest inputs that the motors can produce continuously [N m, N or A], with 0 between the two values. The effort
+    /// limits of the joints apply in addition, see [`Self::at_inputs`].
     pub input: [[f64; 2]; M],
-    /// Lowest and highest inputs that the motors can produce for a short time. The limits of peak efforts
+    /// Lowest and highest inputs that the motors can produce for a short time [N m, N or A]. The peak effort limits of the joints
     /// apply in addition.
     pub peak_input: [[f64; 2]; M],
-    /// Joints that follow coordinates, with their limits.
+    /// Joints that follow coordinates, and their limits.
     pub dependent: &'static [DependentJoint<N>],
-    /// Torque–speed lines of the motors of the inputs.
+    /// Torque–speed lines of motors.
     pub torque_speed: &'static [TorqueSpeedLine<N>],
 }
 
 impl<const N: usize, const M: usize> Limits<N, M> {
-    /// The limits, with positions and speeds of coordinates narrowed by the limits of joints that follow a
-    /// single coordinate. Joints that follow several coordinates have no effect.
+    /// Narrows the position and speed limits of coordinates so that joints that follow a single coordinate keep their limits.
+    /// Joints that follow several coordinates have no effect.
     #[must_use]
     pub fn narrowed(&self) -> Self {
         let mut limits = *self;
@@ -193,20 +192,19 @@ impl<const N: usize, const M: usize> Limits<N, M> {
         limits
     }
 
-    /// Bounds of the inputs that keep the limits of motors and the efforts of joints, for an input matrix B
-    /// with its rows first. motor_j is the larger magnitude of the limits of input j:
+    /// Bounds of the inputs that keep the limits of motors and the effort limits of joints, for an input matrix B. Here motor_j is
+    /// the larger magnitude of the limits of input j, and effort_i is the effort limit of joint i:
     ///
     /// ```text
     ///     c_j = min(motor_j, min_i effort_i / |B_ij|)          input j alone
     ///     ū_j = c_j · min(1, min_i effort_i / Σ_l |B_il| c_l)    over the joints i that input j acts on together with others
     /// ```
     ///
-    /// The result are the limits of input j, narrowed to ±ū_j. Then `|u_j| ≤ ū_j` for all j implies
-    /// `|(B u)_i| ≤ effort_i` for all i, for all signs. If every joint has its own input,
-    /// `ū_j = min(motor_j, effort_i / |ratio|)`. If several inputs act on a joint the bound is conservative:
-    /// opposing inputs could be larger.
+    /// The results are the limits of input j, narrowed to ±ū_j. If `|u_j| ≤ ū_j` for all j, then `|(B u)_i| ≤ effort_i` for all i and
+    /// all signs of the inputs. If every joint has a separate input with a gear ratio, `ū_j = min(motor_j, effort_i / |ratio|)`. If
+    /// several inputs act on a joint, the bound is conservative, because opposing inputs could be larger.
     ///
-    /// NaN limits give NaN, which controllers reject.
+    /// If a limit is NaN, the result is NaN, which controllers reject.
     #[must_use]
     pub fn at_inputs(&self, input_matrix: &[[f64; M]; N]) -> InputLimits<M> {
         InputLimits {
@@ -216,8 +214,7 @@ impl<const N: usize, const M: usize> Limits<N, M> {
     }
 }
 
-/// Lowest and highest inputs that keep the limits of motors and joints. A limit that the description does not
-/// have is infinite.
+/// Lowest and highest inputs that keep the limits of motors and joints. Limits that the description does not contain are infinite.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InputLimits<const M: usize> {
     /// Continuous limits of motors and joints [N m, N or A].
@@ -239,8 +236,8 @@ fn within_efforts<const N: usize, const M: usize>(
     }
     let mut share = [1.0; M];
     for (row, effort) in input_matrix.iter().zip(efforts) {
-        // A joint with one input is done: a share of it would only add rounding. One without a limit has no
-        // share.
+        // A joint with a single input needs no further reduction, which would only add rounding. A joint without a limit does
+        // not reduce inputs.
         let several = row.iter().filter(|b| **b != 0.0).count() > 1;
         if !several || *effort == f64::INFINITY {
             continue;
@@ -303,7 +300,7 @@ impl<const N: usize, const M: usize> OfResults<discrete_time::Linear<N, M>> for 
     }
 }
 
-/// Omits the drift D, which `drift` computes from the velocities.
+/// Omits the matrix D, because [`Differentiable::drift`](super::Differentiable::drift) computes it from the velocities.
 impl<const N: usize, const M: usize, const NY: usize> OfResults<discrete_time::LinearOnManifold<N, M>>
     for Linearization<N, M, NY>
 {

@@ -1,4 +1,5 @@
-//! Claim 12: friction changes in operation; the estimator of the loop learns it, and the controller uses what is learned.
+//! Claim 12: friction changes in operation. The estimator of the loop learns the change, and the controller uses the learned
+//! friction.
 
 use super::identified::identify;
 use super::run::{self, Ltv, Modelled, Run, Setup, drive};
@@ -13,20 +14,21 @@ use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::mpc::{LtvMpc, MpcOptions};
 use gelenk_runtime::trajectory::{Sample, Sampled};
 
-/// When the plant's friction changes (s).
+/// Time at which the friction of the plant changes (s).
 const CHANGE: f64 = 8.0;
-/// Factors of its viscous and its dry part later on: oil warms up, a seal wears.
+/// Factors of viscous and dry friction after the change, for example because oil warms up and a seal wears.
 const FACTORS: [f64; 2] = [0.6, 1.3];
-/// Steps of the encoders [rad].
+/// Resolution of the encoders [rad].
 const ENCODER_STEP: f64 = 1e-4;
 /// Speeds below which curves are compared [rad/s].
 const FASTEST: f64 = 0.7;
-/// Curves agree where their difference is below this share of the change.
+/// Learned and true curve agree if their difference is below this share of the change.
 const FOUND: f64 = 0.1;
-/// Friction of the plant before any change.
+/// Friction of the plant before the change.
 const BEFORE: [Friction; 2] = [Friction::B, Friction::C];
 
-/// Settings for a change at once: drift within seconds, a short memory and hardly any patience. The defaults expect minutes.
+/// Settings for a sudden change: drift within seconds, a short memory and little patience. The defaults expect changes within
+/// minutes.
 pub fn at_once() -> AdaptationSettings {
     AdaptationSettings {
         drift_times: [4000.0, 400.0, 40.0],
@@ -37,7 +39,7 @@ pub fn at_once() -> AdaptationSettings {
     }
 }
 
-/// Friction with its viscous part and the rest, each times its own factor.
+/// Friction with separate factors of the viscous part and of the dry part.
 pub fn with_factors(friction: &Friction, [viscous, dry]: [f64; 2]) -> Friction {
     let mut changed = friction.scaled(dry);
     changed.0[1] = viscous * friction.0[1];
@@ -66,7 +68,7 @@ impl<'t> Learning<'t> {
         Ok(Self { controller, models: Vec::new() })
     }
 
-    /// Learned over described friction at half of [`FASTEST`], joint by joint and period by period.
+    /// Ratio of learned to described friction at half of [`FASTEST`], for each period and joint.
     fn ratios(&self, initial: &[Friction; 2]) -> Vec<[f64; 2]> {
         let v = 0.5 * FASTEST;
         let ratio = |model: &Model| {
@@ -110,11 +112,11 @@ fn fixed(friction: [Friction; 2], reference: &Sampled<2>) -> Outcome<Ltv<&Sample
 pub struct Adaptation {
     pub adaptive: Run,
     pub fixed: Run,
-    /// Learned over identified friction, by joint.
+    /// Ratio of learned to identified friction for each joint.
     ratios: Vec<[f64; 2]>,
-    /// The plant's.
+    /// True ratio of the plant for each joint.
     truth: [f64; 2],
-    /// Time after the change until the curve stays found (s), by joint; infinite if it never does.
+    /// Time after the change until the learned curve agrees permanently (s), for each joint; infinite if it never agrees.
     pub settled: [f64; 2],
 }
 
@@ -149,7 +151,7 @@ fn difference(a: impl Fn(f64) -> f64, b: &Friction) -> f64 {
     (sum / f64::from(2 * STEPS + 1)).sqrt()
 }
 
-/// Time from the change until no error is above `bound` any more (s).
+/// Time after the change until all later errors are below `bound` (s).
 fn settling_time(errors: &[f64], bound: f64) -> f64 {
     match errors.iter().rposition(|error| *error > bound) {
         Some(last) if last + 1 == errors.len() => f64::INFINITY,
@@ -158,7 +160,7 @@ fn settling_time(errors: &[f64], bound: f64) -> f64 {
     }
 }
 
-/// Time that the estimate has to follow (s); errors are compared after it.
+/// Time after the change in which the estimate must follow (s). Errors are compared after this time.
 const SETTLED: f64 = 6.0;
 const AFTERWARDS: f64 = CHANGE + SETTLED;
 

@@ -13,14 +13,17 @@ use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::mpc::LtvMpc;
 use gelenk_runtime::trajectory::{Sample, Sampled, Trajectory};
 
-/// Time in which the gears warm up (s), and the factor of their viscous friction then.
+/// Time in which the gears warm up (s).
 pub const WARM: f64 = 300.0;
+/// Viscous friction of warm gears over that of cold gears.
 const WARM_FACTOR: f64 = 0.7;
-/// When the arm picks up its load (s), the load [kg], and the heaviest one that the estimator expects.
+/// Time at which the arm picks up its load (s).
 const PICKED_UP: f64 = 30.0;
+/// Mass of the load [kg].
 const MASS: f64 = 1.0;
+/// Largest mass of a load that the estimator expects [kg].
 pub const HEAVIEST: f64 = 2.0;
-/// Time that the estimate of the load has to follow (s), as that of claim 12.
+/// Time in which the estimate of the load must follow (s), as in claim 12.
 const SETTLED: f64 = 6.0;
 /// Largest error of the feed-forward, relative to that of a controller that knows the plant.
 const BOUND: f64 = 1.3;
@@ -28,9 +31,10 @@ const BOUND: f64 = 1.3;
 const REGIME: Regime = Regime { encoder_step: 1e-4, torque_noise: 2e-3, ..Regime::IDEAL };
 /// Speed at which friction is shown [rad/s].
 const SHOWN: f64 = 0.35;
+/// Friction laws of β and γ with cold gears.
 const COLD: [Friction; 2] = [Friction::B, Friction::C];
 
-/// The published motion forth and back, over and over.
+/// The published motion, repeated forwards and backwards.
 #[derive(Clone, Copy)]
 pub struct Repeated<'t> {
     motion: &'t Sampled<2>,
@@ -53,21 +57,21 @@ impl Trajectory<2> for Repeated<'_> {
     }
 }
 
-/// How the plant changes over time (s).
+/// Function that returns the plant at a time (s).
 pub type Change = fn(f64) -> Arm;
 
-/// Viscous friction falls by 30 % in five minutes.
+/// The plant while viscous friction falls by 30 % in five minutes.
 pub fn warming(time: f64) -> Arm {
     let viscous = 1.0 + (WARM_FACTOR - 1.0) * (time / WARM).min(1.0);
     arm(COLD.map(|friction| with_factors(&friction, [viscous, 1.0])))
 }
 
-/// The arm picks up its load.
+/// The plant that picks up its load.
 pub fn picking_up(time: f64) -> Arm {
     carrying(arm(COLD), if time < PICKED_UP - 0.5 * PERIOD { 0.0 } else { MASS })
 }
 
-/// Nothing changes.
+/// A plant that does not change.
 #[cfg(test)]
 pub fn unchanged(_: f64) -> Arm {
     arm(COLD)
@@ -88,7 +92,7 @@ impl<T: Trajectory<2>> Modelled for Carrying<LtvMpc<Model, T, 2, 2, 4>, Arm, 2, 
     }
 }
 
-/// LTV-MPC whose model is the plant of each period.
+/// LTV-MPC whose model is the true plant in each period.
 struct Knowing<T> {
     controller: Ltv<T>,
     plant: Change,
@@ -111,7 +115,7 @@ impl<T: Trajectory<2>> Modelled for Knowing<T> {
     }
 }
 
-/// A controller that learns, with a quantity of its model in each period.
+/// A learning controller that records a quantity of its model in each period.
 struct Watched<C, const Q: usize> {
     controller: C,
     quantity: fn(&C) -> [f64; Q],
@@ -167,12 +171,13 @@ impl<const Q: usize> Compared<Q> {
         })
     }
 
-    /// Errors of the feed-forward of a joint from a time on [N m]: learning, fixed and knowing controller.
+    /// Errors of the feed-forward of a joint from a time on [N m], for the learning controller, the controller with a fixed model
+    /// and the controller that knows the plant.
     fn errors(&self, i: usize, from: f64) -> [f64; 3] {
         [&self.learning, &self.fixed, &self.knowing].map(|run| run.between(from, f64::INFINITY).gap(i))
     }
 
-    /// Criteria of both joints: the learned model, and the static one, which must be beyond the bound.
+    /// Adds the criteria of both joints. The learned model must be within the bound, and the static model beyond the bound.
     fn criteria(&self, claim: Claim, from: f64) -> Claim {
         JOINTS.into_iter().enumerate().fold(claim, |claim, (i, joint)| {
             let [learning, fixed, knowing] = self.errors(i, from);
@@ -210,15 +215,16 @@ fn learning(
     Ok(Adaptive::new(robot, settings, |model| LtvMpc::new(model, reference, options(&robot)))??)
 }
 
-/// Friction of both joints at [`SHOWN`].
+/// Friction of both joints at the speed [`SHOWN`].
 fn friction(robot: &impl Dynamics<2, 2>) -> [f64; 2] {
     robot.friction_torques(&[0.0; 2], &[SHOWN; 2])
 }
 
-/// Gears that warm up. Values are learned friction at [`SHOWN`] of both joints, and half of its 90 % intervals.
+/// Runs the experiment with gears that warm up. Values are the learned friction of both joints at the speed [`SHOWN`], and half of
+/// its 90 % intervals.
 ///
-/// - `seconds`: of the run
-/// - `duration`: of the motion by which friction is identified before (s)
+/// - `seconds`: duration of the run
+/// - `duration`: duration of the motion with which friction is identified before (s)
 pub fn warm_up(
     motion: &Sampled<2>,
     (plant, settings, seconds): (Change, AdaptationSettings, f64),
@@ -235,9 +241,9 @@ pub fn warm_up(
     Compared::new(plant, initial, reference, (controller, quantity))
 }
 
-/// A load that is picked up.
+/// Runs the experiment with a load that is picked up.
 ///
-/// - `heaviest`: of the loads that the estimator expects [kg]
+/// - `heaviest`: largest mass that the estimator expects [kg]
 pub fn pick_up(motion: &Sampled<2>, (plant, heaviest): (Change, f64), duration: f64) -> Outcome<Compared<2>> {
     let initial = identify(arm(COLD), arm(COLD), duration)?;
     let reference = Repeated { motion, duration: 2.0 * PICKED_UP };

@@ -1,5 +1,5 @@
-//! Claim 2: with the old friction feedback must make what the model lacks; with the identified one little is
-//! left.
+//! Claim 2: with the old friction model, feedback must produce the torque that the model lacks. With the identified friction, little
+//! of this torque remains.
 
 use super::identified::identify;
 use super::run::{self, Run, Setup};
@@ -10,16 +10,16 @@ use gelenk_report::{Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Se
 use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::trajectory::{Sampled, Trajectory};
 
-/// Share by which gravity is too large in every model of this experiment.
+/// Relative error of gravity in every model of this experiment.
 pub const TOO_HEAVY: f64 = 0.03;
 
-/// LTV-MPC with the old friction and with the identified one, on one plant.
+/// Runs of LTV-MPC with the old and with the identified friction, on one plant.
 pub struct Models {
     pub old: Run,
     pub identified: Run,
     pub friction: [Friction; 2],
-    /// Difference between the rigid-body torques of the controllers' model and the plant's along the
-    /// reference, in the middle of each period [N m].
+    /// Difference between the rigid-body torques of the controllers' model and those of the plant along the reference, in the middle
+    /// of each period [N m].
     pub rigid_error: Vec<[f64; 2]>,
 }
 
@@ -47,10 +47,10 @@ fn difference(model: &Arm, plant: &Arm, reference: &Sampled<2>, time: f64) -> [f
 }
 
 impl Models {
-    /// Part of the remaining gap that is left when the known error of the rigid body is taken away.
+    /// Share of the remaining gap that the known error of the rigid-body model does not explain.
     pub fn unexplained(&self, i: usize) -> f64 {
         let pairs = self.identified.rows.iter().zip(&self.rigid_error);
-        // What the model asks for too much, feedback takes back.
+        // Feedback subtracts the torque by which the model is too large.
         let sum: f64 = pairs.map(|(row, error)| (row.gap(i) + error[i]).powi(2)).sum();
         (sum / self.rigid_error.len() as f64).sqrt() / self.identified.gap(i)
     }

@@ -1,4 +1,4 @@
-//! Friction as the paper gets it: from a motion of the arm, by the sparse regression.
+//! Identification of friction as in the paper, by sparse regression from a motion of the arm.
 
 use super::run::{self, Setup};
 use crate::arm::{Arm, Friction, PERIOD, Regime, arm};
@@ -11,19 +11,19 @@ use gelenk_identification::methods::moments::Samples;
 use gelenk_identification::methods::thresholding::Thresholding;
 use gelenk_runtime::trajectory::{IdentificationSine, Sampled};
 
-/// Encoders while the motion is recorded [rad].
+/// Resolution of the encoders while the motion is recorded [rad].
 const ENCODER_STEP: f64 = 1e-4;
-/// Samples left out at either end, where the smoother knows one side only.
+/// Number of samples that are omitted at both ends, because the smoother has only neighbours on one side.
 const MARGIN: usize = 50;
 
-/// Velocities and friction torques of both joints, as a log gives them.
+/// Velocities and friction torques of both joints, computed from a log.
 pub struct FrictionSamples {
     pub velocities: [Vec<f64>; 2],
     pub torques: [Vec<f64>; 2],
 }
 
-/// Records the identification sine on `plant` under an MPC that has the old friction, and computes the
-/// friction torque with the rigid body of `model`.
+/// Records the identification sine on `plant` with an MPC that uses the old friction, and computes friction torques with the
+/// rigid-body model of `model`.
 pub fn record(plant: Arm, model: Arm, duration: f64) -> Outcome<FrictionSamples> {
     let sine = IdentificationSine {
         center: [0.0, 0.0],
@@ -47,7 +47,7 @@ pub fn record(plant: Arm, model: Arm, duration: f64) -> Outcome<FrictionSamples>
     for i in 0..2 {
         let positions: Vec<f64> = run.rows.iter().map(|row| row.measured[i]).collect();
         measured.push(smoother.differentiate(&times, &positions)?);
-        // At a sample the input jumps from one period's to the next one's.
+        // At a sample the input jumps from the value of one period to that of the next.
         let held = |k: usize| run.rows[k].inputs[i];
         let middle = (0..times.len()).map(|k| 0.5 * (held(k.saturating_sub(1)) + held(k)));
         inputs.push(middle.collect::<Vec<f64>>());

@@ -1,4 +1,4 @@
-//! Claim 10: limits of torque and speed as constraints that are reached and kept.
+//! Claim 10: limits of torque and speed are constraints that are reached and kept.
 
 use super::identified::identify;
 use super::run::{self, Faster, Run, Setup};
@@ -11,23 +11,23 @@ use gelenk_runtime::feed_forward::FeedForward;
 use gelenk_runtime::mpc::{LinearizationPoint, MpcOptions};
 use gelenk_runtime::trajectory::{Sampled, Trajectory};
 
-/// How much faster than published the trajectory is run through.
+/// Factor by which the trajectory is faster than published.
 pub const FACTOR: f64 = 1.5;
 /// Nominal torque of the modules at the joint [N m].
 pub const NOMINAL: f64 = 44.8;
-/// Speed limit of the experiment [rad/s]; the published trajectory asks for 0.72 rad/s.
+/// Speed limit of the experiment [rad/s]. The published trajectory reaches 0.72 rad/s.
 pub const SPEED: f64 = 0.4;
-/// Cost of a broken speed limit, per rad/s.
+/// Linear penalty of a violated speed limit, per rad/s.
 pub const PENALTY: f64 = 1e5;
-/// A limit counts as reached this close to it.
+/// Ratio to a limit above which the limit counts as reached.
 const REACHED: f64 = 1.0 - 1e-4;
 
-/// Linearized around the plan, which limits keep off the desired trajectory.
+/// Options with linearization around the plan, because limits keep the plan away from the desired trajectory.
 pub fn options(model: &Arm) -> MpcOptions<2, 2> {
     MpcOptions { linearization: LinearizationPoint::Plan, ..run::options(model, PERIOD) }
 }
 
-/// The trajectory `factor` times as fast with at most `torque` [N m] at the joint.
+/// Run along the trajectory `factor` times as fast, with at most `torque` [N m] at the joint.
 pub fn torque_limited(model: Arm, motion: &Sampled<2>, factor: f64, torque: f64) -> Outcome<Run> {
     let mut options = options(&model);
     let limit = torque / GEAR;
@@ -35,11 +35,11 @@ pub fn torque_limited(model: Arm, motion: &Sampled<2>, factor: f64, torque: f64)
     track(model, options, &Faster { motion, factor })
 }
 
-/// The trajectory as published with at most `speed` [rad/s].
+/// Run along the published trajectory with at most `speed` [rad/s].
 pub fn speed_limited(model: Arm, motion: &Sampled<2>, speed: f64, penalty: f64) -> Outcome<Run> {
     let mut options = options(&model);
     options.velocity_limits = [speed; 2];
-    // What lags far behind must not be worth breaking the bound.
+    // With a small weight, a large following error does not justify a violation of the bound.
     options.position_weight = [1e3; 2];
     options.velocity_weight = [1e2; 2];
     options.limit_penalty.linear = penalty;
@@ -88,12 +88,12 @@ pub fn claim(fast: &Run, slow: &Run) -> Claim {
         .shown_in("limits-torque")
 }
 
-/// The modules' highest speed [rad/s].
+/// Highest rated speed of the modules [rad/s].
 fn rated_speed() -> f64 {
     arm([Friction::B, Friction::C]).limits().velocity[0]
 }
 
-/// Largest torque at each joint that the feed-forward asks for [N m].
+/// Largest torque of the feed-forward at each joint [N m].
 fn needed(motion: &Sampled<2>, factor: f64) -> Outcome<[f64; 2]> {
     let fast = Faster { motion, factor };
     let feed_forward = FeedForward::new(arm([Friction::B, Friction::C]))?;
@@ -109,7 +109,7 @@ fn needed(motion: &Sampled<2>, factor: f64) -> Outcome<[f64; 2]> {
     Ok(largest)
 }
 
-/// The largest factor at which both joints stay within `torque` [N m], to a thousandth.
+/// The largest speed factor, to a thousandth, for which both joints stay within `torque` [N m].
 fn allowed(motion: &Sampled<2>, torque: f64) -> Outcome<f64> {
     let (mut low, mut high) = (0.01, 4.0);
     while high - low > 1e-3 {
@@ -124,7 +124,7 @@ fn allowed(motion: &Sampled<2>, torque: f64) -> Outcome<f64> {
     Ok(low)
 }
 
-/// Speed at which friction alone takes `torque` [N m], by bisection [rad/s].
+/// Speed [rad/s] at which friction alone needs `torque` [N m], computed by bisection.
 fn speed_at(friction: &Friction, torque: f64) -> f64 {
     let (mut low, mut high) = (0.0, 10.0);
     for _ in 0..60 {

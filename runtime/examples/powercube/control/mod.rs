@@ -16,7 +16,7 @@ mod tracking;
 
 use crate::study::Experiment;
 
-/// In the order of the report: before the experiments with friction.
+/// Experiments in the order of the report. They precede the experiments with friction.
 pub const EXPERIMENTS: &[Experiment] = &[
     ("LTV-MPC and feed-forward alone", tracking::experiment),
     ("old and identified friction", gap::experiment),

@@ -1,4 +1,4 @@
-//! Claim 4: where a truly nonlinear MPC improves tracking, and where it does not.
+//! Claim 4: conditions under which a truly nonlinear MPC improves tracking.
 
 use super::identified::identify;
 use super::run::{self, Run, Setup};
@@ -11,14 +11,14 @@ use gelenk_runtime::trajectory::{RestToRest, Sampled, Trajectory};
 
 /// Sample time that is coarse for this arm (s).
 pub const COARSE: f64 = 0.1;
-/// From when on the arm should rest after the large motion (s).
+/// Time from which on the arm should be at rest after the large motion (s).
 const LATE: f64 = 8.0;
 
-/// The same model in three controllers.
+/// Runs of three controllers with the same model.
 pub struct Three {
-    /// Linearized around the desired trajectory, as in the paper.
+    /// LTV-MPC that is linearized around the desired trajectory, as in the paper.
     pub linear: Run,
-    /// Linearized around the previous plan.
+    /// LTV-MPC that is linearized around the previous plan.
     pub plan: Run,
     pub nonlinear: Run,
 }
@@ -35,7 +35,7 @@ impl Three {
         })
     }
 
-    /// Error under LTV-MPC over the error under NMPC.
+    /// Ratio of the error with LTV-MPC to the error with NMPC.
     pub fn gain(&self, i: usize) -> f64 {
         self.linear.rms_error(i) / self.nonlinear.rms_error(i)
     }
@@ -46,12 +46,12 @@ impl Three {
     }
 }
 
-/// Along the published trajectory, sampled every `period` (s).
+/// Runs along the published trajectory, with a sample time of `period` (s).
 pub fn along(model: Arm, reference: &Sampled<2>, period: f64) -> Outcome<Three> {
     Three::new(model, &run::options(&model, period), reference)
 }
 
-/// 0.9 rad in `duration` (s) with at most `SCARCE` torque, then rest.
+/// Runs with a motion of 0.9 rad in `duration` (s) with at most the torque `SCARCE`, and then rest.
 pub fn deviation(model: Arm, period: f64, duration: f64) -> Outcome<Three> {
     let motion = RestToRest::new([-0.4, 0.3], [0.5, -0.4], duration)?;
     let samples = (0..600).map(|k| motion.sample(f64::from(k) * PERIOD));
@@ -61,9 +61,9 @@ pub fn deviation(model: Arm, period: f64, duration: f64) -> Outcome<Three> {
     Three::new(model, &options, &reference)
 }
 
-/// Torque of the motors in the large motion [N m]; 56 N m at the joint.
+/// Largest torque of the motors in the large motion [N m], which is 56 N m at the joint.
 const SCARCE: f64 = 0.35;
-/// A time in which that torque cannot move the arm so far (s).
+/// Duration of the large motion that is too short for this torque (s).
 pub const TOO_FAST: f64 = 1.2;
 
 pub fn claim(coarse: &Three, deviation: &Three) -> Claim {

@@ -1,4 +1,4 @@
-//! Claim 3: better friction does not improve tracking where delay, quantization and coarse sampling dominate.
+//! Claim 3: a better friction model does not improve tracking if delay, quantization and coarse sampling dominate.
 
 use super::identified::identify;
 use super::run::{self, Run, Setup};
@@ -11,22 +11,22 @@ use gelenk_runtime::trajectory::Sampled;
 /// Compensation of model errors by the controller.
 #[derive(Clone, Copy)]
 pub struct Control {
-    /// Standard deviation of the input disturbance's change in a period [N m]; 0: none is estimated.
+    /// Standard deviation of the change of the input disturbance in a period [N m]; 0 if no disturbance is estimated.
     pub disturbance_noise: f64,
-    /// Whether it reckons with an input that acts one period late.
+    /// Whether the controller compensates inputs that act one period late.
     pub compensates_delay: bool,
-    /// Weight of the torque's rate [s²/(N m)²]: with it feedback is slower.
+    /// Weight of the rate of the torques [s²/(N m)²]. A larger weight makes the feedback slower.
     pub rate_weight: f64,
 }
 
-/// A weight that keeps the loop calm in spite of the delay.
+/// Weight of the torque rate with which the loop does not oscillate in spite of the delay.
 pub const SLOWER: f64 = 0.1;
 
-/// Offset-free tracking, and no idea of the delay.
+/// Offset-free tracking without compensation of the delay.
 pub const OFFSET_FREE: Control =
     Control { disturbance_noise: 1e-2, compensates_delay: false, rate_weight: 0.0 };
 
-/// Rms errors by joint [rad] with the old and with the identified friction in one regime, over all seeds.
+/// Rms errors of each joint [rad] with the old and with the identified friction under one set of conditions, over all seeds.
 #[derive(Debug, Clone, Copy)]
 pub struct Comparison {
     old: [f64; 2],
@@ -48,13 +48,13 @@ impl Comparison {
         Ok(Self { old: over_seeds([Friction::OLD; 2])?, identified: over_seeds(case.identified)? })
     }
 
-    /// Error with the old friction over the error with the identified one.
+    /// Ratio of the error with the old friction to the error with the identified friction.
     pub fn gain(&self, i: usize) -> f64 {
         self.old[i] / self.identified[i]
     }
 }
 
-/// Setting shared by all comparisons.
+/// Common data of all comparisons.
 pub struct Case {
     reference: Sampled<2>,
     identified: [Friction; 2],
@@ -84,7 +84,7 @@ fn track(case: &Case, friction: [Friction; 2], regime: Regime, control: Control,
     run::linear(&setup, model, options, &case.reference)
 }
 
-/// From ideal to realistic conditions, and possible remedies.
+/// Rows of the table: ideal conditions, realistic conditions, and possible remedies.
 fn rows() -> [(&'static str, Regime, Control); 9] {
     let (ideal, all) = (Regime::IDEAL, Regime::REALISTIC);
     let late = Regime { delay: 1, ..ideal };
@@ -106,7 +106,7 @@ fn rows() -> [(&'static str, Regime, Control); 9] {
     ]
 }
 
-/// The verdict from the ideal regime and the realistic one.
+/// The claim, judged by ideal and realistic conditions.
 pub fn claim(ideal: &Comparison, realistic: &Comparison) -> Claim {
     let mut claim = Claim::new(
         "claim-3",

@@ -12,13 +12,13 @@ use gelenk_runtime::trajectory::{Sample, Sampled, Trajectory};
 pub type Ltv<T> = LtvMpc<Arm, T, 2, 2, 4>;
 pub type Nonlinear<T> = Nmpc<Arm, T, 2, 2, 4>;
 
-/// Stages of the horizon at 50 Hz.
+/// Number of stages of the horizon at 50 Hz.
 pub const HORIZON: usize = 20;
 
-/// As in the paper: linearized around the desired trajectory, without an estimate of disturbances. Velocity errors weigh so little that positions
-/// return within about a period.
+/// Options as in the paper: linearization around the desired trajectory, without estimation of disturbances. The weight of velocity
+/// errors is so small that position errors vanish within about a period.
 pub fn options(model: &Arm, period: f64) -> MpcOptions<2, 2> {
-    // The same time ahead at all sample times, but at least eight stages.
+    // The horizon covers the same time for all sample times, but has at least eight stages.
     let stages = (HORIZON as f64 * PERIOD / period).round() as usize;
     MpcOptions {
         velocity_weight: [5.0, 3.5],
@@ -48,7 +48,7 @@ impl<T: Trajectory<2>> Modelled for Nonlinear<T> {
     }
 }
 
-/// No feedback at all.
+/// Controller without feedback.
 pub struct FeedForwardAlone<'t> {
     feed_forward: FeedForward<Arm, 2, 2>,
     reference: &'t Sampled<2>,
@@ -64,7 +64,7 @@ impl<'t> FeedForwardAlone<'t> {
 impl Controller<2, 2> for FeedForwardAlone<'_> {
     fn reset(&mut self, _: &[f64; 2], _: &[f64; 2]) {}
 
-    /// Feed-forward of the middle of the period, which is the best that a held input can do.
+    /// Returns the feed-forward in the middle of the period, which is the best choice for an input that is constant in the period.
     fn step(&mut self, cycle: &Cycle<2, 2>) -> Result<Command<2>, ControllerFault> {
         let sample = self.reference.sample(cycle.time + 0.5 * self.period);
         Ok(Command { inputs: limited(self.feed_forward.at(&sample).inputs), iterations: 0 })
@@ -89,18 +89,18 @@ pub struct Setup {
     pub seed: u64,
     /// Distance of the arm from the start of the reference [rad].
     pub offset: [f64; 2],
-    /// The plant at a time (s), if it changes.
+    /// Function that returns the plant at a time (s); `None` if the plant does not change.
     pub change: Option<fn(f64) -> Arm>,
 }
 
 impl Setup {
-    /// Starts on the reference, and stays the same.
+    /// A plant that starts on the reference and does not change.
     pub fn new(plant: Arm, regime: Regime) -> Self {
         Self { plant, regime, seed: 1, offset: [0.0; 2], change: None }
     }
 }
 
-/// The beginning of a period, and the inputs chosen for it.
+/// State at the beginning of a period, and the inputs for this period.
 #[derive(Debug, Clone, Copy)]
 pub struct Row {
     pub time: f64,
@@ -108,7 +108,7 @@ pub struct Row {
     /// True positions and velocities.
     pub positions: [f64; 2],
     pub velocities: [f64; 2],
-    /// Motor torques [N m], of the controller and of its model's feed-forward.
+    /// Motor torques [N m] of the controller, and of the feed-forward of its model.
     pub inputs: [f64; 2],
     pub forward: [f64; 2],
     /// Measured positions of the encoders.
@@ -121,7 +121,7 @@ impl Row {
         self.positions[i] - self.desired[i]
     }
 
-    /// Feedback's share of the torque at the joint [N m].
+    /// Part of the torque at the joint that feedback adds [N m].
     pub fn gap(&self, i: usize) -> f64 {
         GEAR * (self.inputs[i] - self.forward[i])
     }
@@ -144,17 +144,17 @@ impl Run {
         values.fold(0.0, f64::max)
     }
 
-    /// Root mean square of y − y_ref [rad].
+    /// Root mean square of the error y − y_ref of joint `i` [rad].
     pub fn rms_error(&self, i: usize) -> f64 {
         self.rms(|row| row.error(i))
     }
 
-    /// Largest |y − y_ref| [rad].
+    /// Largest error |y − y_ref| of joint `i` [rad].
     pub fn largest_error(&self, i: usize) -> f64 {
         self.largest(|row| row.error(i))
     }
 
-    /// i · rms(u − u_ff) [N m].
+    /// Root mean square of the torque that feedback adds at the joint, gear ratio times rms(u − u_ff) [N m].
     pub fn gap(&self, i: usize) -> f64 {
         self.rms(|row| row.gap(i))
     }
@@ -173,7 +173,7 @@ impl Run {
         self.rows.iter().map(|row| row.iterations).max().unwrap_or(0)
     }
 
-    /// The part of the run within times (s).
+    /// The part of the run between two times (s).
     pub fn between(&self, from: f64, to: f64) -> Self {
         let rows = self.rows.iter();
         let rows = rows.filter(|row| (from..to).contains(&row.time));
@@ -249,7 +249,7 @@ pub fn nonlinear(
     drive(setup, &mut controller, reference)
 }
 
-/// A motion run through `factor` times as fast.
+/// A motion that is `factor` times as fast as another motion.
 #[derive(Clone, Copy)]
 pub struct Faster<'t> {
     pub motion: &'t Sampled<2>,

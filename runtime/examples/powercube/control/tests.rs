@@ -1,4 +1,4 @@
-//! Verdicts of the short form as values, and the condition that flips each.
+//! Tests of the verdicts of the short form, and of the condition that reverses each verdict.
 
 use super::identified::FrictionSamples;
 use super::*;
@@ -21,7 +21,7 @@ fn identified() -> Arm {
     arm(identified::identify(plant, plant, DURATION).unwrap())
 }
 
-/// Verdict and numbers of an experiment's only claim, the numbers within a share of the expected ones.
+/// Asserts the verdict of the only claim of an experiment, and its numbers within a relative tolerance.
 fn holds(experiment: fn(&Study) -> Outcome<Part>, verdict: Verdict, expected: &[(f64, f64)]) {
     let part = experiment(&SHORT).unwrap();
     let [claim] = &part.claims[..] else {
@@ -36,7 +36,7 @@ fn holds(experiment: fn(&Study) -> Outcome<Part>, verdict: Verdict, expected: &[
     }
 }
 
-/// The claim does not hold any more, by exactly the criteria that the cause touches.
+/// Asserts that the claim does not hold, and that exactly the criteria `missed` are violated.
 fn flipped(claim: &Claim, missed: &[usize]) {
     let found: Vec<usize> = (0..claim.criteria.len()).filter(|&i| !claim.criteria[i].is_met()).collect();
     println!("{}: {:?}", claim.id, claim.criteria);
@@ -172,7 +172,7 @@ fn a_load_that_is_picked_up_is_found() {
     flipped(&claim(changes::unchanged, changes::HEAVIEST), &[1, 3]);
 }
 
-/// Two runs give the same data to the last bit, times apart.
+/// Two runs give bitwise equal data, except for measured times.
 #[test]
 fn experiments_repeat_themselves() {
     for experiment in [tracking::experiment as fn(&Study) -> _, adaptation::experiment] {

@@ -1,4 +1,4 @@
-//! Claim 11: cost of a step, and of the regressions.
+//! Claim 11: computing time of a step and of the regressions.
 
 use super::identified::{FrictionSamples, identify, record};
 use super::run::{Faster, HORIZON, Ltv, Modelled, Nonlinear, Run, Setup, drive};
@@ -16,10 +16,11 @@ use gelenk_runtime::control_loop::{Command, Controller, ControllerFault, Cycle, 
 use gelenk_runtime::trajectory::{Sample, Sampled, Trajectory};
 use rustix::time::{ClockId, clock_gettime};
 
-/// Most iterations that a period shall take.
+/// Largest allowed number of iterations in a period.
 const ITERATIONS: f64 = 15.0;
-/// Folds of the LASSO, and its values of λ.
+/// Number of folds of the LASSO.
 const FOLDS: usize = 10;
+/// Number of values of λ that the LASSO tries.
 const LAMBDAS: usize = 100;
 
 /// CPU time of this thread (µs).
@@ -84,16 +85,16 @@ fn measured(
     Ok(Measured { name, run, times: timed.times })
 }
 
-/// Iterations of the worst period: of the trajectory `factor` times as fast as published at its torque limit, and of
-/// the published one at a speed limit.
+/// Number of iterations in the worst period of two runs. The first run is `factor` times as fast as published, with active torque
+/// limits. The second run has the published speed, with an active speed limit.
 pub fn worst_iterations(model: Arm, motion: &Sampled<2>, factor: f64) -> Outcome<u32> {
     let fast = limits::torque_limited(model, motion, factor, GEAR * PEAK)?;
     let slow = limits::speed_limited(model, motion, limits::SPEED, limits::PENALTY)?;
     Ok(fast.most_iterations().max(slow.most_iterations()))
 }
 
-/// Passes of the nonlinear regression over all samples of a joint, after it was started on bins. Sparse
-/// regression makes one, whatever the data, into moments.
+/// Number of passes of the nonlinear regression over all samples of a joint, after a start on binned data. Sparse regression makes
+/// one pass, which computes moments.
 pub fn passes(samples: &FrictionSamples, joint: usize) -> Outcome<usize> {
     let (v, torque) = (&samples.velocities[joint], &samples.torques[joint]);
     let fit = StribeckRegression::default().fit(v, torque)?;

@@ -1,4 +1,4 @@
-//! Claim 1: LTV-MPC follows motion reversals and zero crossings, feed-forward alone does not.
+//! Claim 1: LTV-MPC follows motion reversals and zero crossings, but feed-forward alone does not.
 
 use super::run::{self, FeedForwardAlone, Run, Setup, drive};
 use super::show;
@@ -10,7 +10,7 @@ use gelenk_runtime::trajectory::Sampled;
 /// Distance of the arm from the start of the trajectory [rad].
 pub const BESIDE: f64 = 1e-3;
 
-/// Feed-forward alone and LTV-MPC, both with the plant's own model.
+/// Runs of feed-forward alone and of LTV-MPC, both with the exact model of the plant.
 pub struct Pair {
     pub forward: Run,
     pub mpc: Run,
@@ -26,7 +26,7 @@ pub fn pair(reference: &Sampled<2>, beside: f64) -> Outcome<Pair> {
     })
 }
 
-/// The verdict for an arm that starts `beside` [rad] from the smoothed trajectory.
+/// The claim for an arm that starts at the distance [`BESIDE`] from the smoothed trajectory.
 pub fn claim(pair: &Pair) -> Claim {
     let worst = |run: &Run, value: fn(&Run, usize) -> f64| value(run, 0).max(value(run, 1));
     Claim::new(

@@ -1,5 +1,4 @@
-//! Friction that seems to depend on the angle: what an error of gravity does to identified friction, and two
-//! ways around it (claim 6).
+//! Claim 6: an error of gravity makes identified friction seem to depend on the angle. Two methods avoid this effect.
 
 use super::data::{
     MEASURED, REPEAT, Samples, alpha, beta_alone, controller_arm, friction_samples, gamma_alone, opposed,
@@ -14,16 +13,16 @@ use gelenk_identification::methods::library::Library;
 use gelenk_identification::methods::moments::Samples as Columns;
 use gelenk_report::{Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text};
 
-/// Gravity of the identifying model is too large by this share.
+/// Relative error of gravity in the model for the identification.
 pub const GRAVITY_ERROR: f64 = 0.08;
-/// Only angles below this are kept by the selection [rad].
+/// Largest angle of the selected samples [rad].
 pub const NARROW: f64 = 0.1;
-/// Largest dependence of the torque on the angle that noise of 0.3 N m hides [N m].
+/// Largest dependence of the torque on the angle that is hidden by noise of 0.3 N m [N m].
 const UNSEEN: f64 = 0.2;
 /// Length of the link between the axes [m].
 const LINK: f64 = 0.18;
 
-/// Friction samples of β and γ along a motion, identified with gravity off by a share.
+/// Friction samples of β and γ along a motion, computed with a relative error of gravity.
 pub fn arm_samples(motion: &FourierMotion, gravity_error: f64, seconds: f64) -> Outcome<[Samples; 2]> {
     let log = record(published_arm(), &controller_arm(), motion, seconds, (&MEASURED, 2))?;
     let model = heavier(published_arm(), gravity_error);
@@ -37,8 +36,8 @@ pub fn alpha_samples(seconds: f64) -> Outcome<Samples> {
     Ok(samples)
 }
 
-/// Dependence of the torque on the angle in addition to the speed: rms of the part `c sin y` in
-/// `τ = Σ a_i θ_i(v) + c sin y`, least squares [N m].
+/// Dependence of the torque on the angle in addition to the speed [N m]. It is the rms of the part `c sin y` in the least-squares
+/// fit `τ = Σ a_i θ_i(v) + c sin y`.
 pub fn dependence(samples: &Samples) -> Outcome<f64> {
     let library = Library::new(&["v", "tanh(10*v)", "tanh(100*v)", "sin(y)"], &["v", "y"])?;
     let channels: Vec<&[f64]> = vec![&samples.velocities, &samples.angles];
@@ -48,7 +47,7 @@ pub fn dependence(samples: &Samples) -> Outcome<f64> {
     Ok(fit.coefficients[3].abs() * rms(sines))
 }
 
-/// Claim 6a: β alone, then γ alone.
+/// Claim 6a for motions of β alone and of γ alone.
 pub fn seeming_claim([beta, gamma]: [&Samples; 2]) -> Outcome<Claim> {
     Ok(Claim::new("claim-6a", "With gravity 8 % wrong the friction of β and γ seems to depend on the angle.")
         .criterion(Criterion::at_least(
@@ -62,7 +61,7 @@ pub fn seeming_claim([beta, gamma]: [&Samples; 2]) -> Outcome<Claim> {
         .shown_in("by-angle"))
 }
 
-/// Claim 6b: β alone, samples with |β| < `narrow` kept.
+/// Claim 6b for a motion of β alone, with the samples for which |β| < `narrow`.
 pub fn selection_claim(beta: &Samples, narrow: f64) -> Outcome<Claim> {
     let kept = beta.select(|angle, _| angle.abs() < narrow);
     let share = kept.len() as f64 / beta.len() as f64;
@@ -78,7 +77,7 @@ pub fn selection_claim(beta: &Samples, narrow: f64) -> Outcome<Claim> {
         .shown_in("by-angle"))
 }
 
-/// Claim 6c: γ while β moves too.
+/// Claim 6c for γ while β moves too.
 pub fn opposed_claim(gamma: &Samples) -> Outcome<Claim> {
     Ok(Claim::new(
         "claim-6c",
@@ -190,7 +189,7 @@ fn left_over(name: &str, samples: &Samples, law: &[f64]) -> Plot {
     .series("samples", Marks::Points, points.collect())
 }
 
-/// The arm along its periodic motions, its links as lines.
+/// Figure of the arm along its periodic motions, with links as lines.
 fn frames() -> Figure {
     let motions = [("β alone", beta_alone()), ("γ alone", gamma_alone()), ("β = −γ", opposed())];
     let mut figure = Figure::new(
@@ -213,7 +212,7 @@ fn frames() -> Figure {
     figure
 }
 
-/// Base, elbow and tool in the plane of motion, y = 0 upright.
+/// Positions of base, elbow and tool in the plane of motion. At y = 0 the arm is upright.
 fn links(beta: f64, gamma: f64) -> Vec<[f64; 2]> {
     let elbow = [LINK * beta.sin(), LINK * beta.cos()];
     let ([x, _, z], _) = gelenk_generated::powercube::frame_tool_pose(&[beta, gamma]);

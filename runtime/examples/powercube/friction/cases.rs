@@ -1,4 +1,4 @@
-//! The data that methods are compared on (claim 8): records of the joints, with friction other than the published one.
+//! Data for the comparison of methods (claim 8): records of the joints, also with other friction than published.
 
 use super::angle::{NARROW, alpha_samples};
 use super::data::{
@@ -11,37 +11,37 @@ use crate::study::Outcome;
 use gelenk_identification::methods::stribeck::stribeck_torque;
 use gelenk_identification::result::FrictionLaw;
 
-/// Speeds over which all curves are judged [rad/s].
+/// Largest speed for the comparison of curves [rad/s].
 pub const FASTEST: f64 = 0.5;
-/// Data below this speed are kept where extrapolation is tried [rad/s].
+/// Largest speed of the data in tests of extrapolation [rad/s].
 pub const SLOW: f64 = 0.25;
-/// Error that a useful law stays below, rms [N m]: 1 % of the torque at full speed.
+/// Largest rms error of a useful law [N m], which is 1 % of the torque at full speed.
 pub const USEFUL: f64 = 0.5;
-/// Constant torque under which nonlinear regression is tried [N m].
+/// Constant torque in the tests of nonlinear regression [N m].
 pub const OFFSET: f64 = 2.0;
 /// Length of the short trajectory (s).
 pub const SHORT_SECONDS: f64 = 10.0;
 
-/// How the plant's friction differs from the published one.
+/// Difference between the friction of the plant and the published friction.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Beside {
-    /// A constant besides: friction that differs by direction, or a torque sensor's offset [N m].
+    /// Additional constant torque, for example because friction depends on the direction or a torque sensor has an offset [N m].
     pub offset: f64,
-    /// Stribeck's law in place of the published one.
+    /// Parameters of a Stribeck law that replaces the published law; `None` for the published law.
     pub stribeck: Option<[f64; 5]>,
 }
 
 impl Beside {
     pub const NOTHING: Self = Self { offset: 0.0, stribeck: None };
-    /// Like joint C, with a step that no term of the library has, and 4 N m more towards standstill.
+    /// Friction similar to joint C, with a slope at rest that no term of the library has, and 4 N m more at low speed.
     pub const STRIBECK: Self = Self { offset: 0.0, stribeck: Some([56.0, 9.0, 40.0, 4.0, 10.0]) };
 
     pub fn offset(offset: f64) -> Self {
         Self { offset, ..Self::NOTHING }
     }
 
-    /// Friction of the generated arm for a joint with this published friction, as far as the arm can
-    /// represent it.
+    /// Friction of the generated arm for a joint with this published friction. The arm can represent the offset, but not the
+    /// Stribeck law.
     fn friction(self, published: Friction) -> Friction {
         let mut friction = match self.stribeck {
             Some(_) => Friction([0.0; TERMS]),
@@ -70,7 +70,7 @@ pub struct Case {
 }
 
 impl Case {
-    /// The plant's own friction [N m].
+    /// True friction of the plant [N m].
     pub fn truth(&self, v: f64) -> f64 {
         let rest = self.beside.friction(self.published).at(v);
         self.beside.stribeck.map_or(rest, |law| rest + stribeck_torque(v, &law))
@@ -80,17 +80,17 @@ impl Case {
         Ok(method.identify(&self.samples)?.result.law)
     }
 
-    /// Error of the law over all speeds [N m rms].
+    /// Rms error of the law over all speeds [N m].
     pub fn error(&self, method: Method) -> Outcome<f64> {
         curve_error(&self.law(method)?, |v| self.truth(v), FASTEST)
     }
 
-    /// The same, not-a-number if the method gives no law.
+    /// Rms error of the law over all speeds [N m]; NaN if the method finds no law.
     pub fn error_or_nan(&self, method: Method) -> f64 {
         self.error(method).unwrap_or(f64::NAN)
     }
 
-    /// The same joint with other samples of it.
+    /// The same joint with other samples.
     pub fn with(&self, name: &'static str, samples: Samples) -> Self {
         Self { name, samples, ..self.clone() }
     }
@@ -102,7 +102,7 @@ impl Case {
     }
 }
 
-/// B alone or C with β = −γ, recorded.
+/// Record of joint B moving alone, or of joint C with β = −γ.
 pub struct Recorded {
     record: Record<2>,
     joint: usize,
@@ -110,12 +110,12 @@ pub struct Recorded {
 }
 
 impl Recorded {
-    /// β alone.
+    /// Records joint B (β) moving alone.
     pub fn b(beside: Beside, seconds: f64, seed: u64) -> Outcome<Self> {
         Self::new(0, beside, seconds, seed)
     }
 
-    /// γ with β = −γ.
+    /// Records joint C (γ) with β = −γ.
     pub fn c(beside: Beside, seconds: f64, seed: u64) -> Outcome<Self> {
         Self::new(1, beside, seconds, seed)
     }
@@ -130,7 +130,7 @@ impl Recorded {
         })
     }
 
-    /// Its friction, the identifying model's gravity wrong by a share.
+    /// Friction samples, computed with a relative error of gravity.
     pub fn case(&self, gravity_error: f64) -> Outcome<Case> {
         let model = heavier(controller_arm(), gravity_error);
         let [b, c] = friction_samples(&self.record, &model, MEASURED.encoder_step)?;
@@ -142,7 +142,7 @@ impl Recorded {
     }
 }
 
-/// A under LQR, B, C; `gravity_error` in the identifying model.
+/// Joints A (with LQR), B and C, with a relative error of gravity in the model for the identification.
 pub fn joints(gravity_error: f64, seconds: f64) -> Outcome<[Case; 3]> {
     let a = Case {
         name: "A, under LQR",
@@ -155,19 +155,19 @@ pub fn joints(gravity_error: f64, seconds: f64) -> Outcome<[Case; 3]> {
     Ok([a, b, c])
 }
 
-/// The samples of B that |β| < 0.1 keeps.
+/// The samples of B with |β| < 0.1.
 pub fn narrow(b: &Case) -> Case {
     let kept = b.samples.select(|angle, _| angle.abs() < NARROW);
     b.with("B, |β| < 0.1", kept)
 }
 
-/// Largest error of a method [N m rms]; not-a-number if it gives no law.
+/// Largest rms error of a method [N m]; NaN if the method finds no law.
 pub fn worst(cases: &[Case], method: Method) -> f64 {
     let errors = cases.iter().map(|case| case.error_or_nan(method));
     errors.fold(0.0, |worst, error| if error > worst || error.is_nan() { error } else { worst })
 }
 
-/// Error of nonlinear regression over that of SINDy with LASSO, both rms over records of the same kind.
+/// Ratio of the error of nonlinear regression to that of SINDy with LASSO. Both are rms errors over records of the same kind.
 pub fn ratio(cases: &[Case]) -> f64 {
     let error = |method| rms(cases.iter().map(|case| case.error_or_nan(method)));
     error(Method::Stribeck) / error(Method::Lasso)

@@ -1,5 +1,5 @@
-//! Simulated experiments for identification: joints are moved under control, encoders and motors are
-//! recorded, and a rigid-body model turns the record into friction torques.
+//! Simulated experiments for identification. Controlled motions of the joints are recorded, and a rigid-body model converts the
+//! measured positions and motor torques to friction torques.
 
 use crate::arm::{Arm, Friction, PEAK, PERIOD, Regime, arm};
 use crate::methods::torque::{Motion, friction_torques};
@@ -12,7 +12,7 @@ use gelenk_runtime::lqr::Lqr;
 use gelenk_runtime::plant::{Plant, PlantOptions};
 
 gelenk_runtime::dynamics!(
-    /// Joint A alone, the arm stretched out horizontally; its axis is vertical.
+    /// Model of joint A alone, with a vertical axis and the arm stretched out horizontally.
     pub struct Alpha { parameters } = gelenk_generated::powercube_alpha_parameters
 );
 
@@ -31,8 +31,7 @@ pub fn alpha(Friction(terms): Friction) -> Alpha {
     }
 }
 
-/// Model of the controllers while data are taken: it has the old friction model, since nothing better is
-/// known yet.
+/// Model of the controllers during the experiments. It has the old friction model, because a better model is not known yet.
 pub fn controller_arm() -> Arm {
     arm([Friction::OLD; 2])
 }
@@ -42,14 +41,14 @@ pub fn published_arm() -> Arm {
     arm([Friction::B, Friction::C])
 }
 
-/// Encoders of 0.1 mrad, 0.3 N m of noise at the joint.
+/// Conditions with encoders of 0.1 mrad and 0.3 N m of noise at the joint.
 pub const MEASURED: Regime = Regime { encoder_step: 1e-4, torque_noise: 2e-3, ..Regime::IDEAL };
-/// Samples left out at both ends (1 s): there the smoothing sees one side only.
+/// Number of samples that are omitted at both ends (1 s), because the smoother has only neighbours on one side.
 const MARGIN: usize = 50;
 /// Fundamental period of the motions (s).
 pub const REPEAT: f64 = 30.0;
 
-/// Sines of 0.1, 0.23 and 0.37 Hz around `center` times `size`; at 1 up to 0.5 rad/s.
+/// Sines of 0.1, 0.23 and 0.37 Hz around `center`, multiplied by `size`. With size 1 they reach 0.5 rad/s.
 fn waves(size: f64, center: f64) -> (f64, Vec<[f64; 2]>) {
     let mut coefficients = vec![[0.0; 2]; 11];
     coefficients[2] = [0.45 * size, 0.0];
@@ -58,7 +57,7 @@ fn waves(size: f64, center: f64) -> (f64, Vec<[f64; 2]>) {
     (center * size, coefficients)
 }
 
-/// A periodic motion from sizes of its joints, off the middle by 0.2 rad for size 1.
+/// A periodic motion with a size for each joint. The centre is 0.2 rad times the size.
 pub fn periodic<const N: usize>(sizes: [f64; N]) -> FourierMotion {
     let waves = sizes.map(|size| waves(size, 0.2));
     FourierMotion {
@@ -68,36 +67,35 @@ pub fn periodic<const N: usize>(sizes: [f64; N]) -> FourierMotion {
     }
 }
 
-/// β moves, γ is held straight.
+/// Motion of β with γ at 0.
 pub fn beta_alone() -> FourierMotion {
     periodic([1.0, 0.0])
 }
 
-/// γ moves, β is held upright.
+/// Motion of γ with β at 0 (upright).
 pub fn gamma_alone() -> FourierMotion {
     periodic([0.0, 1.0])
 }
 
-/// β = −γ: what lies beyond γ stays upright, and γ carries no weight.
+/// Motion with β = −γ. The link after γ remains upright, so gravity causes no torque at γ.
 pub fn opposed() -> FourierMotion {
     periodic([1.0, -1.0])
 }
 
 /// A recorded motion.
 pub struct Record<const N: usize> {
-    /// (s)
+    /// Times of the readings (s).
     pub times: Vec<f64>,
     /// Encoder readings [rad].
     pub positions: [Vec<f64>; N],
-    /// Motor torques sent [N m]: at each reading the mean of the periods before and after it, as the inputs
-    /// are held between the readings.
+    /// Commanded motor torques [N m]. At each reading, the value is the mean of the periods before and after the reading, because
+    /// inputs are constant between readings.
     pub inputs: [Vec<f64>; N],
     /// True velocities [rad/s].
     pub velocities: [Vec<f64>; N],
 }
 
-/// Drives `plant` along `motion` by feed-forward of `model` and a linear-quadratic regulator for each joint,
-/// and records.
+/// Drives `plant` along `motion` by feed-forward of `model` and a linear-quadratic regulator for each joint. Returns the record.
 pub fn record<const N: usize>(
     plant: impl Dynamics<N, N>,
     model: &impl Differentiable<N, N>,
@@ -159,8 +157,8 @@ fn options<const N: usize>(regime: &Regime, seed: u64) -> PlantOptions<N, N> {
     }
 }
 
-/// One regulator for each joint, from the diagonal of the linearization at rest; for a single joint that is
-/// the linear-quadratic regulator. 20 mrad, 0.2 rad/s and 0.2 N m weigh the same.
+/// One linear-quadratic regulator for each joint, from the diagonal of the linearization at rest. Deviations of 20 mrad, 0.2 rad/s
+/// and 0.2 N m have the same cost.
 fn regulators<const N: usize>(model: &impl Differentiable<N, N>) -> Outcome<[Lqr<2, 1>; N]> {
     let linear = model.linearize(&[0.0; N], &[0.0; N], &[0.0; N]);
     let mut gains = Vec::with_capacity(N);
@@ -183,11 +181,11 @@ fn regulators<const N: usize>(model: &impl Differentiable<N, N>) -> Outcome<[Lqr
 /// Friction samples of a joint.
 #[derive(Clone, Default)]
 pub struct Samples {
-    /// y [rad].
+    /// Angles y [rad].
     pub angles: Vec<f64>,
-    /// ẏ [rad/s].
+    /// Velocities ẏ [rad/s].
     pub velocities: Vec<f64>,
-    /// Friction torques by the model [N m].
+    /// Friction torques that the model leaves [N m].
     pub torques: Vec<f64>,
 }
 
@@ -212,12 +210,12 @@ impl Samples {
         self.rows((0..self.len()).filter(|&i| keep(self.angles[i], self.velocities[i])))
     }
 
-    /// The first ones.
+    /// The first `count` samples.
     pub fn first(&self, count: usize) -> Self {
         self.rows(0..count.min(self.len()))
     }
 
-    /// At most `count` ones, evenly spread.
+    /// At most `count` samples, evenly spread.
     pub fn thinned(&self, count: usize) -> Self {
         self.rows((0..self.len()).step_by(self.len().div_ceil(count.max(1)).max(1)))
     }
@@ -232,7 +230,7 @@ impl Samples {
         out
     }
 
-    /// Torque over velocity, for a plot: at most `count` points.
+    /// At most `count` points (velocity, torque) for a plot.
     pub fn points(&self, count: usize) -> Vec<[f64; 2]> {
         let shown = self.thinned(count);
         let pairs = shown.velocities.iter().zip(&shown.torques);
@@ -240,8 +238,8 @@ impl Samples {
     }
 }
 
-/// Friction torques `q_s + B u − M ÿ − k` of a record, velocities and accelerations by total-variation
-/// regularization.
+/// Friction torques `q_s + B u − M ÿ − k` of a record, where q_s are the applied forces without friction. Velocities and
+/// accelerations are computed by total-variation regularized differentiation.
 pub fn friction_samples<const N: usize>(
     record: &Record<N>,
     model: &impl Dynamics<N, N>,

@@ -1,4 +1,4 @@
-//! Equal modules, different friction; and friction that grows with the load (claim 9).
+//! Claim 9: equal modules have different friction, and friction increases with the load.
 
 use super::data::{
     MEASURED, Samples, alpha, beta_alone, controller_arm, friction_samples, opposed, periodic, published_arm,
@@ -13,13 +13,13 @@ use gelenk_report::{Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Se
 
 /// Speed at which curves are compared [rad/s].
 const SPEED: f64 = 0.3;
-/// Speeds of the curves [rad/s].
+/// Largest speed of the curves [rad/s].
 const FASTEST: f64 = 0.5;
-/// Share of the load that becomes friction; assumed.
+/// Assumed friction per unit of load.
 pub const LOAD_SHARE: f64 = 0.1;
 const NAMES: [&str; 3] = ["A (α)", "B (β)", "C (γ)"];
 
-/// Laws of the three joints with this friction, each from a record of its own.
+/// Identified laws of three joints with this friction, each from a separate record.
 pub fn laws([a, b, c]: [Friction; 3], seconds: f64) -> Outcome<[FrictionLaw; 3]> {
     let stand_in = alpha(Friction::OLD);
     let motion = periodic([1.0]);
@@ -35,7 +35,7 @@ pub fn laws([a, b, c]: [Friction; 3], seconds: f64) -> Outcome<[FrictionLaw; 3]>
     laws.try_into().map_err(|_| "three joints".into())
 }
 
-/// Least difference between two of the curves at a speed [N m].
+/// Smallest difference between two of the curves at the speed [`SPEED`] [N m].
 fn least_difference(laws: &[FrictionLaw; 3]) -> Outcome<f64> {
     let mut at = Vec::new();
     for law in laws {
@@ -46,12 +46,12 @@ fn least_difference(laws: &[FrictionLaw; 3]) -> Outcome<f64> {
     Ok(differences.into_iter().fold(f64::INFINITY, f64::min))
 }
 
-/// Root mean square of the stand-in for the old model minus a law [N m].
+/// Root mean square of the difference between the substitute for the old model and a law [N m].
 fn stand_in_error(law: &FrictionLaw) -> Outcome<f64> {
     curve_error(law, |v| Friction::OLD.at(v), FASTEST)
 }
 
-/// Claim 9a on identified laws.
+/// Claim 9a for identified laws.
 pub fn difference_claim(laws: &[FrictionLaw; 3]) -> Outcome<Claim> {
     Ok(Claim::new(
         "claim-9a",
@@ -68,7 +68,7 @@ pub fn difference_claim(laws: &[FrictionLaw; 3]) -> Outcome<Claim> {
     .shown_in("joints"))
 }
 
-/// Claim 9b on identified laws.
+/// Claim 9b for identified laws.
 pub fn stand_in_claim([_, b, c]: &[FrictionLaw; 3]) -> Outcome<Claim> {
     Ok(Claim::new("claim-9b", "One common curve, as in the old model, fits neither B nor C.")
         .criterion(Criterion::at_least("common curve minus B, rms", stand_in_error(b)?, 2.0, "N m"))
@@ -78,8 +78,8 @@ pub fn stand_in_claim([_, b, c]: &[FrictionLaw; 3]) -> Outcome<Claim> {
         .shown_in("joints"))
 }
 
-/// Friction samples of β and the loads at them, for a plant whose friction holds `share` of the load;
-/// `gravity` scales it, 0 for the isolated module.
+/// Friction samples of β and the loads at these samples. The friction of the plant includes `share` times the load. `gravity`
+/// scales gravity and is 0 for the isolated module.
 pub fn under_load(share: f64, gravity: f64, seconds: f64) -> Outcome<(Samples, Vec<f64>)> {
     let mut robot = published_arm();
     robot.parameters.g *= gravity;
@@ -94,7 +94,7 @@ pub fn under_load(share: f64, gravity: f64, seconds: f64) -> Outcome<(Samples, V
     Ok((beta, loads))
 }
 
-/// Claim 9c from the isolated and the assembled joint.
+/// Claim 9c for samples of the isolated and of the assembled joint.
 pub fn load_claim(isolated: &Samples, assembled: &(Samples, Vec<f64>)) -> Outcome<Claim> {
     let (samples, loads) = assembled;
     let torque = |samples| -> Outcome<f64> {

@@ -1,4 +1,4 @@
-//! The two ways to a friction law, and how far a law is from the truth.
+//! Methods that identify a friction law, and the error of a law.
 
 use super::data::{Samples, rms};
 use crate::arm::Friction;
@@ -12,12 +12,13 @@ use gelenk_identification::methods::stribeck::StribeckRegression;
 use gelenk_identification::methods::thresholding::Thresholding;
 use gelenk_identification::result::FrictionLaw;
 
-/// How a law is found.
+/// Method that identifies a law.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Method {
-    /// SINDy by sequentially thresholded least squares, threshold 0.1.
+    /// SINDy by sequentially thresholded least squares with the threshold 0.1.
     Thresholding,
-    /// SINDy by LASSO, λ by ten folds and one standard error, then least squares on the chosen terms.
+    /// SINDy by LASSO. λ follows from cross-validation with ten folds and the one-standard-error rule. Least squares on the chosen
+    /// terms follows.
     Lasso,
     /// Nonlinear regression of the Stribeck form.
     Stribeck,
@@ -42,12 +43,12 @@ impl Method {
         }
     }
 
-    /// The law of these samples over the paper's library.
+    /// Identifies the law of these samples with the library of the paper.
     pub fn identify(self, samples: &Samples) -> Outcome<FrictionReport> {
         self.identify_over(Friction::library()?, samples)
     }
 
-    /// The law of these samples over another library.
+    /// Identifies the law of these samples with another library.
     pub fn identify_over(self, library: Library, samples: &Samples) -> Outcome<FrictionReport> {
         let identification = FrictionIdentification {
             library,
@@ -61,12 +62,12 @@ impl Method {
     }
 }
 
-/// The LASSO with each term in units of its root mean square.
+/// The LASSO, with each term divided by its root mean square.
 pub fn standardized() -> Lasso {
     Lasso { standardize: true, ..Lasso::default() }
 }
 
-/// Speeds from −`fastest` to `fastest`, zero among them.
+/// Velocities from −`fastest` to `fastest`, including zero.
 fn speeds(fastest: f64) -> Vec<f64> {
     (-200..=200).map(|i| fastest * f64::from(i) / 200.0).collect()
 }

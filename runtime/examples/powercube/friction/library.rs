@@ -1,4 +1,4 @@
-//! The library of friction terms: how fine it may be, and how many of its terms are needed (claim 7).
+//! Claim 7: useful fineness of the library of friction terms, and necessary number of terms.
 
 use super::angle::{alpha_samples, arm_samples};
 use super::data::{Samples, beta_alone, opposed};
@@ -13,29 +13,29 @@ use gelenk_identification::methods::moments::{Moments, Samples as Columns};
 use gelenk_identification::methods::thresholding::Thresholding;
 use gelenk_report::{Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text};
 
-/// Folds of the cross-validation.
+/// Number of folds of the cross-validation.
 const FOLDS: usize = 10;
-/// Terms of the finer library in addition to those of the paper's.
+/// Additional terms of the finer library.
 const FINER: [&str; 5] = ["tanh(7*v)", "tanh(14*v)", "tanh(30*v)", "tanh(50*v)", "tanh(70*v)"];
 
-/// The paper's library with five more slopes.
+/// The library of the paper with five more slopes.
 pub fn finer_library() -> Outcome<Library> {
     let paper = Friction::library()?;
     let terms: Vec<&str> = (paper.terms().iter().map(String::as_str)).chain(FINER).collect();
     Ok(Library::new(&terms, &["v"])?)
 }
 
-/// Cost and benefit of a library on these samples.
+/// Measures of the cost and benefit of a library for given samples.
 pub struct Fineness {
-    /// Condition number, columns scaled.
+    /// Condition number of the scaled columns.
     pub condition: f64,
     /// Largest cosine between two columns.
     pub correlation: f64,
-    /// Error of all terms on the left-out of ten contiguous folds, rms [N m].
+    /// Rms error of a fit with all terms on the omitted fold, for ten contiguous folds [N m].
     pub unseen: f64,
 }
 
-/// Least squares on all terms, judged on contiguous folds.
+/// Measures of least squares on all terms, with cross-validation on contiguous folds.
 pub fn fineness(library: &Library, samples: &Samples) -> Outcome<Fineness> {
     let columns = columns(library, samples)?;
     let folds = Moments::blocks(&columns, FOLDS)?;
@@ -63,11 +63,11 @@ fn columns<'s>(library: &'s Library, samples: &'s Samples) -> Outcome<Columns<'s
     Ok(Columns::from_library(library, vec![&samples.velocities], vec![&samples.torques])?)
 }
 
-/// Number of terms and residual rms [N m] of the models that a method offers, fewest terms first, the best
-/// for each number.
+/// Number of terms and rms residual [N m] of the models of a method. The list has the best model for each number of terms, in
+/// increasing order.
 pub type Front = Vec<(usize, f64)>;
 
-/// Fronts of STLS over its threshold and of LASSO over λ, both after least squares on the chosen terms.
+/// Pareto fronts of STLS (over the threshold) and of LASSO (over λ), both after least squares on the chosen terms.
 fn fronts(samples: &Samples) -> Outcome<[Front; 2]> {
     let library = Friction::library()?;
     let columns = columns(&library, samples)?;
@@ -76,7 +76,7 @@ fn fronts(samples: &Samples) -> Outcome<[Front; 2]> {
     for i in 0..100 {
         let settings =
             Thresholding { threshold: 1e-3 * 1e5_f64.powf(f64::from(i) / 99.0), ..Thresholding::default() };
-        // Beyond the largest coefficient nothing is left.
+        // If the threshold exceeds the largest coefficient, no term remains.
         let Ok(fit) = settings.fit(&reduced, 0) else {
             break;
         };
@@ -111,14 +111,14 @@ pub fn joint_fronts([a, b, c]: &[Samples; 3]) -> Outcome<[[Front; 2]; 3]> {
     Ok([fronts(a)?, fronts(b)?, fronts(c)?])
 }
 
-/// Fewest terms of a front whose error is within 1 % of its least.
+/// Smallest number of terms with an error within 1 % of the smallest error of the front.
 fn knee(front: &Front) -> f64 {
     let least = front.iter().fold(f64::INFINITY, |least, (_, e)| least.min(*e));
     let enough = front.iter().find(|(_, error)| *error <= 1.01 * least);
     enough.map_or(f64::NAN, |(size, _)| *size as f64)
 }
 
-/// Claim 7a on the samples of one joint.
+/// Claim 7a for the samples of one joint.
 pub fn fineness_claim(paper: &Fineness, finer: &Fineness) -> Claim {
     Claim::new(
         "claim-7a",
@@ -144,7 +144,7 @@ pub fn fineness_claim(paper: &Fineness, finer: &Fineness) -> Claim {
     .shown_in("correlation")
 }
 
-/// Claim 7b on the fronts of joints A, B, C.
+/// Claim 7b for the fronts of the joints A, B and C.
 pub fn front_claim(fronts: &[[Front; 2]; 3]) -> Claim {
     let most = |method: usize| fronts.iter().map(|joint| knee(&joint[method])).fold(0.0, f64::max);
     Claim::new(
@@ -157,7 +157,7 @@ pub fn front_claim(fronts: &[[Front; 2]; 3]) -> Claim {
     .shown_in("pareto")
 }
 
-/// Claim 7c on the law that LASSO chose for joints A, B, C.
+/// Claim 7c for the laws that LASSO chose for the joints A, B and C.
 pub fn choice_claim(chosen: &[(FrictionReport, f64); 3]) -> Claim {
     let most = chosen.iter().map(|(report, _)| terms_of(report).len());
     let worst = chosen.iter().fold(0.0, |worst: f64, (_, error)| worst.max(*error));
@@ -182,7 +182,7 @@ fn terms_of(report: &FrictionReport) -> Vec<(String, f64)> {
     report.result.law.coefficients().iter().map(|term| (term.basis.clone(), term.coefficient)).collect()
 }
 
-/// LASSO's choice on the samples of joints A, B, C, with the error of the curve.
+/// Laws that LASSO chooses for the samples of the joints A, B and C, with the error of each curve.
 pub fn choices(samples: &[Samples; 3]) -> Outcome<[(FrictionReport, f64); 3]> {
     let truths = [Friction::A, Friction::B, Friction::C];
     let mut chosen = Vec::new();
@@ -194,7 +194,7 @@ pub fn choices(samples: &[Samples; 3]) -> Outcome<[(FrictionReport, f64); 3]> {
     chosen.try_into().map_err(|_| "three joints".into())
 }
 
-/// Samples of A, B and C with gravity off by a share: β and γ in opposed motion.
+/// Samples of A, B and C, computed with a relative error of gravity. β and γ move in opposite directions.
 pub fn joints(gravity_error: f64, seconds: f64) -> Outcome<[Samples; 3]> {
     let [beta, _] = arm_samples(&beta_alone(), gravity_error, seconds)?;
     let [_, gamma] = arm_samples(&opposed(), gravity_error, seconds)?;

@@ -1,4 +1,4 @@
-//! SINDy and nonlinear regression side by side: curves, errors, data needed, and where each breaks (claim 8).
+//! Claim 8: comparison of SINDy and nonlinear regression by curves, errors, necessary data, and conditions under which each fails.
 
 use super::angle::GRAVITY_ERROR;
 use super::cases::{
@@ -11,7 +11,7 @@ use super::methods_figures;
 use crate::study::{Outcome, Part, Study};
 use gelenk_report::{Claim, Criterion};
 
-/// Claim 8a on one set of data for each joint.
+/// Claim 8a for one set of data of each joint.
 pub fn both_claim(cases: &[Case]) -> Claim {
     Claim::new(
         "claim-8a",
@@ -35,8 +35,8 @@ pub fn both_claim(cases: &[Case]) -> Claim {
     .shown_in("methods")
 }
 
-/// Claim 8b on records of B without selection that have a constant offset; those that have none are shown for comparison
-/// it.
+/// Claim 8b for records of B without selection by angle. The records `with_offset` have a constant offset. The records `without`
+/// have no offset, and are shown for comparison.
 pub fn unfiltered_claim(with_offset: &[Case], without: &[Case]) -> Claim {
     Claim::new(
         "claim-8b",
@@ -60,7 +60,7 @@ pub fn unfiltered_claim(with_offset: &[Case], without: &[Case]) -> Claim {
     .shown_in("breaks")
 }
 
-/// Claim 8c on records of C; those of a plant with Stribeck's law are shown for comparison.
+/// Claim 8c for records of C. Records of a plant with a Stribeck law are shown for comparison.
 pub fn joint_c_claim(records: &[Case], stribeck: &[Case]) -> Claim {
     Claim::new("claim-8c", "SINDy is better on joint C.")
         .criterion(Criterion::at_least(
@@ -81,7 +81,7 @@ pub fn joint_c_claim(records: &[Case], stribeck: &[Case]) -> Claim {
         .shown_in("methods-deviations")
 }
 
-/// Claim 8d from the first `seconds` of one record for each joint.
+/// Claim 8d for the first `seconds` of one record of each joint.
 pub fn short_claim(cases: &[Case], seconds: f64) -> Claim {
     let short: Vec<Case> = cases.iter().map(|case| case.first(seconds)).collect();
     Claim::new("claim-8d", "One short trajectory suffices.")
@@ -102,8 +102,7 @@ pub fn short_claim(cases: &[Case], seconds: f64) -> Claim {
         .shown_in("data-needed")
 }
 
-/// Error between `SLOW` and `FASTEST` of the law from the samples up to `slow` [N m rms]; not-a-number where
-/// there is no law.
+/// Rms error between `SLOW` and `FASTEST` of the law from the samples up to `slow` [N m]; NaN if no law is found.
 fn outside_error(case: &Case, slow: f64, method: Method) -> f64 {
     let Ok(law) = slower(case, slow).law(method) else {
         return f64::NAN;
@@ -115,7 +114,7 @@ fn outside_error(case: &Case, slow: f64, method: Method) -> f64 {
     rms(outside.map(|[_, error]| *error))
 }
 
-/// Claim 8e: laws from the samples up to `slow` [rad/s].
+/// Claim 8e for laws from the samples up to `slow` [rad/s].
 pub fn outside_claim(cases: &[Case], slow: f64) -> Claim {
     let worst = |method| {
         let errors = cases.iter().map(|case| outside_error(case, slow, method));
@@ -140,7 +139,7 @@ pub fn outside_claim(cases: &[Case], slow: f64) -> Claim {
         .shown_in("outside")
 }
 
-/// Claim 8f: STLS on `narrow` data of B, nonlinear regression on data with an offset.
+/// Claim 8f for STLS on `narrow` data of B, and for nonlinear regression on data with an offset.
 pub fn breaks_claim(narrow: &Case, with_offset: &[Case]) -> Claim {
     Claim::new(
         "claim-8f",

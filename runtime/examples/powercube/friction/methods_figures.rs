@@ -7,7 +7,10 @@ use crate::study::{Outcome, Study};
 use gelenk_report::{Axis, Block, Cell, Figure, Marks, Plot, Section, Table, text};
 use std::time::Instant;
 
-/// `shown`: data with gravity 8 % wrong; `right`: all angles of A, B, C with the right gravity.
+/// Section of the report.
+///
+/// - `shown`: data with an error of gravity of 8 %
+/// - `right`: data of A, B and C for all angles, with the right gravity
 pub fn section(study: &Study, shown: &[Case], right: &[Case]) -> Outcome<Section> {
     Ok(Section::new("methods-section", "SINDy and nonlinear regression side by side")
         .block(text(
@@ -88,7 +91,7 @@ fn errors(shown: &[Case]) -> Outcome<Table> {
     Ok(table)
 }
 
-/// Clock times: the one table of these experiments that differs from run to run.
+/// Table of computing times. It is the only table of these experiments that differs from run to run.
 fn times(shown: &[Case]) -> Outcome<Table> {
     let mut table = Table::new(
         "methods-times",
@@ -110,7 +113,7 @@ fn times(shown: &[Case]) -> Outcome<Table> {
     Ok(table)
 }
 
-/// One curve for each method over a swept quantity.
+/// Plot with one curve for each method over a varied quantity.
 fn sweep(title: &str, x: Axis, points: &[f64], error: impl Fn(f64, Method) -> Outcome<f64>) -> Outcome<Plot> {
     let mut plot =
         Plot::new(title, x, Axis::new("error of the law, rms", "N m").logarithmic().over(5e-3, 20.0));

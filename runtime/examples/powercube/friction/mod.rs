@@ -15,7 +15,7 @@ mod velocity;
 
 use crate::study::Experiment;
 
-/// In the order of the report.
+/// Experiments in the order of the report.
 pub const EXPERIMENTS: &[Experiment] = &[
     ("velocities from encoders", velocity::experiment),
     ("friction and the angle", angle::experiment),

@@ -1,5 +1,5 @@
-//! Plants with friction that the generated arm does not have: one that grows with the load, and Stribeck's
-//! law. The load as a term of the library.
+//! Plants with friction that the generated arm cannot represent: load-dependent friction and the Stribeck law. Also a library with
+//! a term for the load.
 
 use super::data::Samples;
 use crate::arm::Arm;
@@ -10,18 +10,19 @@ use gelenk_identification::methods::moments::Samples as Columns;
 use gelenk_identification::methods::stribeck::stribeck_torque;
 use gelenk_runtime::dynamics::{Dynamics, Limits};
 
-/// Slope of the load's friction at rest [s/rad].
+/// Slope of load-dependent friction at rest [s/rad].
 const SLOPE: f64 = 20.0;
-/// Terms of joint β's published law and the load.
+/// Terms of the published law of joint β, and a term for the load.
 const TERMS: [&str; 5] = ["v", "tanh(5*v)", "tanh(10*v)", "tanh(20*v)", "abs(load)*tanh(20*v)"];
 
 /// The arm with additional friction: `load_share · |q_g(y)| tanh 20v`, and Stribeck's law in some joints.
 pub struct MoreFriction {
-    /// The arm without it.
+    /// The arm without this friction.
     pub robot: Arm,
-    /// Part of the load that becomes friction, the same for both joints.
+    /// Friction per unit of load, the same for both joints.
     pub load_share: f64,
-    /// `a_1 v + a_2 tanh a_3 v + a_4 exp(−a_5 |v|) tanh 3 a_3 v`, by joint.
+    /// Parameters of the Stribeck law `a_1 v + a_2 tanh a_3 v + a_4 exp(−a_5 |v|) tanh 3 a_3 v` of each joint; `None` for joints
+    /// without this law.
     pub stribeck: [Option<[f64; 5]>; 2],
 }
 
@@ -57,7 +58,7 @@ impl Dynamics<2, 2> for MoreFriction {
         self.robot.spring_forces(y, v)
     }
 
-    /// Friction that depends on the speed alone; the plant looks here for jumps at rest.
+    /// Velocity-dependent friction. The plant checks this friction for discontinuities at rest.
     fn friction_torques(&self, y: &[f64; 2], v: &[f64; 2]) -> [f64; 2] {
         let friction = self.robot.friction_torques(y, v);
         std::array::from_fn(|i| friction[i] + self.stribeck(i, v[i]))
@@ -79,16 +80,16 @@ impl Dynamics<2, 2> for MoreFriction {
     }
 }
 
-/// A law with a term of the load.
+/// Identified friction law with a term for the load.
 pub struct LawUnderLoad {
     terms: [f64; 4],
-    /// Part of the load that was found as friction.
+    /// Identified friction per unit of load.
     pub share: f64,
-    /// Its standard error for independent errors.
+    /// Standard error of `share` for independent errors.
     pub standard_error: f64,
 }
 
-/// Least squares on the terms of joint β's law and the load.
+/// Identifies a law by least squares on the terms of joint β and the load.
 pub fn law_under_load(samples: &Samples, loads: &[f64]) -> Outcome<LawUnderLoad> {
     let library = Library::new(&TERMS, &["v", "load"])?;
     let channels: Vec<&[f64]> = vec![&samples.velocities, loads];
@@ -102,8 +103,7 @@ pub fn law_under_load(samples: &Samples, loads: &[f64]) -> Outcome<LawUnderLoad>
 }
 
 impl LawUnderLoad {
-    /// Friction due to load, in the direction of motion, over the load: at most `count` samples faster than
-    /// 0.05 rad/s.
+    /// Points (load, friction due to load in the direction of motion), for at most `count` samples that are faster than 0.05 rad/s.
     pub fn against_load(&self, samples: &Samples, loads: &[f64], count: usize) -> Vec<[f64; 2]> {
         let [viscous, five, ten, twenty] = self.terms;
         let rest = |i: usize| {

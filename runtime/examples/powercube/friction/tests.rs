@@ -1,4 +1,4 @@
-//! Verdicts of claims 5 to 9 in the short form, and the condition that flips each.
+//! Tests of the verdicts of claims 5 to 9 in the short form, and of the condition that reverses each verdict.
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
@@ -12,7 +12,7 @@ use gelenk_report::{Claim, Verdict};
 
 const SHORT: Study = Study { is_short: true };
 
-/// A claim's verdict, and its numbers within 5 %.
+/// Asserts the verdict of a claim, and its numbers within 5 %.
 fn check(part: &Part, id: &str, verdict: Verdict, values: &[f64]) {
     let claim = part.claims.iter().find(|claim| claim.id == id);
     let claim = claim.unwrap_or_else(|| panic!("no {id}"));

@@ -1,5 +1,5 @@
-//! Velocities: differences of encoder readings are coarse, total-variation regularization is not, and what it
-//! costs in bandwidth (claim 5).
+//! Claim 5: differences of encoder readings are coarse velocities. Total-variation regularization gives better velocities with a
+//! limited bandwidth.
 
 use super::data::{MEASURED, beta_alone, controller_arm, published_arm, record, rms};
 use crate::arm::{PERIOD, Regime};
@@ -10,15 +10,16 @@ use gelenk_identification::methods::differentiation::{Regularization, TotalVaria
 use gelenk_report::{Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text};
 use std::f64::consts::TAU;
 
-/// Share of the samples at either end that is not judged.
+/// Share of the samples at both ends that is not compared.
 const MARGIN: f64 = 0.05;
-/// Amplitude of the sine whose passing is measured [rad]: small against the motion.
+/// Amplitude of the sine for the measurement of the gain [rad]. It is small compared with the motion.
 const PROBE: f64 = 1e-3;
-/// Frequencies of the figure, highest of the motion and the one beyond which nothing of it lies (Hz).
+/// Highest frequency of the motion (Hz).
 const MOTION_TOP: f64 = 11.0 / 30.0;
+/// A frequency far above the motion (Hz).
 const BEYOND: f64 = 10.0;
 
-/// Derivatives by both methods, and the reference.
+/// Derivatives by both methods, and the reference derivative.
 pub struct Comparison {
     pub times: Vec<f64>,
     pub reference: Vec<f64>,
@@ -36,7 +37,7 @@ impl Comparison {
         })
     }
 
-    /// How many times larger the error of the differences is.
+    /// Ratio of the error of the differences to that of the regularized derivative.
     pub fn gain(&self) -> f64 {
         let [differences, smoothed] = self.errors();
         differences / smoothed
@@ -47,7 +48,9 @@ impl Comparison {
         all.filter(|[t, _]| (from..=to).contains(t)).collect()
     }
 
-    /// `marks`: of the differences; as steps each is drawn over the period that it is the mean of.
+    /// Plot of the derivatives.
+    ///
+    /// - `marks`: style of the differences. With steps, each difference is drawn over the period of which it is the mean.
     fn plot(&self, title: &str, y: Axis, window: [f64; 2], marks: Marks) -> Plot {
         let early = if marks == Marks::Steps { 0.5 * PERIOD } else { 0.0 };
         let differences = self.window(&self.differences, window);
@@ -59,7 +62,7 @@ impl Comparison {
     }
 }
 
-/// Velocity of β along its motion from encoders of `step` [rad], against the plant's own.
+/// Compares the velocity of β from encoders with the resolution `step` [rad] with the true velocity of the plant.
 pub fn measured_like(step: f64, seconds: f64) -> Outcome<Comparison> {
     let regime = Regime { encoder_step: step, ..MEASURED };
     let log = record(published_arm(), &controller_arm(), &beta_alone(), seconds, (&regime, 1))?;
@@ -67,7 +70,7 @@ pub fn measured_like(step: f64, seconds: f64) -> Outcome<Comparison> {
     let smooth = TotalVariation::from_noise(quantization_noise(step)).differentiate(&log.times, beta)?;
     let differences = beta.windows(2).map(|y| (y[1] - y[0]) / PERIOD);
     let [reference, _] = &log.velocities;
-    // A difference is the mean velocity of its period: all are compared in the middle.
+    // A difference is the mean velocity of its period, so all velocities are compared in the middle of the periods.
     let middle = |column: &[f64]| column.windows(2).map(|x| 0.5 * (x[0] + x[1])).collect();
     Ok(Comparison {
         times: middle(&log.times),
@@ -102,7 +105,7 @@ pub fn synthetic(noise: f64, seconds: f64) -> Outcome<[Comparison; 2]> {
     ])
 }
 
-/// TVDiff at the weight that the encoders ask for along the motion of β, and that weight times `factor`.
+/// TVDiff with the weight that suits the encoders along the motion of β, multiplied by `factor`.
 pub struct LowPass {
     settings: TotalVariation,
     times: Vec<f64>,
@@ -131,7 +134,7 @@ impl LowPass {
         Ok(Self { settings, times, signal, still })
     }
 
-    /// Gain at `frequency` (Hz): what remains of the velocity of a small sine on top of the motion.
+    /// Gain of the velocity of a small sine of `frequency` (Hz) that is added to the motion.
     pub fn gain(&self, frequency: f64) -> Outcome<f64> {
         let rate = TAU * frequency;
         let shaken: Vec<f64> =
@@ -153,7 +156,7 @@ impl LowPass {
     }
 }
 
-/// Claim 5a from an encoder of `step` [rad] and one that is ten times coarser.
+/// Claim 5a for an encoder with the resolution `step` [rad], and for an encoder that is ten times coarser.
 pub fn encoder_claim([fine, coarse]: &[Comparison; 2], step: f64) -> Claim {
     let [differences, smoothed] = fine.errors();
     Claim::new(
@@ -183,7 +186,7 @@ pub fn encoder_claim([fine, coarse]: &[Comparison; 2], step: f64) -> Claim {
     .shown_in("velocity")
 }
 
-/// Claim 5b from the analytic signal.
+/// Claim 5b for the analytic signal.
 pub fn synthetic_claim([first, second]: &[Comparison; 2]) -> Claim {
     Claim::new(
         "claim-5b",
@@ -200,7 +203,7 @@ pub fn synthetic_claim([first, second]: &[Comparison; 2]) -> Claim {
     .shown_in("synthetic")
 }
 
-/// Claim 5c from one weight.
+/// Claim 5c for one weight.
 pub fn low_pass_claim(filter: &LowPass) -> Outcome<Claim> {
     Ok(Claim::new(
         "claim-5c",
@@ -241,7 +244,7 @@ pub fn experiment(study: &Study) -> Outcome<Part> {
     Ok(Part { section: section(&logs[0], by_step, &synthetic, low_pass), claims })
 }
 
-/// Errors of the velocity over the step of the encoder.
+/// Plot of the errors of the velocity over the resolution of the encoder.
 fn by_encoder_step(study: &Study, seconds: f64) -> Outcome<Plot> {
     let steps: &[f64] = study.pick(&[1e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3], &[1e-5, 1e-4, 1e-3]);
     let mut curves = [Vec::new(), Vec::new()];

@@ -1,8 +1,8 @@
-//! Constant-jerk Kalman smoother (Rauch, Tung, Striebel 1965): white noise drives the jerk's derivative.
+//! Constant-jerk Kalman smoother (Rauch, Tung, Striebel 1965), in which white noise drives the derivative of the jerk.
 //!
-//! State (x, ẋ, ẍ, x⃛), `x⃜ = w` with spectral density q, measured x with variance σ². The forward pass
-//! filters, the backward pass smooths. Inside, time counts in mean sampling steps, which keeps the
-//! covariances well scaled.
+//! The state is (x, ẋ, ẍ, x⃛) with `x⃜ = w`, where w is white noise with the spectral density q. x is measured with the
+//! variance σ². The forward pass filters, and the backward pass smooths. Internally, the unit of time is the mean sampling
+//! step, so that covariances are well scaled.
 
 use gelenk_identification::methods::differentiation::Derivatives;
 use gelenk_identification::{IdentificationError, Result};
@@ -12,29 +12,29 @@ use std::ops::Range;
 /// Settings of the method.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KalmanSmoother {
-    /// Standard deviation σ of the measurement noise, in the signal's unit.
+    /// Standard deviation σ of the measurement noise, in the unit of the signal.
     pub sigma: f64,
-    /// Spectral density q of the noise on the jerk's derivative [unit² s⁻⁷]; `None`: the least at which the
-    /// rms of the residual does not exceed σ (discrepancy principle).
+    /// Spectral density q of the noise of the derivative of the jerk [unit² s⁻⁷]. `None` selects the smallest q for which the rms
+    /// of the residual does not exceed σ (discrepancy principle).
     pub density: Option<f64>,
 }
 
 impl KalmanSmoother {
-    /// q from the noise σ.
+    /// Settings with the noise σ, for which q is selected automatically.
     pub fn from_noise(sigma: f64) -> Self {
         Self { sigma, density: None }
     }
 
-    /// Smoothed signal and derivatives at the sampling times.
+    /// Returns the smoothed signal and its derivatives at the sampling times (s).
     ///
     /// # Errors
-    /// Fewer than eight samples, and settings out of range.
+    /// An error for fewer than eight samples, or for settings out of range.
     pub fn differentiate(&self, times: &[f64], signal: &[f64]) -> Result<Derivatives> {
         require(self.sigma > 0.0, "noise σ", self.sigma)?;
         require(times.len() == signal.len() && signal.len() >= 8, "number of samples", signal.len() as f64)?;
         let m = times.len();
         let step = (times[m - 1] - times[0]) / (m - 1) as f64;
-        // Density per σ² and step: unit² s⁻⁷ · step⁷ / σ².
+        // The density is divided by σ² and converted to steps: unit² s⁻⁷ · step⁷ / σ².
         let unit = self.sigma * self.sigma / step.powi(7);
         let ratio = match self.density {
             Some(q) => {
@@ -59,7 +59,7 @@ impl KalmanSmoother {
     }
 }
 
-/// q/σ² per step: the residual falls as q grows.
+/// The ratio q/σ² per step by the discrepancy principle. The residual decreases as q grows.
 fn ratio_by_discrepancy(times: &[f64], signal: &[f64], sigma: f64, step: f64) -> Result<f64> {
     let explains = |exponent: f64| -> Result<bool> {
         let squares = |times: &[f64], signal: &[f64]| {
@@ -71,7 +71,7 @@ fn ratio_by_discrepancy(times: &[f64], signal: &[f64], sigma: f64, step: f64) ->
         // Two standard errors of a sample's rms above the noise.
         Ok(residual <= (1.0 + 2.0 * (2.0 / count as f64).sqrt()).sqrt())
     };
-    // 1e-20: a smoothing window of some hundreds of samples; beyond it a double has no digits left.
+    // At 1e-20 the smoothing window has some hundreds of samples. For smaller values, double precision is not sufficient.
     let (mut least, mut largest) = (-20.0, 8.0);
     if explains(least)? {
         largest = least;
@@ -93,7 +93,7 @@ fn rms(differences: impl ExactSizeIterator<Item = f64>) -> f64 {
     (differences.map(|d| d * d).sum::<f64>() / count).sqrt()
 }
 
-/// Rms of the residuals over the rows on which a regularization is judged, and how many these are.
+/// Rms of the residuals over the rows that are used to choose a regularization, and the number of these rows.
 ///
 /// - `squares`: sum of the squared residuals of a signal at its times
 fn judged_residual(
@@ -109,7 +109,8 @@ fn judged_residual(
     Ok(((sum / count as f64).sqrt(), count))
 }
 
-/// Rows on which a regularization is judged: all, or four windows of 5000 evenly spread over a longer signal.
+/// Rows that are used to choose a regularization: all rows, or four windows of 5000 rows that are evenly spread over a longer
+/// signal.
 fn judged_windows(samples: usize) -> Vec<Range<usize>> {
     const WINDOWS: usize = 4;
     const SIZE: usize = 5_000;
@@ -120,7 +121,7 @@ fn judged_windows(samples: usize) -> Vec<Range<usize>> {
     (0..WINDOWS).map(|k| k * spacing..k * spacing + SIZE).collect()
 }
 
-/// Signal in units of σ, time in units of the mean step.
+/// Filter with the signal in units of σ and the time in units of the mean step.
 struct Filter<'a> {
     times: &'a [f64],
     signal: &'a [f64],
@@ -153,13 +154,13 @@ impl<'a> Filter<'a> {
         if self.uniform { 1.0 } else { (self.times[i] - self.times[i - 1]) / self.step }
     }
 
-    /// Wide prior: no derivative per step exceeds the signal's range.
+    /// Covariance of a wide prior, in which no derivative per step exceeds the range of the signal.
     fn prior(&self) -> Matrix4<f64> {
         let range = (0..self.signal.len()).map(|i| self.measurement(i).abs()).fold(1.0, f64::max);
         Matrix4::from_diagonal_element(range * range)
     }
 
-    /// Runs the filter, handing each step's state and covariances to `visit`.
+    /// Runs the filter, and passes state and covariances of each step to `visit`.
     fn run(&self, mut visit: impl FnMut(&Step, &Vector4<f64>)) {
         let mut x = Vector4::zeros();
         let mut step = update(self.prior());
@@ -184,7 +185,7 @@ impl<'a> Filter<'a> {
 
     fn smooth(&self) -> Result<Vec<Vector4<f64>>> {
         let mut states = Vec::with_capacity(self.signal.len());
-        // Once the covariances stop changing, one entry stands for all later samples.
+        // If the covariances do not change any more, one entry is used for all later samples.
         let mut steps: Vec<Step> = Vec::new();
         self.run(|step, x| {
             states.push(*x);
@@ -202,7 +203,7 @@ impl<'a> Filter<'a> {
             }
             if known != now || !self.uniform {
                 gain = smoother_gain(&steps[now].filtered, &f, &steps[next].predicted)?;
-                // The first steady sample still differs from its successor by rounding only.
+                // The first steady sample differs from its successor only by rounding.
                 known = now;
             }
             let correction = gain * (states[i + 1] - f * states[i]);
@@ -216,7 +217,7 @@ fn unchanged(a: &Matrix4<f64>, b: &Matrix4<f64>) -> bool {
     (0..4).all(|i| (0..4).all(|j| (a[(i, j)] - b[(i, j)]).abs() <= 1e-12 * (b[(i, i)] * b[(j, j)]).sqrt()))
 }
 
-/// Measurement update with unit variance, in Joseph's form, which keeps the covariance positive.
+/// Measurement update with unit variance. Joseph's form keeps the covariance positive.
 fn update(predicted: Matrix4<f64>) -> Step {
     let variance = predicted[(0, 0)] + 1.0;
     let gain = predicted.column(0) / variance;
@@ -239,7 +240,7 @@ fn transition(h: f64, ratio: f64) -> (Matrix4<f64>, Matrix4<f64>) {
     (f, q)
 }
 
-/// `P Fᵀ (P⁻)⁻¹`, the inverse by Cholesky on the scaled matrix.
+/// Smoother gain `P Fᵀ (P⁻)⁻¹`, computed by a Cholesky factorization of the scaled matrix.
 fn smoother_gain(
     filtered: &Matrix4<f64>,
     f: &Matrix4<f64>,
@@ -264,7 +265,7 @@ mod tests {
     use super::*;
     use nalgebra::{DMatrix, DVector};
 
-    /// The smoother's optimality, as one dense weighted least-squares problem over all states.
+    /// Solution of the smoothing problem as one dense weighted least-squares problem over all states.
     fn by_dense_least_squares(filter: &Filter) -> Vec<f64> {
         let m = filter.signal.len();
         let mut information = DMatrix::<f64>::zeros(4 * m, 4 * m);
@@ -308,7 +309,7 @@ mod tests {
         }
     }
 
-    /// Ten times less error than central differences on a chirp up to 2.1 Hz with noise of 1 %, over the inner nine tenths.
+    /// The error is ten times smaller than that of central differences, for a chirp up to 2.1 Hz with 1 % noise over the inner 90 %.
     #[test]
     fn a_noisy_chirp_is_differentiated() {
         let mut random = SplitMix64::new(1);
@@ -327,7 +328,7 @@ mod tests {
     fn the_steady_gain_changes_nothing() {
         let mut random = SplitMix64::new(10);
         let times: Vec<f64> = (0..3000).map(|i| 0.01 * f64::from(i)).collect();
-        // The same times, but not equal enough for the shortcut.
+        // The same times with small deviations, so that the covariances are not treated as steady.
         let uneven: Vec<f64> = times.iter().enumerate().map(|(i, t)| t + 1e-7 * ((i % 2) as f64)).collect();
         let signal: Vec<f64> = times.iter().map(|t| (3.0 * t).sin() + 0.01 * random.normal()).collect();
         let settings = KalmanSmoother { sigma: 0.01, density: Some(1e4) };

@@ -1,4 +1,4 @@
-//! Methods of the paper that `gelenk identify` does not use: a smoother and friction torques of a motion.
+//! Methods of the paper that `gelenk identify` does not use: a Kalman smoother, and friction torques of a motion.
 #![allow(dead_code, reason = "tests outside of the example use a part of it")]
 
 pub mod kalman;
@@ -6,7 +6,7 @@ pub mod kalman;
 pub mod random;
 pub mod torque;
 
-/// Central differences, one-sided at the ends: the reference that smoothing must beat.
+/// Central differences, one-sided at the ends, as reference for smoothing.
 pub fn central_differences(times: &[f64], signal: &[f64]) -> Vec<f64> {
     let last = signal.len() - 1;
     let ends = |i: usize| (i.saturating_sub(1), (i + 1).min(last));

@@ -1,4 +1,4 @@
-//! Friction torque from a motion and the generated model, and the motor constant from a known load.
+//! Computes friction torques from a motion and the generated model, and the motor constant from a known load.
 
 use gelenk_identification::methods::least_squares::{Reduced, Solution};
 use gelenk_identification::methods::library::Library;
@@ -6,26 +6,27 @@ use gelenk_identification::methods::moments::Samples;
 use gelenk_identification::{IdentificationError, Result};
 use gelenk_runtime::dynamics::{Dynamics, Named, load};
 
-/// A recorded motion: one column of samples per joint and input.
+/// A recorded motion, with one column of samples for each joint and input.
 #[derive(Debug, Clone)]
 pub struct Motion<'a, const N: usize, const M: usize> {
-    /// y [rad or m].
+    /// Positions y [rad or m].
     pub positions: [&'a [f64]; N],
-    /// ẏ.
+    /// Velocities ẏ [rad/s or m/s].
     pub velocities: [&'a [f64]; N],
-    /// ÿ.
+    /// Accelerations ÿ [rad/s² or m/s²].
     pub accelerations: [&'a [f64]; N],
-    /// u, motor torques (N m) or forces (N).
+    /// Inputs u: motor torques (N m) or forces (N).
     pub inputs: [&'a [f64]; M],
 }
 
-/// Forces `M ÿ + k − q_s` at the joints: what the motion needs without friction, one column per joint.
+/// Returns the forces `M ÿ + k − q_s` at the joints that the motion needs without friction, with one column for each joint. q_s are
+/// the applied forces without friction.
 ///
-/// Whatever friction the model has is taken out again: `inverse_dynamics(y, ẏ, ÿ) − friction_torques(y, ẏ)`, and
-/// of that the load where friction grows with it.
+/// Friction of the model is removed by `inverse_dynamics(y, ẏ, ÿ) − friction_torques(y, ẏ)`. If the model has load-dependent
+/// friction, the load is computed from this difference.
 ///
 /// # Errors
-/// Columns of different length, no samples, or values that are not finite.
+/// An error for columns of different length, for no samples, and for values that are not finite.
 pub fn rigid_forces<const N: usize, const M: usize>(
     model: &impl Dynamics<N, M>,
     motion: &Motion<N, M>,
@@ -55,10 +56,10 @@ pub fn rigid_forces<const N: usize, const M: usize>(
     Ok(forces)
 }
 
-/// Friction torque `τ = q_s + B u − M ÿ − k`, one column per joint.
+/// Returns the friction torques `τ = q_s + B u − M ÿ − k`, with one column for each joint.
 ///
 /// # Errors
-/// As [`rigid_forces`], for the inputs too.
+/// The errors of [`rigid_forces`], also for the inputs.
 pub fn friction_torques<const N: usize, const M: usize>(
     model: &impl Dynamics<N, M>,
     motion: &Motion<N, M>,
@@ -90,15 +91,15 @@ fn require_column(what: &str, samples: usize, column: &[f64]) -> Result<()> {
     Err(IdentificationError::NotFinite { what, row, value, count, samples })
 }
 
-/// Motor constant K_M [N·m/A] and friction from a motion with known load.
+/// Returns the motor constant K_M [N m/A] and the friction coefficients ξ from a motion with known load.
 ///
-/// `gear_ratio · K_M · i = τ_load + Θ(v) ξ`, solved for K_M and ξ together.
+/// The equations `gear_ratio · K_M · i = τ_load + Θ(v) ξ` for the currents i are solved by least squares. In the solution, K_M is
+/// coefficient 0, and ξ follows.
 ///
-/// - `load`: joint torque that the motion needs without friction, `M ÿ + k − q_s` [N·m]
-/// - returns the solution with K_M as coefficient 0 and ξ after it
+/// - `load`: joint torque τ_load that the motion needs without friction, `M ÿ + k − q_s` [N m]
 ///
 /// # Errors
-/// As least squares; in particular a load proportional to the friction (no gravity, one speed) is collinear.
+/// The errors of least squares, for example if the load is proportional to friction (no gravity and only one speed).
 pub fn motor_constant(
     currents: &[f64],
     gear_ratio: f64,

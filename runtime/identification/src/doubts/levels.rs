@@ -1,21 +1,22 @@
-//! Levels (numbers that decide) of doubts about a log or a friction law.
+//! Thresholds (levels) for findings about a log or a friction law.
 
 use super::super::numeric::levels::levels;
 
 levels! {
-    /// Factor beyond a limit of speed or effort that no correct log reaches. The smallest wrong factors come from rpm or
-    /// from a gear.
+    /// Ratio of a speed or an effort to its limit that no correct log reaches. Of the usual faults, speeds in rpm and
+    /// efforts on the other side of a gear give the smallest ratios.
     FAR: f64 = 3.0;
 
-    /// Factor beyond a limit of position that no correct log reaches. Positions may be counted from another zero.
+    /// Ratio of a position to its limit that no correct log reaches. It is large, because a log may count positions from
+    /// another zero.
     FAR_AWAY: f64 = 10.0;
 
-    /// Share of a limit of speed or effort by which a description may round the limit.
+    /// Tolerance of a limit of speed or effort, as a share of the limit. Descriptions often round limits.
     ROUNDED: f64 = 0.1;
 
-    /// Share of the range of positions by which a description may round its limits.
+    /// Tolerance of the limits of a position, as a share of the range between them. Descriptions often round limits.
     ROUNDED_POSITIONS: f64 = 0.01;
 
-    /// Loss of held-out R² from which on there is a finding.
+    /// Smallest loss of held-out R² that gives a finding.
     NOTICEABLE: f64 = 0.01;
 }

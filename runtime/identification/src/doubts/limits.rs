@@ -11,24 +11,24 @@ use gelenk_findings::{Finding, Rule, Severity};
 use std::f64::consts::TAU;
 
 /// Sees: positions, speeds or efforts of a joint beyond its described limits.
-/// Matters: they may be in another unit, another joint's, or on the other side of a gear.
-/// Example: a lift that goes to 2.3 rad where 2 rad are described.
+/// Matters: the values may be in another unit, belong to another joint, or be measured on the other side of a gear.
+/// Example: a lift that moves to 2.3 m if its limit is 2 m.
 /// Fixture: `joints_that_look_wrong_are_named` in `log/tests/styles.rs`.
 const BEYOND: Rule = Rule::note("beyond-limits");
 
 /// Sees: positions, speeds or efforts of a joint that are several times their described limit.
-/// Matters: they are in another unit; nothing is estimated.
-/// Example: degrees without a unit in the header.
+/// Matters: the values are in another unit. The identification stops.
+/// Example: degrees in a column whose header has no unit.
 /// Fixture: `degrees` in `codegen/tests/findings/arm.rs`.
 const FAR_BEYOND: Rule = Rule::error("far-beyond-limits");
 
-/// Units in which columns may be recorded, with the names that `--columns` takes.
+/// Units in which columns may be recorded. The names are those of `--columns`.
 const ANGLES: &[&str] = &["deg", "mrad"];
 const LENGTHS: &[&str] = &["cm", "mm", "um"];
 const TORQUES: &[&str] = &["Ncm", "mNm"];
 
-/// Findings about values beyond their limits: for each quantity the joint that exceeds its limits most, with the column and
-/// the switch for the likely unit. Values far beyond the limits are errors.
+/// Returns findings about values beyond their limits. Each quantity has at most one finding, about the joint that exceeds
+/// its limits most. It names the column and the option for the likely unit. Values far beyond the limits are errors.
 ///
 /// - `prepared`: runs with one column for each joint
 pub(crate) fn beyond(robot: &dyn Robot, recording: &Recording, prepared: &[PreparedRun]) -> Vec<Finding> {
@@ -37,26 +37,26 @@ pub(crate) fn beyond(robot: &dyn Robot, recording: &Recording, prepared: &[Prepa
     let joints = (0..names.len()).filter(|joint| !exact[*joint]).collect();
     let log = Log { robot, recording, prepared, joints, names, limits: robot.limits() };
     let positions = log.positions();
-    // If positions are in another unit, the speeds are, too.
+    // If positions are in another unit, the speeds are in this unit, too.
     let is_far = positions.as_ref().is_some_and(|finding| finding.severity == Severity::Error);
     let speeds = if is_far { None } else { log.speeds() };
     let own = [positions, speeds, log.efforts()].into_iter().flatten();
     own.chain(robot.followers().iter().flat_map(|joint| log.follower(joint))).collect()
 }
 
-/// Values of a joint and their limits.
+/// Values of a joint with their limits.
 #[derive(Default)]
 struct Range<'a> {
     joint: &'a str,
     /// Values of each run.
     values: Vec<Vec<f64>>,
-    /// The quantity and the column of its values.
+    /// Name of the quantity, and the column of its values.
     what: String,
     unit: String,
     limits: [f64; 2],
     /// Amount by which values may exceed a limit without a finding.
     tolerance: f64,
-    /// Factor beyond a limit from which the finding is an error.
+    /// Ratio of a value to its limit from which the finding is an error.
     far: f64,
 }
 
@@ -102,17 +102,17 @@ impl Log<'_> {
         let units: Vec<Option<&str>> = self.joints.iter().map(|joint| of_unit(self.unit(*joint))).collect();
         self.worst(self.joints.iter().map(|joint| range(*joint)), |times, unit| {
             let known = of_unit(unit).map(|name| {
-                format!("they look like {name}: --columns 'position={}'", self.with_units(labels, &units))
+                format!("the positions seem to be in {name}: use --columns 'position={}'", self.with_units(labels, &units))
             });
             known.or_else(|| {
                 let counts =
-                    format!("counts have a factor: --columns 'position={}[0.001 {unit}]'", labels.pattern);
+                    format!("if the positions are counts, give the size of a count: --columns 'position={}[0.001 {unit}]'", labels.pattern);
                 Some(counts).filter(|_| times > levels::FAR_AWAY.get())
             })
         })
     }
 
-    /// The columns of the joints in the form that `--columns` takes, with units; as a list if units differ.
+    /// Returns the columns of the joints with units, in the form of `--columns`. The result is a list if units differ.
     fn with_units(&self, labels: &ColumnLabels, units: &[Option<&str>]) -> String {
         let bracket = |unit: &Option<&str>| unit.map_or_else(String::new, |unit| format!("[{unit}]"));
         match units {
@@ -140,12 +140,12 @@ impl Log<'_> {
         let pattern = &labels.positions.pattern;
         self.worst(self.joints.iter().map(|joint| range(*joint)), |times, unit| {
             let known = likely(times, if unit == "m/s" { LENGTHS } else { ANGLES });
-            let positions =
-                known.map(|name| format!("positions are in {name} (--columns 'position={pattern}[{name}]')"));
+            let positions = known
+                .map(|name| format!("the positions are in {name} (--columns 'position={pattern}[{name}]')"));
             let time = |unit: &str| format!("(--columns 'time={}[{unit}]')", labels.time);
             let times = match are_minutes(times) {
-                true => Some(format!("times are in min {}", time("min"))),
-                false => Some(format!("times are in another unit {}", time("UNIT")))
+                true => Some(format!("the times are in min {}", time("min"))),
+                false => Some(format!("the times are in another unit {}", time("UNIT")))
                     .filter(|_| times > levels::FAR.get()),
             };
             let all: Vec<String> = positions.into_iter().chain(times).collect();
@@ -174,17 +174,17 @@ impl Log<'_> {
         let measured = self.joints.iter().filter(|joint| !unmeasured[**joint]);
         self.worst(measured.map(|joint| range(*joint)), |times, unit| {
             let known = likely(times, if unit == "N" { &[] } else { TORQUES });
-            let known = known.map(|name| format!("they may be in {name}: --columns '{key}={pattern}[{name}]'; "));
+            let known = known.map(|name| format!("the efforts may be in {name}: use --columns '{key}={pattern}[{name}]'; "));
             Some(format!(
-                "{}counts and percents have a factor, as in --columns '{key}={pattern}[0.05 {}]'; currents are --effort current, \
-                 efforts of the motors --effort input",
+                "{}for counts and percents, give a factor: --columns '{key}={pattern}[0.05 {}]'; for currents, use \
+                 --effort current; for efforts of the motors, use --effort input",
                 known.unwrap_or_default(),
                 unit.replace('·', "")
             ))
         })
     }
 
-    /// Findings about a joint that follows other joints. Its values are computed from those joints.
+    /// Returns findings about a joint that follows other joints. Its values are computed from those joints.
     fn follower(&self, joint: &FollowerLimits) -> Vec<Finding> {
         let values = |columns: &[Vec<f64>], offset: f64| -> Vec<f64> {
             let count = columns.first().map_or(0, Vec::len);
@@ -193,7 +193,7 @@ impl Log<'_> {
         let range = |what: &str, values: Vec<Vec<f64>>, of: Range<'static>| Range {
             joint: &joint.name,
             values,
-            what: format!("{what} (by the joints that it follows)"),
+            what: format!("{what} (computed from the joints that it follows)"),
             far: f64::INFINITY,
             ..of
         };
@@ -207,9 +207,9 @@ impl Log<'_> {
             .collect()
     }
 
-    /// The finding about the joint that exceeds its limits most; `None` if no joint exceeds its limits.
+    /// Returns the finding about the joint that exceeds its limits most; `None` if no joint exceeds its limits.
     ///
-    /// - `help`: gives a remedy from the factor by which the limit is exceeded and the unit
+    /// - `help`: function that returns a remedy. Its arguments are the ratio of the values to the limit, and the unit.
     fn worst<'r>(
         &self,
         ranges: impl Iterator<Item = Range<'r>>,
@@ -229,28 +229,30 @@ impl Log<'_> {
         let others: Vec<&str> = all[1..].iter().map(|(_, range)| range.joint).collect();
         let others = match others[..] {
             [] => String::new(),
-            _ => format!("; those of {} exceed theirs, too", others.join(", ")),
+            _ => format!("; the values of {} also exceed their limits", others.join(", ")),
         };
         let [least, most] = range.limits;
         let [low, high, least, most] = [*low, *high, least, most].map(|x| plain(x, 4));
         let unit = if range.unit.is_empty() { String::new() } else { format!(" {}", range.unit) };
         let message = format!(
-            "its {} go from {low} to {high}{unit}{}; the described limits are {least} and {most}{others}",
+            "its {} range from {low} to {high}{unit}{}, but the described limits are {least} and {most}{others}",
             range.what,
-            run.map_or_else(String::new, |run| format!(", in run {} alone", self.prepared[*run].name))
+            run.map_or_else(String::new, |run| format!(", only in run {}", self.prepared[*run].name))
         );
         let rule = if is_far { FAR_BEYOND } else { BEYOND };
         let found = rule.found(message).joint(range.joint).with("times the limit", *times, "");
-        // A switch for one run would change the other runs, too.
-        let alone = run.map(|_| "--columns holds for all logs: bring this one to the units of the others");
-        let accept = "or correct the description's limits; --accept-poor takes the values as they are";
+        // An option for one run would change the other runs, too.
+        let alone =
+            run.map(|_| "`--columns` applies to all logs: convert this log to the units of the other logs");
+        let accept = "or correct the limits in the description; `--accept-poor` uses the values unchanged";
         let remedy = help(*times, &range.unit).into_iter().chain(alone.filter(|_| is_far).map(str::to_owned));
         let remedy = remedy.chain(is_far.then(|| accept.to_owned())).collect::<Vec<_>>().join("; ");
         Some(if remedy.is_empty() { found } else { found.help(remedy) })
     }
 }
 
-/// The least and the largest value without outliers, if they are beyond limits, and their ratio to the larger limit.
+/// Smallest and largest value without outliers, if one of them is beyond a limit, and the ratio of the larger magnitude to
+/// the larger limit.
 struct Excess {
     low: f64,
     high: f64,
@@ -264,7 +266,7 @@ impl Range<'static> {
         Self { limits, tolerance, far: levels::FAR_AWAY.get(), ..Self::default() }
     }
 
-    /// The range of values with magnitudes up to a limit.
+    /// Returns the range of values whose magnitude has a limit.
     fn within(limit: f64) -> Self {
         let tolerance = levels::ROUNDED.get() * limit;
         Self { limits: [-limit, limit], tolerance, far: levels::FAR.get(), ..Self::default() }
@@ -272,8 +274,8 @@ impl Range<'static> {
 }
 
 impl Range<'_> {
-    /// Excess of values over the limits; `None` if they are within the limits. A limit of 0 is an entry that was not filled
-    /// in, so that no value is far beyond it.
+    /// Returns the excess of values over the limits; `None` if the values are within the limits. A limit of 0 is an entry
+    /// that was not filled in, so no value counts as far beyond it.
     fn excess(&self, values: &[f64]) -> Option<Excess> {
         let [low, high] = span(values.iter().copied().filter(|x| x.is_finite()).collect())?;
         let [least, most] = self.limits;
@@ -284,12 +286,13 @@ impl Range<'_> {
     }
 }
 
-/// Text that names a column: ` (column q1)`.
+/// Returns a text that names a column, for example ` (column q1)`; empty if `column` is `None`.
 fn in_column(of: &str, column: Option<&String>) -> String {
     column.map_or_else(String::new, |column| format!(" ({of} {column})"))
 }
 
-/// The largest unit with which values are within their limit and use a noticeable part of it; `None` if there is none.
+/// Returns the largest unit for which the values are within their limit and use a noticeable part of it; `None` if there is
+/// no such unit.
 ///
 /// - `share`: ratio of the values to their limit
 fn likely(share: f64, units: &'static [&'static str]) -> Option<&'static str> {

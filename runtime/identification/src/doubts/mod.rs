@@ -1,4 +1,4 @@
-//! Doubts about data and laws that need more than one stage of the identification.
+//! Findings about data and friction laws that need more than one stage of the identification.
 
 pub(crate) mod levels;
 pub(crate) mod limits;

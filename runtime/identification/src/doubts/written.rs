@@ -1,5 +1,5 @@
-//! Quality of the written description for each joint. Its friction law may have other terms than the common estimate, and
-//! offsets of the sensors are not written.
+//! Quality of the written description, joint by joint. It can differ from the quality of the estimate of all joints: the
+//! written friction law may have other terms, and offsets of the sensors are not written.
 
 use super::super::error::Result;
 use super::super::estimation::{Estimate, JointEstimate};
@@ -16,24 +16,24 @@ use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
 use std::ops::Range;
 
-/// Sees: a law that explains less than viscous and Coulomb friction would.
-/// Matters: more terms than the requested ones are needed.
+/// Sees: a friction law that explains the efforts less well than viscous and Coulomb friction would.
+/// Matters: the law needs more terms than the requested ones.
 /// Example: `--friction viscous` of a joint with Coulomb friction.
 /// Fixture: `codegen/tests/external_arm/doubts.rs`.
 const TOO_FEW_TERMS: Rule = Rule::warning("too-few-terms");
 
 /// Sees: an offset of the efforts that lowers R² by more than 0.01 and is not written.
-/// Matters: the written description predicts efforts without it.
+/// Matters: the written description predicts efforts without this offset.
 /// Example: a torque sensor with a zero error.
 /// Fixture: `codegen/tests/external_arm/offsets.rs`.
 const OFFSET: Rule = Rule::warning("offset-not-written");
 
-/// Sets the numbers of a joint's fit to those of its friction law. Adds a warning to the law if it explains much less than
-/// the estimate's own terms.
+/// Sets the statistics of a joint's fit to those of its friction law. Adds a warning to the law if it explains the efforts
+/// much less well than the friction terms of the estimate.
 ///
-/// The held-out error becomes the larger one of two: that of the estimate and that of the law. Both are computed without the
-/// held-out data, but the law is fitted to forces minus those of bodies that were fitted to all data. Offsets of the runs
-/// are not part of these errors.
+/// The held-out error becomes the larger one of the estimate's and the law's held-out errors. Both are computed without the
+/// held-out data. However, the law is fitted to efforts minus the forces of bodies that were fitted to all data. Offsets of
+/// the runs are not part of these errors.
 pub(crate) fn judge(joint: &mut JointEstimate, law: &mut FrictionResult) {
     let total = joint.sigma.powi(2) / (1.0 - joint.r_squared);
     let of_friction = law.residual.powi(2) / (1.0 - law.r_squared);
@@ -49,16 +49,17 @@ pub(crate) fn judge(joint: &mut JointEstimate, law: &mut FrictionResult) {
     joint.sigma = law.residual;
     if loss > levels::NOTICEABLE.get() {
         let message = format!(
-            "the terms of the law explain less than friction with viscous and Coulomb terms of its own would: R² on held-out data is \
+            "the friction law explains the efforts less well than viscous and Coulomb friction would: R² on held-out data is \
              {} instead of {}",
             plain(joint.held_out_r_squared, 3),
             plain(before, 3)
         );
-        law.findings.push(TOO_FEW_TERMS.found(message).help("let more terms be chosen (--friction)"));
+        law.findings
+            .push(TOO_FEW_TERMS.found(message).help("allow more terms of the friction law (`--friction`)"));
     }
 }
 
-/// A joint whose force is predicted by the written description.
+/// Data for the prediction of a joint's force by the written description.
 pub(crate) struct Written<'a> {
     pub(crate) robot: &'a dyn Robot,
     pub(crate) filter: &'a Filter,
@@ -66,8 +67,8 @@ pub(crate) struct Written<'a> {
 }
 
 impl Written<'_> {
-    /// Written friction of the joint after the filter of the efforts: the law with its constant, or the described friction
-    /// without a law. Friction under load is not included.
+    /// Returns the written friction of the joint after the filter of the efforts: the law with its constant, or the
+    /// described friction if there is no law. Load-dependent friction is not included.
     ///
     /// # Errors
     /// The errors are those of [`super::super::result::FrictionLaw::torques`].
@@ -80,8 +81,8 @@ impl Written<'_> {
         Ok(self.filter.apply(&sharp).into_iter().map(|torque| torque + level).collect())
     }
 
-    /// Finds the constant of a law, predicts the joint's force in the fitted runs, and sets the numbers of the joint's fit
-    /// to those of this prediction.
+    /// Determines the constant of a law, predicts the joint's force in the fitted runs, and sets the statistics of the
+    /// joint's fit to those of this prediction.
     ///
     /// # Errors
     /// The errors are those of [`Self::friction`].
@@ -115,7 +116,7 @@ impl Written<'_> {
         Ok(())
     }
 
-    /// Measured minus predicted forces of each run.
+    /// Returns measured minus predicted forces of each run.
     fn left(
         &self,
         estimate: &Estimate,
@@ -134,7 +135,8 @@ impl Written<'_> {
         runs.iter().enumerate().map(of_run).collect()
     }
 
-    /// Sets the numbers of the joint's fit to those without the remaining offsets. Returns a warning if the offsets matter.
+    /// Sets the statistics of the joint's fit to those of a model without the remaining offsets. Returns a warning if the
+    /// offsets matter.
     fn leave_out_offsets(
         &self,
         estimate: &mut Estimate,
@@ -174,7 +176,7 @@ impl Written<'_> {
     }
 }
 
-/// Mean error of each recording. The parts of a recording share an offset.
+/// Returns the mean error of each recording. All parts of a recording have the same offset.
 fn by_recording(runs: &[PreparedRun], errors: &[Vec<f64>]) -> Vec<f64> {
     let mut all: Vec<(&str, Vec<f64>)> = Vec::new();
     for (run, errors) in runs.iter().zip(errors).filter(|(_, errors)| !errors.is_empty()) {
@@ -186,10 +188,15 @@ fn by_recording(runs: &[PreparedRun], errors: &[Vec<f64>]) -> Vec<f64> {
     all.iter().map(|(_, errors)| mean(errors)).collect()
 }
 
-/// The constant c of a law, as the mean of the offsets of n ≥ 2 recordings; `None` if |c| ≤ √((t s/√n)² + (t' e)²). Here s
-/// is the standard deviation of the offsets, e the standard error of the mean of the residuals (which are correlated), and t
-/// and t' are quantiles of Student's t. The other values are those with which c was found, so that their errors do not count
-/// in this test. They count in the interval.
+/// Returns the constant c of a law, which is the mean of the offsets of n ≥ 2 recordings. The result is `None` if |c| ≤
+/// √((t s/√n)² + (t' e)²), with
+///
+/// - s: standard deviation of the offsets
+/// - e: standard error of the mean of the residuals, which are correlated
+/// - t, t': quantiles of Student's t distribution
+///
+/// The test uses the estimates of the other parameters as if they were exact. Their errors count only in the confidence
+/// interval of c.
 ///
 /// - `freedom`: degrees of freedom of the estimate
 fn repeated(
@@ -220,7 +227,7 @@ fn repeated(
     })
 }
 
-/// The samples of each run as a range of the samples of all runs.
+/// Returns the samples of each run as a range of indices into the samples of all runs.
 fn ranges(runs: &[Vec<f64>]) -> Vec<Range<usize>> {
     let mut start = 0;
     let range = |run: &Vec<f64>| {
@@ -230,7 +237,7 @@ fn ranges(runs: &[Vec<f64>]) -> Vec<Range<usize>> {
     runs.iter().map(range).collect()
 }
 
-/// The warning about offsets that are not written.
+/// Returns the warning about offsets that are not written.
 ///
 /// - `recordings`: number of recordings
 /// - `with_offsets`: R² on held-out data with offsets
@@ -240,16 +247,19 @@ fn not_written(joint: &JointEstimate, recordings: usize, with_offsets: f64) -> F
     let unit = joint.unit;
     let said = match recordings {
         1 => format!(
-            "its offset of {high} {unit} is not part of the law, because one run does not show that it repeats"
+            "its offset of {high} {unit} is not part of the law, because one run does not show whether the offset is the \
+             same in every run"
         ),
         n => format!(
-            "its offsets of {low} to {high} {unit} are not part of the law, because {n} runs do not show that they repeat"
+            "its offsets of {low} to {high} {unit} are not part of the law, because {n} runs do not show a common offset"
         ),
     };
     let message = format!(
-        "{said}: R² on held-out data is {} without and {} with an offset",
+        "{said}: R² on held-out data is {} without the offset and {} with it",
         plain(joint.held_out_r_squared, 3),
         plain(with_offsets, 3)
     );
-    OFFSET.found(message).help("give logs of more runs: an offset that repeats becomes a constant of the law")
+    OFFSET
+        .found(message)
+        .help("give logs of more runs: an offset that is the same in all runs becomes a constant of the law")
 }

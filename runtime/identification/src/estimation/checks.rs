@@ -21,7 +21,7 @@ const NO_EFFORT: Rule = Rule::warning("no-effort");
 /// Fixture: `still` in `codegen/tests/findings/arm.rs`.
 const DOES_NOT_MOVE: Rule = Rule::warning("does-not-move");
 
-/// Sees: a residual that follows the acceleration.
+/// Sees: a residual that is correlated with the acceleration.
 /// Matters: the inertia of the rigid body is wrong.
 /// Example: a rotor that the description does not have.
 /// Fixture: `estimation/tests/simulated.rs`.
@@ -70,20 +70,21 @@ impl Checked<'_> {
         [&self.forces.rigid, &self.forces.described, &self.forces.measured].map(|of| size(of))
     }
 
-    /// Whether the rigid forces of a joint are several times the described ones or a fraction of them.
+    /// Whether the estimated rigid-body force of a joint differs so much from the described force that the unit of its effort
+    /// may be wrong.
     pub(super) fn has_other_unit(&self) -> bool {
         let known = self.task.layout.known_efforts();
         (0..self.task.layout.joints).any(|joint| known[joint] && unit_doubt(self.sizes(joint)).is_some())
     }
 
-    /// The factor between estimated and described forces of the robot as a whole; `None` if no joint gives one.
+    /// Ratio of estimated to described forces of the robot as a whole; `None` if no joint determines the ratio.
     pub(super) fn common_ratio(&self) -> Option<CommonRatio> {
         let sizes: Vec<Sizes> = (0..self.task.layout.joints).map(|joint| self.sizes(joint)).collect();
         common_ratio(self.task.robot, self.task.layout.effort, &self.task.layout.known_efforts(), &sizes)
     }
 
-    /// The delay of a joint's effort \[s\] that its residual shows; `None` if the residual does not follow the rate of the
-    /// force. A torque that is late by d is `τ(t − d) ≈ τ − d τ̇`.
+    /// The delay of a joint's effort \[s\] that its residual shows; `None` if the residual is not proportional to the rate of
+    /// the force. A torque τ that is late by d is `τ(t − d) ≈ τ − d τ̇`.
     pub(super) fn delay(&self, joint: usize) -> Option<f64> {
         let slope = |run: usize, i: usize| {
             let (p, t) = (self.predicted(run, joint), &self.task.runs[run].times);
@@ -107,7 +108,7 @@ impl Checked<'_> {
         let (factor, share) = self.explained(joint, &|run, i| self.task.runs[run].accelerations[joint][i])?;
         self.is_suspicious(share).then(|| {
             let message = format!(
-                "{:.0} % of the residual's variance follows the acceleration ({} per unit): the rigid body is wrong",
+                "{:.0} % of the residual's variance is proportional to the acceleration (factor {}): the rigid body is wrong",
                 100.0 * share,
                 plain(factor, 3)
             );
@@ -141,8 +142,8 @@ impl Checked<'_> {
             && share > levels::BY_CHANCE.get() * self.correlation_time / total as f64
     }
 
-    /// Factor of a quantity in a joint's residual by linear regression, and the share of the residual's variance that it
-    /// explains; `None` if the quantity is constant or the residual is zero.
+    /// Linear regression of a joint's residual on a quantity: its factor, and the share of the residual's variance that it
+    /// explains. `None` if the quantity is constant or the residual is zero.
     fn explained(&self, joint: usize, quantity: &dyn Fn(usize, usize) -> f64) -> Option<(f64, f64)> {
         let mut sums = [0.0; 6];
         for (run, i) in self.forces.moving(self.task.layout, self.task.runs, joint) {
@@ -160,7 +161,7 @@ impl Checked<'_> {
 
 /// The finding about a joint without a usable effort in the logs.
 pub(super) fn no_effort(robot: &dyn Robot, joint: usize) -> Finding {
-    let message = "it has no measured effort, or a current while it rests: its friction, drive and offset stay as described, and \
-                   its body is known from the efforts of other joints alone";
+    let message = "it has no measured effort, or only currents while it rests: its friction, drive and offset stay as described, \
+                   and its body is estimated from the efforts of other joints alone";
     NO_EFFORT.found(message).of(robot.subject(joint))
 }

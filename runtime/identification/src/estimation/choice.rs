@@ -36,7 +36,7 @@ pub(super) struct Freedom<'a> {
     pub(super) offsets: Option<Offsets>,
     pub(super) terms: bool,
     pub(super) consistent: bool,
-    /// Joints whose friction may grow with the load.
+    /// For each joint, whether load-dependent friction may be added.
     pub(super) loads: &'a [bool],
 }
 
@@ -116,8 +116,8 @@ impl Chosen<'_> {
         Ok(())
     }
 
-    /// Chooses the weight λ of the description: the one with the least held-out error if `least` is set, otherwise the
-    /// largest one whose error exceeds the least by at most one standard error.
+    /// Chooses the weight λ of the description. If `least` is set, λ is the weight with the least held-out error. Otherwise λ
+    /// is the largest weight whose error exceeds the least error by at most one standard error.
     pub(super) fn choose_weight(&mut self, prior: &Prior, least: bool) -> Result<()> {
         let mut errors = Vec::with_capacity(WEIGHTS);
         for description in grid() {
@@ -134,8 +134,8 @@ impl Chosen<'_> {
         Ok(())
     }
 
-    /// Reduces the weight of a described body if this lowers the held-out error by more than one standard error: exporters
-    /// write dummy bodies, and descriptions omit tools.
+    /// Reduces the weight of a described body if this lowers the held-out error by more than one standard error. Such bodies
+    /// are dummy bodies of exporters and links with tools that the description omits.
     pub(super) fn choose_trust(&mut self, prior: &Prior) -> Result<()> {
         let mut best = self.held_out(prior)?;
         for body in &prior.bodies {
@@ -155,8 +155,8 @@ impl Chosen<'_> {
         Ok(())
     }
 
-    /// Chooses the width of each joint's Coulomb term: the steepest term, because friction reverses at rest, or a wider one
-    /// that lowers the held-out error by more than one standard error.
+    /// Chooses the width of each joint's Coulomb term. The default is the steepest term, because friction changes its sign at
+    /// zero velocity. A wider term replaces it if this lowers the held-out error by more than one standard error.
     fn choose_widths(&mut self, prior: &Prior) -> Result<()> {
         let mut best = self.held_out(prior)?;
         for joint in self.centred.layout.rubbing() {
@@ -209,8 +209,8 @@ impl Chosen<'_> {
         cosine.abs() < MOST_ALIKE
     }
 
-    /// Whether the reflected inertia of the fitted model is positive and its share of the load lies between 0 and 1.
-    /// Friction that lags behind the speed makes the inertia negative, which no robot has.
+    /// Whether the reflected inertia of the fitted model is positive and the coefficient of load-dependent friction lies
+    /// between 0 and 1. Friction that lags behind the speed would make the estimated inertia negative, which is impossible.
     fn can_exist(&self, model: &Model, joint: usize, prior: &Prior) -> Result<bool> {
         let all = &self.centred.all;
         let solved = fit(&self.centred, all, model, prior, &self.weighting, &self.values)?;
@@ -222,7 +222,7 @@ impl Chosen<'_> {
 }
 
 impl<'a> Chosen<'a> {
-    /// The same choice, fitted to other sums with new weights.
+    /// The same choice of the model, fitted to other sums with new weights.
     pub(super) fn with_sums<'b>(&self, sums: &'b Sums, prior: &Prior) -> Result<Chosen<'b>>
     where
         'a: 'b,
@@ -255,7 +255,7 @@ impl<'a> Chosen<'a> {
         }
     }
 
-    /// Sets the weight of zero for each offset, from the spread of the offset and the deviation of the residuals.
+    /// Sets the weight of the prior of each offset, from the standard deviations of the offset and of the residuals.
     fn weigh_offsets(&mut self, layout: &'a Layout, sums: &'a Sums, prior: &Prior) {
         let deviations = self.weighting.sigma.iter().zip(&self.values.gains).map(|(s, gain)| s * gain);
         let zeros = prior.joints.iter().zip(deviations).map(|(joint, s)| joint.samples_of_offset(s));
@@ -264,8 +264,9 @@ impl<'a> Chosen<'a> {
         self.centred = Centred::new(layout, sums, self.model.offsets, zeros);
     }
 
-    /// Allows a joint a larger spread of its offsets if this lowers the held-out error by more than one standard error. This
-    /// needs several runs: in each part of a single run an offset acts like friction if the joint moves in one direction.
+    /// Allows a joint a larger standard deviation of its offsets if this lowers the held-out error by more than one standard
+    /// error. Several runs are necessary, because in a part of a single run in which the joint moves in one direction, an
+    /// offset cannot be distinguished from friction.
     fn choose_spreads(&mut self, layout: &'a Layout, sums: &'a Sums, prior: &Prior) -> Result<()> {
         let mut best = self.held_out(prior)?;
         for joint in layout.rubbing() {

@@ -7,8 +7,9 @@ use super::layout::{ARMATURE, Layout};
 use super::prior::Prior;
 use nalgebra::{DMatrix, DVector};
 
-/// The minimum of `½ xᵀ A x − gᵀ x` over the active unknowns x, with constraints: the described bodies plus x have positive
-/// definite pseudo-inertias, and rotor inertias, reflected inertias and shares of the load are not negative.
+/// The minimum of `½ xᵀ A x − gᵀ x` over the active unknowns x, with constraints. The described bodies plus x must have
+/// positive definite pseudo-inertias. Rotor inertias, reflected inertias and coefficients of load-dependent friction must not
+/// be negative.
 ///
 /// - `regularized`: A
 /// - `linear`: g
@@ -37,7 +38,7 @@ pub(super) fn bounded(
     Ok(solve(&problem)?.parameters - described)
 }
 
-/// Indices of rotor inertias, reflected inertias and shares of the load among the active unknowns.
+/// Indices of rotor inertias, reflected inertias and coefficients of load-dependent friction among the active unknowns.
 fn nonnegative(layout: &Layout, prior: &Prior, active: &[usize]) -> Vec<usize> {
     let bodies = PER_BODY * prior.bodies.len();
     let of_joint = |j: usize| (ARMATURE..layout.terms).map(move |term| layout.term(j, term));

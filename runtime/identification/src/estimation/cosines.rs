@@ -2,9 +2,9 @@
 //!
 //! The series is projected on K slow cosines. If the spectrum of the series is flat over the frequencies of these cosines,
 //! the projections are independent and each has the variance of the sum. Their mean square then estimates this variance with
-//! exactly K degrees of freedom (equal-weighted cosines; Müller 2007; Sun 2013; Lazarus, Lewis, Stock, Watson 2018). So
-//! Student's t and Fisher's F also hold for short logs, for which a sum over lags with normal quantiles gives too small
-//! intervals.
+//! exactly K degrees of freedom (equal-weighted cosines; Müller 2007; Sun 2013; Lazarus, Lewis, Stock, Watson 2018).
+//! Therefore Student's t and Fisher's F also hold for short logs. A sum over lags with normal quantiles would give too small
+//! intervals there.
 
 use super::levels;
 use nalgebra::DMatrix;

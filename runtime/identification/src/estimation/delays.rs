@@ -1,4 +1,4 @@
-//! Unknown delays of the efforts: a first fit, and its results for the last fit.
+//! Two-stage estimate of unknown delays of the efforts: results of the first fit that the last fit uses.
 //!
 //! The column of a delay is the rate of an effort. Measured rates contain noise, which makes the estimated delay and its
 //! error too small. So only the first fit uses measured rates. The last fit uses the rates of the forces that the first fit
@@ -12,10 +12,10 @@ use super::residuals::Forces;
 
 /// Results of the first fit that the last fit needs.
 pub(super) struct FirstFit {
-    /// Delays of the first fit, by the number of the delay \[s\].
+    /// Delays of the first fit \[s\], one for each index in [`Layout::delays`].
     pub(super) delays: Vec<f64>,
-    /// Rates of the efforts at the joints without noise, `[run][joint][sample]`, in units of the effort per second; empty
-    /// for a joint whose efforts have several delays.
+    /// Predicted rates of the efforts at the joints, `[run][joint][sample]`, in units of the effort per second. They contain no
+    /// measurement noise. Empty for a joint whose efforts have several delays.
     pub(super) rates: Vec<Vec<Vec<f64>>>,
     /// The runs without the delays of the first fit.
     pub(super) runs: Vec<PreparedRun>,

@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// Columns of the regression of a joint: the described force, an offset, viscous friction and Coulomb friction.
 const COLUMNS: usize = 4;
-/// The factor between measured and described rigid-body forces for the robot as a whole; `None` if no joint gives one, or if
+/// Ratio of measured to described rigid-body forces for the robot as a whole; `None` if no joint determines the ratio, or if
 /// the efforts are currents and a motor constant is not described.
 pub(crate) fn described_ratio(robot: &dyn Robot, runs: &[PreparedRun]) -> Option<CommonRatio> {
     let (joints, effort) = (robot.joint_names().len(), runs.first()?.effort);
@@ -55,7 +55,8 @@ fn add(robot: &dyn Robot, run: &PreparedRun, fastest: &[f64], sums: &mut [DMatri
     }
 }
 
-/// Root sums of squares of a joint's rigid force by regression, of the described one, and of the measured force.
+/// Root sums of squares of a joint's rigid-body force from the regression, of its described rigid-body force, and of its
+/// measured force.
 fn sizes(sums: &DMatrix<f64>) -> Sizes {
     let normal = with_ridge(sums.view((0, 0), (COLUMNS, COLUMNS)).into_owned());
     let right = sums.view((0, COLUMNS), (COLUMNS, 1)).into_owned();
@@ -68,7 +69,7 @@ fn sizes(sums: &DMatrix<f64>) -> Sizes {
 mod tests {
     use super::*;
 
-    /// Friction and an offset change nothing of the factor.
+    /// Friction and an offset do not change the factor.
     #[test]
     fn the_factor_is_that_of_the_described_force() {
         let mut sums = DMatrix::zeros(COLUMNS + 1, COLUMNS + 1);

@@ -26,14 +26,14 @@ use super::trial::Case;
 use gelenk_findings::{Finding, Rule, Subject};
 use nalgebra::DVector;
 
-/// Sees: shares of the load that change from pass to pass.
+/// Sees: coefficients of load-dependent friction that change from pass to pass.
 /// Matters: their intervals are too narrow.
-/// Example: friction that is not in proportion to the load.
+/// Example: friction that is not proportional to the load.
 /// Fixture: `estimation/tests/load.rs`.
 const UNSETTLED: Rule = Rule::warning("load-shares-unsettled");
 
-/// Sees: a joint whose effort is hardly explained, next to others that are.
-/// Matters: it keeps its described friction and drive.
+/// Sees: a joint whose effort the fit hardly explains, while it explains the efforts of other joints.
+/// Matters: the joint keeps its described friction and drive.
 /// Example: a dead channel of one effort.
 /// Fixture: `codegen/tests/external_arm/doubts.rs`.
 const LEFT_OUT: Rule = Rule::warning("joint-left-out");
@@ -45,20 +45,22 @@ const LEFT_OUT: Rule = Rule::warning("joint-left-out");
 /// `K z = W(y, ẏ, ÿ) π + s + v φ₁ + tanh(k v) φ₂ [+ |v| φ₃ + ÿ φ₄] + o + e`
 ///
 /// - z: measured effort, times the input matrix B if efforts are inputs or currents
-/// - K: gain of the drive. It is one except for currents without a described motor constant, whose gain is estimated first,
-///   relative to the described masses.
+/// - K: gain of the drive. The gain is one except for currents without a described motor constant. Such gains are estimated
+///   first, relative to the described masses.
 /// - W π: regressor of the robot times its inertial parameters
-/// - s: forces in the description that are not inertial, as those of springs
+/// - s: forces in the description that are not inertial, for example forces of springs
 /// - v: velocity of the joint, the entry j of ẏ
+/// - k: factor of the smoothed Coulomb term ([`EstimationSettings::steepness`])
 /// - φ: friction and reflected inertia. The terms in brackets are optional.
 /// - o: offset
 ///
-/// The parameters π are held near the description along directions that the data do not determine: `λ` times the squared
-/// distance from the described bodies is added to the sum of squares, with the largest λ whose held-out error exceeds the
-/// least by at most one standard error.
+/// Regularization keeps the parameters π near the description in directions that the data do not determine: λ times the
+/// squared distance from the described bodies is added to the sum of squares. λ is the largest value whose held-out error
+/// exceeds the smallest held-out error by at most one standard error.
 ///
 /// If [`EstimationSettings::load_friction`] is set, the friction of a joint may also contain `|τ_l| s₁ tanh(k v)`. The load
-/// `τ_l = M ÿ + k − q` is computed from the values of the previous pass. Passes are repeated until s₁ settles.
+/// τ_l of the gear is the force of the rigid-body dynamics without friction. It is computed from the values of the previous
+/// pass. Passes are repeated until s₁ settles.
 ///
 /// `progress` receives a sentence at each stage.
 ///
@@ -72,7 +74,7 @@ const LEFT_OUT: Rule = Rule::warning("joint-left-out");
 /// - [`Empty`](IdentificationError::Empty): no runs, or no measured effort
 /// - [`Setting`](IdentificationError::Setting): a setting out of its range
 /// - [`File`](IdentificationError::File): efforts of several kinds; inputs at frames, or currents of joints with several
-///   inputs; friction under load that is requested although no moving joint has an input of its own
+///   inputs; load-dependent friction that is requested although no moving joint has an input that drives it alone
 /// - [`Found`](IdentificationError::Found): a moving joint with a lower R² on held-out data than
 ///   [`EstimationSettings::least_r_squared`], if a remedy is known or no other joint remains; another explanation of the
 ///   data, such as other gravity or another unit, that is clearly better
@@ -105,8 +107,8 @@ pub fn estimate(
     }
 }
 
-/// The joint whose effort no hypothesis explains, and the finding that it is left out; `None` if the error has another
-/// reason.
+/// The joint whose effort no hypothesis explains, and the finding that the joint is left out; `None` if the error has
+/// another reason.
 fn untold(robot: &dyn Robot, error: &IdentificationError) -> Option<(usize, Finding)> {
     let (refusal, reasons) = error.refusals().split_first().filter(|(refusal, _)| is_doubted(refusal))?;
     let (reason, remedy) = match reasons.iter().find(|reason| is_driving(reason)) {
@@ -114,7 +116,7 @@ fn untold(robot: &dyn Robot, error: &IdentificationError) -> Option<(usize, Find
         None if !reasons.iter().any(is_unexplained) => return None,
         None => (refusal.message.clone(), None),
     };
-    let kept = "It is left out: its friction, its drive, and parameters of its bodies that other joints do not determine stay as described";
+    let kept = "It is left out: its friction and drive, and body parameters that other joints do not determine, stay as described";
     let finding = LEFT_OUT.found(format!("{reason}. {kept}")).of(refusal.about.subject.clone());
     let joint =
         (0..robot.joint_names().len()).find(|joint| robot.subject(*joint) == finding.about.subject)?;
@@ -128,7 +130,7 @@ fn has_others(robot: &dyn Robot, runs: &[PreparedRun], settings: &EstimationSett
         .is_ok_and(|layout| layout.rubbing().next().is_some())
 }
 
-/// The estimate of all joints except the ones that `settings.without` leaves out.
+/// The estimate of all joints except the joints in `settings.without`.
 fn estimate_of(
     robot: &dyn Robot,
     runs: &[PreparedRun],
@@ -157,7 +159,7 @@ fn under_load(
     let layout = Layout::of(robot, runs, settings, (Some(&steepness), true))?;
     for number in 1..=PASSES {
         let loads = Loads::new(robot, &layout, &found)?;
-        progress(&format!("Friction under load, pass {number}."));
+        progress(&format!("Load-dependent friction, pass {number}."));
         let (next, _) = pass(robot, runs, settings, (&layout, Some(&loads)), progress)?;
         let settled = number > 1 && settled(&found, &next);
         found = next;
@@ -167,11 +169,11 @@ fn under_load(
     }
     found
         .findings
-        .push(UNSETTLED.found(format!("the shares of the load did not settle within {PASSES} passes")));
+        .push(UNSETTLED.found(format!("load-dependent friction did not settle within {PASSES} passes")));
     Ok(found)
 }
 
-/// The estimate with given loads, and the factors k of its Coulomb terms.
+/// The estimate with given loads, and the factors k of the Coulomb terms tanh(k v).
 fn pass(
     robot: &dyn Robot,
     runs: &[PreparedRun],
@@ -223,8 +225,8 @@ fn pass(
 type Robust<'a> = (&'a Values, &'a RunOffsets, &'a [f64]);
 
 impl Task<'_> {
-    /// Sums over the samples in which the joints move. If gains are to be found, there are also sums without the samples
-    /// near stops.
+    /// Sums over the samples in which the joints move. If gains are estimated, there are also sums without the samples near
+    /// stops.
     pub(super) fn sums(&self, robust: Option<Robust>) -> Sums {
         let away = self.layout.known_gains.contains(&false).then(|| runs_away_from_stops(self)).flatten();
         let away = away.map(|runs| Box::new(Task { runs: &runs, ..self.clone() }.weighted(robust)));
@@ -280,9 +282,9 @@ impl Task<'_> {
         Some((0..self.layout.joints).map(share).collect())
     }
 
-    /// The task with the kind of gravity compensation that the data ask for, and its sums. The comparison uses a common
-    /// offset of all runs (unless the settings give one), because offsets of single runs would explain the weight that is
-    /// not compensated.
+    /// The task with the kind of gravity compensation that explains the data better, and its sums. The comparison uses one
+    /// offset for all runs unless the settings give another kind, because offsets of single runs would explain the weight that
+    /// is not compensated.
     fn with_its_compensation(self, progress: &mut dyn FnMut(&str)) -> Result<(Self, Sums)> {
         let sums = self.sums(None);
         if self.gravity != Gravity::Compensated {
@@ -303,7 +305,7 @@ impl Task<'_> {
             return Ok((self, sums));
         }
         progress(
-            "The weight that the robot compensates is that of the described bodies, by the held-out error.",
+            "According to the held-out error, the robot compensates only the weight of the described bodies.",
         );
         Ok((as_described, other_sums))
     }
@@ -357,7 +359,7 @@ impl Task<'_> {
         let errors = judged.held_out(self.prior)?;
         let held_out = judged.centred_r_squared(&errors.rss);
         let with_rest = self.with_rest(&judged, &errors);
-        progress("Other explanations are tried.");
+        progress("Other explanations of the data are tried.");
         let doubts = self.doubts((&judged, &errors), &held_out, (&forces, time))?;
         let report = Report {
             fitted: Estimated {

@@ -33,7 +33,7 @@ const OFFSETS: Rule = Rule::note("offsets");
 const DELAYS: Rule = Rule::note("delays-estimated");
 
 /// Sees: the weight of the description, and the number of combinations of inertial parameters that the data determine.
-/// Matters: the description determines the others.
+/// Matters: the description determines the other combinations.
 /// Example: 12.3 of 30 combinations.
 /// Fixture: `good` in `codegen/tests/findings/arm.rs`.
 const WEIGHT: Rule = Rule::note("description-weight");
@@ -62,7 +62,7 @@ pub(super) struct Estimated<'a> {
     pub(super) covariance: &'a Covariance,
     /// Change of each unknown if the samples near rests and reversals are left out.
     pub(super) margin: &'a DVector<f64>,
-    /// Delays that were removed from the efforts before the fit, by the number of the delay \[s\].
+    /// Delays \[s\] that were removed from the efforts after the first fit, one for each index of a delay.
     pub(super) delays: &'a [f64],
 }
 
@@ -99,7 +99,7 @@ impl Estimated<'_> {
 
     /// A value for each inertial parameter.
     ///
-    /// - `of`: gives the value from the index and the described value of a parameter
+    /// - `of`: returns the value for the index and the described value of a parameter
     pub(super) fn parameters(&self, of: impl Fn(usize, f64) -> Uncertain) -> Vec<Uncertain> {
         self.robot.parameters().into_iter().enumerate().map(|(i, described)| of(i, described)).collect()
     }
@@ -113,15 +113,14 @@ impl Estimated<'_> {
             Offsets::Common => "each joint's force has one offset",
             Offsets::ByRun => "each joint's force has an offset in each run",
         };
-        let exact = "forces in the rows of spherical and floating joints are those of the inputs alone: no offset and no friction \
-                     is estimated there";
+        let exact = "forces at spherical and floating joints come from the inputs alone: no offset and no friction is estimated there";
         let said = [(false, said), (true, exact)];
         said.into_iter()
             .filter(|(kind, _)| self.layout.exact.contains(kind))
             .map(|(_, said)| OFFSETS.found(said))
     }
 
-    /// Change of the residuals with the inertial parameters.
+    /// Products from which the loss of R² by other inertial parameters is computed.
     fn sensitivity(&self) -> Sensitivity {
         let (layout, centred, values) = (self.layout, &self.chosen.centred, &self.solved.values);
         let joint = |j: usize| {
@@ -182,14 +181,15 @@ impl Estimated<'_> {
         let said: Vec<String> = numbers.iter().map(|number| said(self.delay(*number))).collect();
         (!said.is_empty()).then(|| {
             let message = format!(
-                "the delay of the efforts is estimated with all other parameters, and intervals include its uncertainty: {} in addition to the delay that was removed before",
+                "the delay of the efforts is estimated with all other parameters, and intervals include its uncertainty: it is {} in \
+                 addition to the delay that was removed before",
                 said.join(", ")
             );
-            DELAYS.found(message).help("--delay sets a known delay")
+            DELAYS.found(message).help("if the delay is known, set it with --delay")
         })
     }
 
-    /// Remaining delay with a number, including the one that was removed after the first fit.
+    /// Remaining delay with an index, including the part that was removed after the first fit.
     fn delay(&self, number: usize) -> Uncertain {
         let before = self.delays.get(number).copied().unwrap_or(0.0);
         self.uncertain(self.layout.delay(number), before)
@@ -216,7 +216,7 @@ impl Estimated<'_> {
         let all = self.solved.active.iter().filter(|&&global| global < names.len()).count();
         let weight = format!(
             "the description has the weight {}: the data determine {:.1} of {all} combinations of inertial \
-             parameters, the description the rest",
+             parameters, and the description determines the rest",
             plain(self.chosen.weighting.description, 4),
             self.covariance.decided
         );
@@ -249,7 +249,7 @@ impl Estimated<'_> {
         }
     }
 
-    /// Student's interval. The level was checked with the settings. At least one degree of freedom is assumed.
+    /// Value with its interval by Student's t distribution. At least one degree of freedom is assumed.
     pub(super) fn with_interval(&self, value: f64, standard_error: f64, freedom: usize) -> Uncertain {
         let quantile = quantile(self.settings.confidence, freedom.max(1) as f64).unwrap_or(f64::INFINITY);
         let half = quantile * standard_error;
@@ -258,7 +258,7 @@ impl Estimated<'_> {
 
     /// The chosen friction terms of a joint.
     ///
-    /// - `of`: gives the coefficient from the index of the unknown
+    /// - `of`: returns the coefficient for the index of an unknown
     pub(super) fn terms(&self, joint: usize, of: impl Fn(usize) -> Uncertain) -> Vec<EstimatedTerm> {
         let terms = self.bases(joint).into_iter();
         let term = |(basis, term)| EstimatedTerm { basis, coefficient: of(self.layout.term(joint, term)) };
@@ -298,13 +298,14 @@ impl Estimated<'_> {
         Uncertain { value, standard_error: value.abs() * error, interval }
     }
 
-    /// Findings about joints whose gains are not known within a factor of 2.
+    /// Findings about joints whose gains have intervals that are wider than a factor of 2.
     fn untold_gains(&self) -> Vec<Finding> {
         let untold = |joint: &usize| !self.gain(*joint).has_one_size();
         let finding = |joint: usize| {
             let message = "its motor constant is unknown: the described bodies load the joint too little, or only by an inertia that \
-                           adds to the drive's. Its torques, friction and inertia may be wrong by a factor; its currents are not";
-            let remedy = "describe `motor_constant`, from the data sheet or from a known load, or convert the currents to torques";
+                           cannot be distinguished from the drive's. Its torques, friction and inertia may be wrong by a common \
+                           factor; predicted currents are not affected";
+            let remedy = "set `motor_constant` from the data sheet or from a test with a known load, or convert the currents to torques";
             MOTOR_CONSTANT.found(message).of(self.robot.subject(joint)).help(remedy)
         };
         self.layout.unknown_gains().filter(untold).map(finding).collect()
@@ -332,7 +333,7 @@ impl Estimated<'_> {
     }
 }
 
-/// Sees: a joint whose force is hardly explained, and nothing that explains it better.
+/// Sees: a joint whose force the fit hardly explains, if no tested cause explains it better.
 /// Matters: no law is written.
 /// Example: columns of another joint.
 /// Fixture: `a_wrong_sign_and_forces_that_are_noise_are_refused` in `estimation/tests/simulated.rs`.
@@ -351,17 +352,17 @@ pub(super) fn is_unexplained(finding: &Finding) -> bool {
 }
 
 /// Sees: a joint with a low R² on held-out data, or whose effort a hypothesis explains better.
-/// Matters: its law and its bodies may be wrong. The reasons follow as findings of their own.
+/// Matters: its law and its bodies may be wrong. The reasons follow as separate findings.
 /// Example: R² of 0.12.
 /// Fixture: `sign` in `codegen/tests/findings/arm.rs`.
 const DOUBTED: Rule = Rule::error("fit-doubted");
 
-/// Whether a finding refuses the fit of a joint. Its reasons follow it.
+/// Whether the fit of a joint is refused because of this finding. The findings after it are the reasons.
 pub(super) fn is_doubted(finding: &Finding) -> bool {
     finding.code == DOUBTED.code
 }
 
-/// Refuses a fit that explains too little of a moving joint, or that is better with the other sign of an effort.
+/// Refuses a fit that explains too little of a moving joint's effort, or a fit with a doubt about a moving joint.
 ///
 /// - `held_out`: R² of each joint on held-out data
 /// - `doubts`: findings, of which errors about a joint refuse its fit
@@ -394,9 +395,9 @@ pub(super) fn require_explained(
     };
     let r_squared = held_out[joint];
     let message = match r_squared >= least {
-        true => format!("the fit is doubted, though R² is {r_squared:.3} on held-out data"),
+        true => format!("the fit is doubted although R² is {r_squared:.3} on held-out data"),
         false => format!(
-            "the fit does not explain it: R² {r_squared:.3} on held-out data, at least {least} is required"
+            "the fit does not explain its effort: R² is {r_squared:.3} on held-out data, but at least {least} is required"
         ),
     };
     let refusal = DOUBTED.found(message).with("R²", r_squared, "").of(robot.subject(joint));

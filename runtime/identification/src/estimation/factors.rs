@@ -1,8 +1,8 @@
-//! Test whether the effort of one joint has a wrong factor: a unit, gear or sensor other than described, or percent of a
-//! rated torque.
+//! Test whether the effort of one joint has a wrong factor, for example because of another unit, gear or sensor than
+//! described, or because the effort is a percentage of a rated torque.
 //!
-//! A body loads several joints, so that the efforts of the other joints determine the factor of one. Forces that act on a
-//! single joint, as its friction, do not determine it.
+//! A body loads several joints, so the efforts of the other joints determine the factor of one joint. Forces that act on a
+//! single joint, for example its friction, do not determine the factor.
 
 use super::super::error::Result;
 use super::super::run::Effort;
@@ -68,7 +68,7 @@ pub(super) fn finding(case: &Case, change: &Change, rule: &Rule) -> Result<Optio
         Effort::Current => ("gear ratio and motor constant", format!("'current=i1|i2[{shown} A]|i3'")),
     };
     let remedy = format!(
-        "check the effort's unit, {sources}, and the zero of its position; --columns gives one column a factor, as in {example}"
+        "check the effort's unit, {sources}, and the zero of its position; to multiply one column by the factor, use --columns {example}"
     );
     let message = format!("the data are explained better with its effort times {shown}");
     Ok(Some(rule.found(message).with("factor", *factor, "").help(remedy)))

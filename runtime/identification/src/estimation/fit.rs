@@ -9,7 +9,7 @@ use super::normal::{Centred, Model, Values, assemble, regularized, solve};
 use super::prior::Prior;
 use nalgebra::{DMatrix, DVector};
 
-/// Most rounds of the joints' variances, which settle within a few.
+/// Largest number of iterations of the joints' variances. A few iterations are usually enough.
 const ROUNDS: usize = 8;
 
 /// Weights of the fit.
@@ -19,7 +19,7 @@ pub(super) struct Weighting {
     pub(super) sigma: Vec<f64>,
     /// Weight λ of the distance from the description.
     pub(super) description: f64,
-    /// Factor of this weight for each inertial parameter. It is the same for all parameters of a body.
+    /// Factor of [`Self::description`] for each inertial parameter. All parameters of a body have the same factor.
     pub(super) trust: Vec<f64>,
 }
 
@@ -48,7 +48,7 @@ pub(super) struct HeldOut {
     /// Weighted squared distance of friction and offsets from the description in units of the scores, averaged over the fits
     /// of the folds.
     pub(super) distance: f64,
-    /// Values that were fitted without each fold.
+    /// For each fold, the values that were fitted to the other folds.
     pub(super) values: Vec<Values>,
 }
 
@@ -57,14 +57,14 @@ impl HeldOut {
         self.scores.iter().sum()
     }
 
-    /// Difference of the scores as in [`Self::excess`], plus the difference of the distances from the description. So a
-    /// quantity that the data do not determine stays as described.
+    /// Difference of the scores as in [`Self::excess`], plus the difference of the distances from the description. Because of
+    /// the second part, a quantity that the data do not determine stays as described.
     pub(super) fn excess_of_choice(&self, other: &Self) -> (f64, f64) {
         let (excess, deviation) = self.excess(other);
         (excess + self.distance - other.distance, deviation)
     }
 
-    /// Share of this error by which another one is smaller; `None` if it is not clearly smaller.
+    /// Relative decrease of the error from `self` to `other`; `None` if `other` is not clearly smaller.
     ///
     /// The residual sums of squares of each joint must be in the units of the same columns.
     ///
@@ -79,13 +79,13 @@ impl HeldOut {
             .then_some(share)
     }
 
-    /// Whether another error is larger by more than the standard error of the difference.
+    /// Whether the error `other` is larger than this error by more than the standard error of the difference.
     pub(super) fn is_exceeded_by(&self, other: &Self) -> bool {
         let (excess, deviation) = other.excess(self);
         excess > deviation
     }
 
-    /// Whether the error of a joint is larger in `other`, by the share at which hypotheses count as clearly better.
+    /// Whether the error of a joint is larger in `other`, by more than the share [`levels::CLEARLY`].
     pub(super) fn is_harmed_by(&self, other: &Self) -> bool {
         self.rss.iter().zip(&other.rss).any(|(own, other)| *other > (1.0 + levels::CLEARLY.get()) * own)
     }
@@ -100,7 +100,7 @@ impl HeldOut {
     }
 }
 
-/// Values of the unknowns, and the equations at them.
+/// Fitted values of the unknowns, and the equations from which they follow.
 pub(super) struct Solved {
     pub(super) values: Values,
     pub(super) active: Vec<usize>,
@@ -141,10 +141,16 @@ pub(super) fn force_weights(weighting: &Weighting, gains: &[f64]) -> Vec<f64> {
 
 /// Minimizes `Σ ‖K z − rigid − W δ − Θ φ − o‖² / σ² + λ δᵀ R δ + T Σ (φ − φ₀)² / s²`.
 ///
-/// The gains K are those of `start`. δ is the difference from the described inertial parameters, Θ has the columns of
-/// friction and φ their coefficients, with the described values φ₀ and standard deviations s. R is the metric of the
-/// description. T correlated samples of a joint count as one. Each offset o is weighted as `T σ² / s_o²` samples without
-/// force, with the offset's standard deviation s_o.
+/// - K: gains of `start`
+/// - z: measured efforts
+/// - rigid: described rigid-body forces
+/// - W, δ: regressor, and difference from the described inertial parameters
+/// - Θ, φ: columns of friction and their coefficients, with the described values φ₀ and standard deviations s
+/// - o: offsets. The prior of an offset has the weight of `T σ² / s_o²` samples with zero force, with the offset's standard
+///   deviation s_o.
+/// - σ: standard deviation of each joint's residual
+/// - λ, R: weight and metric of the description
+/// - T: number of correlated samples of a joint that count as one sample
 pub(super) fn fit(
     centred: &Centred,
     products: &[DMatrix<f64>],
@@ -172,7 +178,7 @@ pub(super) fn fit(
     Ok(Solved { values, active, regularized, metric, mean: known.mean, time: known.time })
 }
 
-/// Errors over each fold of the values that were fitted to the other folds.
+/// Held-out errors: for each fold, the errors of the values that were fitted to the other folds.
 pub(super) fn held_out(
     centred: &Centred,
     model: &Model,
@@ -196,7 +202,8 @@ pub(super) fn held_out(
     Ok(found)
 }
 
-/// Computes the standard deviations of the joints' residuals and the fit that they weight, in turn until both settle.
+/// Alternates between the fit and the standard deviations of the joints' residuals, which weight the fit, until both
+/// converge.
 pub(super) fn reweighted(
     centred: &Centred,
     model: &Model,

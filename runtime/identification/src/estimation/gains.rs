@@ -1,20 +1,21 @@
 //! Gains of drives if efforts are currents and no motor constants are described.
 //!
-//! Currents determine forces up to a factor. The scale of torque comes from the described bodies, so a gain is known as well
-//! as these bodies are. The measured effort z of a joint with the gain K is
+//! Currents determine forces up to a factor, the gain. The described bodies determine the scale of forces, so a gain is as
+//! accurate as the description of these bodies. The measured effort z of a joint with the gain K is
 //!
 //! `z = (f₀ + W δ + Θ φ + o) / K + e`
 //!
-//! with the described force f₀, the difference δ of the inertial parameters from the description, friction Θ φ, the offset o
-//! and the error e. There are two sources of information on the gains.
+//! with the described force f₀, the regressor W, the difference δ of the inertial parameters from the description, friction
+//! Θ φ, the offset o and the error e. There are two sources of information on the gains.
 //!
-//! First, least squares with f₀, friction, offset and inertia of the drive as columns gives the factor of f₀ in z. Its mean
-//! over all δ is 1/K, whatever the size of δ. The variance of its relative error is the sum of two parts: `s² bᵀ M⁻¹ b` with
-//! the spread s of [`levels::BODIES`], the metric M of the bodies and `b = Wᵀ f₀ / ‖f₀‖²`; and the variance by the jackknife
-//! over the folds.
+//! First, a least-squares fit with f₀, friction, offset and inertia of the drive as columns gives the factor of f₀ in z. The
+//! mean of this factor over all δ is 1/K, whatever the size of δ. The variance of its relative error is the sum of two parts:
+//! - `s² bᵀ M⁻¹ b` with the standard deviation s of [`levels::BODIES`], the metric M of the bodies and `b = Wᵀ f₀ / ‖f₀‖²`
+//! - the jackknife variance over the folds
 //!
-//! Second, joints move the same bodies, which determines ratios of gains: with free bodies the equations of all joints hold
-//! only for the right ratios. So a joint with only inertial forces has a known gain only if its bodies load other joints.
+//! Second, several joints move the same bodies. This determines ratios of gains, because with free bodies the equations of
+//! all joints hold only for the right ratios. If a joint has only inertial forces, its gain is known only if its bodies also
+//! load other joints.
 
 use super::super::error::{IdentificationError, Result};
 use super::super::methods::margin::LEAST_SHARE;
@@ -29,7 +30,7 @@ use super::prior::Prior;
 use super::sums::Sums;
 use nalgebra::{DMatrix, DVector};
 
-/// Least share of the squares of the described force that must remain without friction and inertia. A smaller share is
+/// Smallest usable share of the squared described force that friction and inertia do not explain. A smaller share is due to
 /// rounding.
 const LEAST: f64 = 1e-6;
 /// Longest step of ln K, largest number of steps, and step below which the iteration has settled.
@@ -45,8 +46,10 @@ pub(super) struct Gains {
     pub(super) covariance: DMatrix<f64>,
 }
 
+/// Estimates the gains of all joints.
+///
 /// # Errors
-/// The equations have no solution, or the iteration does not converge.
+/// The call fails if the equations have no solution or if the iteration does not converge.
 pub(super) fn gains(centred: &Centred, prior: &Prior) -> Result<Gains> {
     let layout = centred.layout;
     let joints: Vec<usize> = layout.unknown_gains().collect();
@@ -136,8 +139,9 @@ fn terms(layout: &Layout, joint: usize) -> std::ops::Range<usize> {
     VISCOUS..if layout.takes_inertia[joint] { ARMATURE + 1 } else { ASYMMETRY + 1 }
 }
 
-/// Sign of a gain, by least squares of the effort over the described force and friction. The larger of two contributions
-/// decides: friction brakes, and the described force has the direction of the real one.
+/// Sign of a gain, from a least-squares fit of the effort with the described force and friction as columns. With the right
+/// sign, friction brakes and the factor of the described force is positive. If the two criteria disagree, the larger
+/// contribution decides.
 fn sign(layout: &Layout, products: &DMatrix<f64>, joint: usize) -> f64 {
     let (first, effort) = (layout.first_term(joint), products.nrows() - 1);
     let (speed, force) = (first + VISCOUS, effort - 1);
@@ -158,9 +162,10 @@ struct Equations<'a> {
     /// Products of each joint, for all data and without each fold.
     all: Vec<DMatrix<f64>>,
     without: Vec<Vec<DMatrix<f64>>>,
-    /// For each joint, the number of correlated samples that count as one.
+    /// For each joint, the number of correlated samples that count as one independent sample.
     times: Vec<f64>,
-    /// Joints with unknown gains, the gains by the projections, and the inverse of the covariance of their logarithms.
+    /// Joints with unknown gains, their gains according to [`Projection`] (`first`), and the inverse of the covariance of the
+    /// logarithms of these gains (`precision`).
     joints: &'a [usize],
     first: Vec<f64>,
     precision: DMatrix<f64>,
@@ -170,7 +175,7 @@ struct Equations<'a> {
     metric: DMatrix<f64>,
 }
 
-/// The best values for given gains, and the quality of the fit.
+/// The fitted values for given gains, and the quality of this fit.
 struct At {
     values: Values,
     /// Weights of the joints' equations in units of force.
@@ -212,12 +217,13 @@ impl<'a> Equations<'a> {
         Ok(Self { centred, all, without, times, joints, first, precision, active, bodies, metric })
     }
 
-    /// Newton's method, with shorter steps if the objective would rise. Between the steps the logarithms of the residuals'
-    /// standard deviations go half of the way to their new values, and less of it in later steps. Full steps do not converge
-    /// in one of four logs of simulated arms, and half steps in one of fifty.
+    /// Solves the equations by Newton's method, with shorter steps if the objective would rise. Between the steps the
+    /// residuals' standard deviations are updated: their logarithms move half of the way to the new values, and a smaller part
+    /// in later steps. In logs of simulated arms, full updates did not converge in one of four logs, and constant half updates
+    /// in one of fifty.
     ///
     /// # Errors
-    /// [`IdentificationError::NotConverged`]
+    /// [`IdentificationError::NotConverged`] if the iteration does not converge.
     fn solved(&self) -> Result<At> {
         let mut logs = DVector::zeros(self.joints.len());
         let values = Values { unknowns: DVector::zeros(self.centred.layout.len()), gains: self.gains(&logs) };
@@ -246,7 +252,7 @@ impl<'a> Equations<'a> {
         Err(IdentificationError::NotConverged {
             what: "the estimate of motor constants".into(),
             iterations: STEPS as usize,
-            detail: format!("the last one changed them by more than {SETTLED}"),
+            detail: format!("the last one changed their logarithms by more than {SETTLED}"),
         })
     }
 

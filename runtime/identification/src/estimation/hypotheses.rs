@@ -32,7 +32,7 @@ const DRIVING: Rule = Rule::error("driving-friction");
 /// Fixture: `a_wrong_sign_and_forces_that_are_noise_are_refused` in `estimation/tests/simulated.rs`.
 const TOO_SHORT: Rule = Rule::error("log-too-short");
 
-/// Sees: efforts that fit better without gravity, or with it if it is said to be compensated.
+/// Sees: efforts that fit better without gravity, or with gravity although the settings say that it is compensated.
 /// Matters: the masses are wrong.
 /// Example: a driver that reports torques without the weight, as UR's ROS 2 driver does.
 /// Fixture: `without_gravity` in `codegen/tests/findings/arm.rs`.
@@ -40,7 +40,7 @@ const GRAVITY: Rule = Rule::error("other-gravity");
 
 /// Sees: an effort that comes later or earlier than `--delay` says.
 /// Matters: the delay causes errors of inertia and friction.
-/// Example: `--delay 0` where efforts are 50 ms early.
+/// Example: `--delay 0` with efforts that are 50 ms early.
 /// Fixture: `efforts_that_come_early_are_moved` in `codegen/tests/external_arm/main.rs`.
 const DELAY: Rule = Rule::warning("other-delay");
 
@@ -208,9 +208,9 @@ pub(super) fn is_driving(finding: &Finding) -> bool {
 }
 
 fn driving() -> Finding {
-    let message = "its estimated friction drives it. With the other sign of its effort friction would brake, but the fit would \
+    let message = "its estimated friction drives it. With the other sign of its effort, friction would brake, but the fit would \
                    not be better";
-    let remedy = "check sign, unit and assignment of its columns, and whether the robot's controller compensates friction itself";
+    let remedy = "check the sign, the unit and the assignment of its columns, and whether the robot's controller compensates friction";
     DRIVING.found(message).help(remedy)
 }
 
@@ -237,15 +237,15 @@ fn other_gravity(case: &Case, _: &Change, rule: &Rule) -> Result<Option<Finding>
     let (what, remedy) = if case.layout().exact.contains(&true) {
         (
             "without",
-            "check that the vertical of the log's axes is that of the description, and the order of the quaternion's entries",
+            "check that the vertical axis of the log is that of the description, and check the order of the quaternion's entries",
         )
     } else if is_compensated(case) {
         ("with", "leave out --gravity-compensated: the efforts seem to contain the weight")
     } else {
         (
             "without",
-            "use --gravity-compensated if the robot compensates gravity outside the recorded efforts; if it is mounted otherwise \
-             than described, as on a wall or a ceiling, set `gravity = [x, y, z]`",
+            "use --gravity-compensated if the robot compensates gravity outside the recorded efforts. If it is not mounted as \
+             described, for example on a wall or a ceiling, set `gravity = [x, y, z]`",
         )
     };
     Ok(Some(rule.found(format!("the data are explained better {what} gravity")).help(remedy)))

@@ -1,10 +1,11 @@
-//! Covariance of the estimate under correlated residuals, with the uncertainty of the description.
+//! Covariance of the estimate for correlated residuals, including the uncertainty of the description.
 //!
 //! The covariance is `A⁻¹ (S + ω² Λ) A⁻¹` with the normal matrix H, the description's metric Λ (including its weight), and
-//! `A = H + Λ`. S is the variance of the score, from its sums over short blocks ([`super::cosines`]). It has as many degrees
-//! of freedom as there are cosines. `ω² Λ⁻¹` is the covariance of the errors of described bodies: ω² = δᵀ Λ δ / γ, with the
-//! difference δ from the description and the number γ of combinations of parameters that the data decide (MacKay 1992). The
-//! spreads of friction and offsets are given ([`super::joint_prior`]).
+//! `A = H + Λ`. S is the covariance of the score (the gradient of the objective). It is computed from sums of the score over
+//! short blocks ([`super::cosines`]), and it has as many degrees of freedom as there are cosines. `ω² Λ⁻¹` is the covariance
+//! of the errors of described bodies: ω² = δᵀ Λ δ / γ, with the difference δ from the description and the effective number γ
+//! of parameters that the data determine (MacKay 1992). The standard deviations of friction and offsets are given
+//! ([`super::joint_prior`]).
 
 use super::super::error::Result;
 use super::super::numeric::kernel::BLOCK;
@@ -37,8 +38,8 @@ pub(super) struct Fitted<'a> {
     pub(super) chosen: &'a Chosen<'a>,
     pub(super) solved: &'a Solved,
     pub(super) offsets: &'a RunOffsets,
-    /// Robust deviation of each joint, beyond a multiple of which samples lose weight; infinite if all samples have the
-    /// weight one.
+    /// Robust standard deviation of each joint's residual. Samples whose residual exceeds a multiple of it lose weight. It is
+    /// infinite if all samples have the weight one.
     pub(super) outlier: &'a [f64],
 }
 
@@ -145,7 +146,7 @@ pub(super) fn column_means(centred: &Centred, joint: usize, runs: usize) -> Vec<
     }
 }
 
-/// Covariance of the score due to errors of the description: of bodies, friction and offsets.
+/// Covariance of the score that is due to errors of described bodies, friction and offsets.
 ///
 /// - `spread`: ω², the variance factor of the errors of described bodies
 pub(super) fn described(of: &Fitted, prior: &Prior, spread: f64) -> DMatrix<f64> {
@@ -232,7 +233,7 @@ impl Scores {
 /// Covariance of the active unknowns, with the degrees of freedom.
 pub(super) struct Covariance {
     pub(super) matrix: DMatrix<f64>,
-    /// Number of combinations of inertial parameters that the data decide: `tr(A⁻¹ H)` over these parameters.
+    /// Effective number of inertial parameters that the data determine: `tr(A⁻¹ H)` over these parameters.
     pub(super) decided: f64,
     /// Degrees of freedom of the matrix.
     pub(super) freedom: usize,
@@ -244,7 +245,7 @@ impl Covariance {
         self.of(solved, global, global).max(0.0).sqrt()
     }
 
-    /// Covariance of two unknowns; zero if one of the two is not estimated.
+    /// Covariance of two unknowns; zero if at least one of the two is not estimated.
     pub(super) fn of(&self, solved: &Solved, one: usize, other: usize) -> f64 {
         let place = |global: usize| solved.active.iter().position(|&active| active == global);
         place(one).zip(place(other)).map_or(0.0, |at| self.matrix[at])
@@ -277,7 +278,7 @@ pub(super) fn covariance(of: &Fitted, prior: &Prior, scores: &Scores) -> Result<
     let equations = of.chosen.centred.sums.samples * of.chosen.centred.layout.joints;
     let unknowns = decided + (n - bodies) as f64;
     let spent = unknowns * scores.correlation_time / equations.max(1) as f64;
-    // Both parts are products with their transposes, so that rounding makes no variance negative.
+    // Both parts are products with their transposes, so rounding cannot make a variance negative.
     let projected = factor.solve(&scores.projected()) / (1.0 - spent).max(0.25).sqrt();
     let described = factor.solve(&(described(of, prior, spread) * &inverse));
     let slopes = factor.solve(&slopes_of_gains(of));

@@ -1,7 +1,8 @@
 //! Prior knowledge of the friction and the offset of a joint.
 //!
-//! Coulomb friction of a joint that moves in one direction and a constant error of its force have the same column. The data
-//! determine only their sum. The standard deviations of this prior divide the sum between them.
+//! If a joint moves in one direction only, its Coulomb friction and a constant error of its force have the same column. The
+//! data then determine only the sum of the two. The standard deviations of this prior divide the sum between friction and
+//! offset.
 
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
@@ -24,7 +25,7 @@ pub(super) struct JointPrior {
 }
 
 impl JointPrior {
-    /// The prior of each joint. A largest force that is not described is replaced by the largest measured one.
+    /// The prior of each joint. If the description has no effort limit of a joint, the largest measured force replaces it.
     pub(super) fn all(robot: &dyn Robot, layout: &Layout, runs: &[PreparedRun]) -> Vec<Self> {
         let limits = robot.limits();
         let of_joint = |joint: usize| {
@@ -65,8 +66,8 @@ impl JointPrior {
         }
     }
 
-    /// Number of samples without force as which an offset of zero is weighted. The variance of the offset is the sum of the
-    /// variance of its spread and of the residual, because a part of the residual may be constant.
+    /// Weight of the prior that the offset is zero, as a number of samples with zero force. The variance of this prior is the
+    /// sum of [`Self::offset`] squared and of the variance of the residual, because a part of the residual may be constant.
     ///
     /// - `deviation`: standard deviation of the residual of one sample [N·m or N]
     pub(super) fn samples_of_offset(&self, deviation: f64) -> f64 {
@@ -74,12 +75,12 @@ impl JointPrior {
         if self.offset > 0.0 { self.time * (deviation / spread).powi(2) } else { 0.0 }
     }
 
-    /// The weight of zero of [`Self::samples_of_offset`] for the larger spread.
+    /// The weight of [`Self::samples_of_offset`], reduced to the larger standard deviation of [`levels::LARGER_OFFSET`].
     pub(super) fn fewer(samples: f64) -> f64 {
         samples / levels::LARGER_OFFSET.get().powi(2)
     }
 
-    /// Variance of the score due to the spread of an offset, in the weights of independent samples.
+    /// Variance of the score that is due to the uncertainty of an offset, in the weights of independent samples.
     ///
     /// - `weight`: product of [`Self::samples_of_offset`] and the weight 1/σ² of a sample
     pub(super) fn offset_score(&self, weight: f64) -> f64 {
@@ -104,7 +105,7 @@ fn largest(layout: &Layout, runs: &[PreparedRun], joint: usize) -> f64 {
     runs.iter().map(of_run).fold(0.0, f64::max)
 }
 
-/// Factors of v and tanh(k v) that are nearest to a friction law at speeds up to the fast one.
+/// Factors of v and tanh(k v) that approximate a friction law by least squares at speeds up to the fast speed.
 fn projected(law: &dyn Fn(f64) -> f64, fast: f64, k: f64) -> [f64; 2] {
     let mut sums = [[0.0; 3]; 2];
     for i in 1..=levels::SPEEDS.get() {

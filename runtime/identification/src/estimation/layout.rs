@@ -11,7 +11,7 @@ use super::settings::EstimationSettings;
 use gelenk_findings::digits::two_digits;
 use std::ops::Range;
 
-/// Candidate widths of the Coulomb term, as shares of the joint's fast speed.
+/// Candidate widths 1/k of the Coulomb term tanh(k v), as shares of the joint's fast speed ([`fast_speed`]).
 const WIDTHS: [f64; 4] = [0.01, 0.025, 0.06, 0.15];
 /// Number of candidate terms of a joint: v, the Coulomb terms, |v|, and ÿ.
 pub(super) const TERMS: usize = WIDTHS.len() + 3;
@@ -19,11 +19,11 @@ pub(super) const VISCOUS: usize = 0;
 pub(super) const COULOMB: Range<usize> = 1..1 + WIDTHS.len();
 pub(super) const ASYMMETRY: usize = TERMS - 2;
 pub(super) const ARMATURE: usize = TERMS - 1;
-/// Index of the term of friction under load, |τ_l| tanh(k v), if the layout has it.
+/// Index of the load-dependent friction term |τ_l| tanh(k v) with the load τ_l, if the layout has this term.
 pub(super) const LOAD: usize = TERMS;
 
-/// Number of random states at which the structure of W is determined. One state is enough with probability one; more states
-/// are a safeguard.
+/// Number of random states at which the structure of the regressor W is determined. One state is enough with probability
+/// one. More states are a safeguard.
 const PROBES: usize = 4;
 
 /// Columns of the equations of all joints, and properties of the data.
@@ -41,18 +41,18 @@ pub(super) struct Layout {
     pub(super) local: Vec<Vec<usize>>,
     /// For each effort, the index of its delay. Efforts with the same index share a delay. Empty if the delays are known.
     pub(super) delays: Vec<usize>,
-    /// Delays with entries in the joint's equation.
+    /// Indices of the delays in each joint's equation.
     pub(super) delays_of: Vec<Vec<usize>>,
     /// Factors k of the terms tanh(k v), for each joint.
     pub(super) steepness: Vec<[f64; WIDTHS.len()]>,
     /// Whether each joint moves and its force was measured.
     pub(super) moves: Vec<bool>,
-    /// Whether each force is known without a sensor, as in the rows of a joint with a quaternion. These forces have no
-    /// offset and no estimated friction.
+    /// Whether each force is known without a sensor, as it is for a joint with a quaternion. These forces have no offset and
+    /// no estimated friction.
     pub(super) exact: Vec<bool>,
     /// Whether inertia of each joint's drive may be estimated in addition to the parameters.
     pub(super) takes_inertia: Vec<bool>,
-    /// Whether each joint's force was measured. Only then the joint has equations.
+    /// Whether each joint's force was measured. A joint without a measured force has no equations.
     pub(super) measured: Vec<bool>,
     pub(super) effort: Effort,
     /// Whether each joint's effort is known as a force: it is not a current, or the motor constants of its inputs are
@@ -69,8 +69,8 @@ impl Layout {
         (0..self.joints).map(is_known).collect()
     }
 
-    /// - `given`: factors k of the Coulomb terms of each joint; `None` if they are chosen
-    /// - `loads`: whether there is a term of friction under load
+    /// - `given`: factors k of the Coulomb terms of each joint; `None` if the factors are chosen by the held-out error
+    /// - `loads`: whether there is a term of load-dependent friction
     pub(super) fn new(
         robot: &dyn Robot,
         runs: &[PreparedRun],
@@ -212,6 +212,8 @@ impl Layout {
     }
 
     /// Index of the unknown of a remaining delay.
+    ///
+    /// - `number`: index of the delay
     pub(super) fn delay(&self, number: usize) -> usize {
         self.parameters + self.joints * self.terms + number
     }
@@ -226,8 +228,8 @@ impl Layout {
         self.delays.iter().map(|delay| delay + 1).max().unwrap_or(0)
     }
 
-    /// Factor of an unknown's column in the force of a joint. A delay shifts the measured effort, so that its column has the
-    /// factor `gain`.
+    /// Factor of an unknown's column in the force of a joint. The column of a delay is a rate of the measured effort, so its
+    /// factor is `gain`. The other factors are one.
     pub(super) fn scale(&self, global: usize, gain: f64) -> f64 {
         if self.is_delay(global) { gain } else { 1.0 }
     }
@@ -248,13 +250,15 @@ impl Layout {
         (0..self.joints).filter(|&joint| self.moves[joint] && !self.exact[joint])
     }
 
-    /// The samples of a run that are used for a joint, in contiguous intervals: those without the rests of the joint. If the
-    /// joint rests in all data all samples are used, because it has no friction law and its constant stiction is an offset.
+    /// Contiguous intervals of the samples that are used for a joint: the samples at which the joint does not rest. If the
+    /// joint rests in all data, all samples are used, because it has no friction law and its constant stiction is an offset.
     pub(super) fn stretches(&self, run: &PreparedRun, joint: usize) -> Vec<Range<usize>> {
         if self.moves[joint] { run.moving(joint) } else { std::iter::once(0..run.times.len()).collect() }
     }
 
-    /// The offsets of a joint's force if measured forces have the offsets `measured`.
+    /// Kind of the offsets of a joint's force. Forces that are known without a sensor have no offset.
+    ///
+    /// - `measured`: kind of the offsets of measured forces
     pub(super) fn offsets(&self, joint: usize, measured: Offsets) -> Offsets {
         if self.exact[joint] { Offsets::None } else { measured }
     }
@@ -288,8 +292,8 @@ fn measured(robot: &dyn Robot, runs: &[PreparedRun]) -> Vec<bool> {
     (0..joints).map(|joint| !unmeasured[joint] && runs.iter().all(|run| of_run(joint, run))).collect()
 }
 
-/// Fails if inputs act at frames and efforts are inputs, because B is then not constant, or if currents with unknown gains
-/// have no inputs of their own.
+/// Fails if inputs act at frames and efforts are inputs or currents, because B is then not constant. Also fails if gains of
+/// currents are unknown and joints and inputs do not correspond one to one.
 fn require_known_inputs(robot: &dyn Robot, effort: Effort) -> Result<()> {
     if effort != Effort::Joint && robot.has_inputs_at_frames() {
         return Err(Place::default().fault(
@@ -300,7 +304,8 @@ fn require_known_inputs(robot: &dyn Robot, effort: Effort) -> Result<()> {
     if known_gains(robot, effort).contains(&false) { require_own_inputs(robot) } else { Ok(()) }
 }
 
-/// For each joint, whether its effort is known as a force: no current, or only currents with described motor constants.
+/// For each joint, whether its effort is known as a force: it is not a current, or all currents that act on the joint have
+/// described motor constants.
 fn known_gains(robot: &dyn Robot, effort: Effort) -> Vec<bool> {
     let joints = robot.joint_names().len();
     if effort != Effort::Current {
@@ -311,7 +316,8 @@ fn known_gains(robot: &dyn Robot, effort: Effort) -> Vec<bool> {
     (0..joints).map(|joint| row(joint).all(|(b, described)| *described || *b == 0.0)).collect()
 }
 
-/// Fails unless each joint has one input of its own. Otherwise the gain of a current does not follow from the joint's force.
+/// Fails unless each joint has exactly one input and each input drives exactly one joint. Otherwise the gain of a current
+/// does not follow from the joint's force.
 fn require_own_inputs(robot: &dyn Robot) -> Result<()> {
     let (joints, inputs) = (robot.joint_names(), robot.input_names());
     let b = robot.input_matrix();
@@ -337,7 +343,7 @@ fn local(robot: &dyn Robot, joints: usize, parameters: usize, terms: usize) -> V
     local.collect()
 }
 
-/// Columns of W that are not zero in each joint's row, at random states.
+/// Indices of the regressor's columns that are not zero in each joint's row, determined at random states.
 fn structure(robot: &dyn Robot, joints: usize, parameters: usize) -> Vec<Vec<usize>> {
     let mut random = SplitMix64::new(0x5EED);
     let quaternions = robot.quaternion_joints();

@@ -1,16 +1,16 @@
-//! Levels (numbers that decide) of the estimate.
+//! Thresholds and constants of the estimate.
 
 use super::super::numeric::levels::levels;
 
 levels! {
-    /// Largest squared distance of two runs, as a share of the squared displacements of one run, at which the runs count as
-    /// the same motion.
+    /// Largest sum of squared position differences at which two runs count as the same motion, as a share of the sum of
+    /// squared displacements of one run from its start.
     ALIKE_MOTIONS: f64 = 0.01;
 
     /// Share of the longer run's length that the shorter run must have to be the same motion.
     COVERED: f64 = 0.8;
 
-    /// Number of samples by which runs are compared.
+    /// Number of samples at which the positions of two runs are compared.
     COMPARED_SAMPLES: usize = 400;
 
     /// Travel below which a joint is at rest [rad or m]. For a shaft it is multiplied by the gear ratio.
@@ -23,20 +23,22 @@ levels! {
     /// no friction.
     LEAST_FRICTION: f64 = 0.1;
 
-    /// Standard deviation of an offset, as a share of the largest force: class 1 of torque sensors.
+    /// Standard deviation of an offset, as a share of the largest force. The value corresponds to torque sensors of accuracy
+    /// class 1.
     OFFSET: f64 = 0.01;
 
-    /// Factor of [`OFFSET`] if the data require more: cables, springs, and sensors whose zero was never set.
+    /// Factor of [`OFFSET`] if the data require larger offsets, for example because of cables, springs, or sensors whose zero
+    /// was never set.
     LARGER_OFFSET: f64 = 10.0;
 
     /// Number of speeds at which a described friction law is compared with viscous and Coulomb friction.
     SPEEDS: usize = 20;
 
-    /// Share of the body's own radius of gyration, squared, that is added to a described inertia, because exporters write
-    /// point masses and thin bodies.
+    /// Share of the body's squared radius of gyration that is added to a described inertia, because exporters write point
+    /// masses and thin bodies.
     OWN_FLOOR: f64 = 0.01;
 
-    /// Share of the mean radius of gyration of all bodies, squared, that is added to a described inertia.
+    /// Share of the squared mean radius of gyration of all bodies that is added to a described inertia.
     COMMON_FLOOR: f64 = 1e-3;
 
     /// Standard deviation of a described body in `Prior::round_metric`: 17 % of its mass, and 7 % of its radius of gyration
@@ -45,7 +47,7 @@ levels! {
     /// contain 83 %, 94 % and 96 % of the true values for 0.1, 0.12 and 0.14.
     BODIES: f64 = 0.12;
 
-    /// Largest standard deviation of ln K, which is three decades of the gain K.
+    /// Largest standard deviation of ln K, with the gain K. The value corresponds to three decades of K.
     GAINS: f64 = 7.0;
 
     /// Smallest weight of the description that is tried.
@@ -55,38 +57,40 @@ levels! {
     LESS_TRUST: f64 = 0.01;
 
     /// Multiple of the standard deviation beyond which a sample loses weight (Huber 1964). The fit is 99.9 % efficient for
-    /// normal errors. Friction at reversals has heavy tails without outliers, which smaller multiples would remove.
+    /// normal errors. Friction at reversals gives large residuals that are not outliers. Smaller multiples would remove them.
     HUBER: f64 = 2.5;
 
-    /// Largest number of blocks over all runs. More blocks take more time and change nothing.
+    /// Largest number of blocks of samples, over all runs, from which the covariance is computed. More blocks take more time
+    /// and hardly change the covariance.
     MOST_BLOCKS: usize = 600;
 
-    /// Number K of cosines divided by T^⅔ for T correlation times. It corresponds to K = `0.4 T^⅔` for T samples with a
-    /// first autocorrelation of 0.7 (Lazarus et al. 2018).
+    /// Number K of cosines ([`super::cosines`]) divided by T^⅔, if the data are T correlation times long. The value
+    /// corresponds to K = `0.4 n^⅔` for n samples with a first autocorrelation of 0.7 (Lazarus et al. 2018).
     COSINES: f64 = 1.3;
 
     /// Smallest number of cosines from which a variance is estimated.
     FEWEST_COSINES: usize = 4;
 
-    /// Change of a share s₁ of the load between two passes, in standard errors, below which the shares have settled.
+    /// Largest change of a load-dependent friction coefficient s₁ between two passes at which it has settled, in standard
+    /// errors.
     SETTLED_LOADS: f64 = 0.1;
 
-    /// Share of the held-out error by which a hypothesis must lower the error to be clearly better. It must also lower the
-    /// error by two standard errors, and it must not raise the error of a joint by this share, because a fault in one place
-    /// is partly explained by changes elsewhere.
+    /// Share of the held-out error by which a hypothesis must lower the error to be clearly better. The hypothesis must also
+    /// lower the error by two standard errors. It must not raise the error of a joint by this share, because changes elsewhere
+    /// partly explain a fault in one place.
     ///
     /// A larger multiple of the standard error for many hypotheses (Dunn 1961) rejects true hypotheses, because folds with
     /// little motion make the standard error large even if every fold improves.
     CLEARLY: f64 = 0.1;
 
-    /// R² below which a joint is hardly explained, so that its sign is doubted.
+    /// R² below which a joint's effort is hardly explained. The sign of this effort is then doubted.
     POOR: f64 = 0.5;
 
-    /// Power of friction that drives a joint, as a share of the power of a force with the size of the measured one, from
-    /// which on there is a finding.
+    /// Smallest power of driving friction for which there is a finding, as a share of the power of a force with the size of
+    /// the measured force.
     NOTICEABLE_POWER: f64 = 0.05;
 
-    /// Smallest number of samples for which friction that drives a joint shows a wrong sign: ten periods of the usual
+    /// Smallest number of samples at which driving friction shows a wrong sign of an effort. It is ten periods of the usual
     /// filter.
     FEWEST_SAMPLES: usize = 100;
 
@@ -97,17 +101,18 @@ levels! {
     /// time divided by the number of samples. Chance alone gives a multiple of about one.
     BY_CHANCE: f64 = 10.0;
 
-    /// Ratio of estimated and described rigid forces beyond which a unit may be wrong.
+    /// Ratio of estimated to described rigid-body forces (or its inverse) beyond which a unit may be wrong.
     OTHER_UNIT: f64 = 3.0;
 
-    /// Ratio of the forces of the whole robot beyond which the result is refused. No description has an error of this size.
+    /// Ratio of estimated to described forces of the whole robot (or its inverse) beyond which the result is refused. No
+    /// description has an error of this size.
     ANOTHER_UNIT: f64 = 10.0;
 
-    /// Share of the largest described force from which on a joint carries the robot.
+    /// Smallest described force of a joint that carries the robot, as a share of the largest described force of all joints.
     CARRIES: f64 = 0.1;
 
-    /// Largest ratio of an estimated factor to the factor of a unit for the unit to be named. Described masses are
-    /// inaccurate.
+    /// Largest ratio between the estimated factor and the factor of a unit at which a finding names this unit. The limit is
+    /// wide because described masses are inaccurate.
     GUESS: f64 = 2.5;
 
     /// Slope of smoothed Coulomb friction, `tanh(slope · speed)`, with the speed as a share of the joint's largest speed.
@@ -116,12 +121,12 @@ levels! {
     /// Smallest angle of a tilt that matters [rad]: 2°.
     LEAST_TILT: f64 = 0.035;
 
-    /// Number of samples by which weights are compared.
+    /// Number of samples of each run at which gravity forces are compared.
     COMPARED_WEIGHTS: usize = 50;
 
     /// Weight of the description at which bodies are practically free and all equations are regular.
     FREE_BODIES: f64 = 1e-3;
 
-    /// Variance of an angle under independent residuals [rad²] from which on the data do not determine the angle.
+    /// Variance of an angle [rad²], computed for independent residuals, from which on the data do not determine the angle.
     UNTOLD: f64 = 0.01;
 }

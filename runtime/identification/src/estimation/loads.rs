@@ -1,7 +1,7 @@
-//! Friction that grows with the load of a gear, `|τ_l| s₁(v)` (Hamon, Gautier, Garrec 2010), in the common fit.
+//! Load-dependent friction of a gear, `|τ_l| s₁(v)` (Hamon, Gautier, Garrec 2010), in the fit of all unknowns.
 //!
-//! The load `τ_l = M ÿ + k − q` depends on the estimated values, so that the term is not linear in the unknowns. The fit is
-//! repeated in passes. Each pass takes the load by the values of the pass before, so that the term is a column like the
+//! The load `τ_l = M ÿ + k − q` depends on the estimated values, so the term is not linear in the unknowns. The fit is
+//! repeated in passes. Each pass computes the load with the values of the previous pass. The term is then a column like the
 //! other friction terms.
 
 use super::super::error::{Place, Result};
@@ -11,8 +11,8 @@ use super::levels;
 use super::result::{Estimate, Uncertain};
 use nalgebra::DVector;
 
-/// Largest number of passes. Loads are mostly gravity, which the first estimate knows to a few percent. Usually three passes
-/// settle.
+/// Largest number of passes. Loads are mostly gravity, which the first estimate determines to a few percent. Usually three
+/// passes are enough.
 pub(super) const PASSES: usize = 6;
 
 /// Differences from the described robot that change the loads.
@@ -20,18 +20,18 @@ pub(super) const PASSES: usize = 6;
 pub(super) struct Loads {
     /// Estimated minus described inertial parameters.
     changes: Vec<f64>,
-    /// Estimated reflected inertias that the description does not have.
+    /// Estimated reflected inertias in addition to the described ones [kg m² or kg].
     armatures: Vec<f64>,
-    /// Whether each joint has a term of friction under load.
+    /// For each joint, whether it has a term of load-dependent friction.
     pub(super) joints: Vec<bool>,
 }
 
 impl Loads {
-    /// Loads by the values of an estimate.
+    /// Loads computed with the values of an estimate.
     ///
     /// # Errors
     /// [`IdentificationError::File`](crate::error::IdentificationError::File) if no moving joint with a measured effort has
-    /// an input of its own.
+    /// an input that drives it alone.
     pub(super) fn new(robot: &dyn Robot, layout: &Layout, found: &Estimate) -> Result<Self> {
         let own = robot.own_inputs();
         let joints: Vec<bool> = (0..layout.joints).map(|joint| layout.moves[joint] && own[joint]).collect();
@@ -69,7 +69,7 @@ impl Loads {
     }
 }
 
-/// Whether the shares of the load of two passes agree within a fraction of their standard errors.
+/// Whether the load-dependent friction of two passes agrees within a fraction of the standard errors.
 pub(super) fn settled(before: &Estimate, after: &Estimate) -> bool {
     before.joints.iter().zip(&after.joints).all(|(before, after)| match (&before.load, &after.load) {
         (None, None) => true,

@@ -8,7 +8,7 @@ use super::normal::{Centred, Normal, assemble};
 use super::task::Task;
 use nalgebra::DVector;
 
-/// The runs, in which the samples near stops of a joint also count as rests; `None` if the runs passed no filter.
+/// Copies of the runs in which samples near stops of a joint also count as rests; `None` if the runs passed no filter.
 pub(super) fn runs_away_from_stops(task: &Task) -> Option<Vec<PreparedRun>> {
     let reach = task.settings.filter.as_ref()?.half_length();
     let of_run = |run: &PreparedRun| {

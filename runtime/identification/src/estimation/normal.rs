@@ -14,7 +14,7 @@ pub(super) struct Model {
     pub(super) coulomb: Vec<usize>,
     pub(super) asymmetry: Vec<bool>,
     pub(super) armature: Vec<bool>,
-    /// Whether each joint has friction under load.
+    /// Whether each joint has load-dependent friction.
     pub(super) load: Vec<bool>,
     pub(super) offsets: Offsets,
     /// Whether bodies must be physically possible.
@@ -37,7 +37,7 @@ pub(super) struct Centred<'a> {
     pub(super) layout: &'a Layout,
     pub(super) sums: &'a Sums,
     pub(super) offsets: Offsets,
-    /// For each joint, the number of samples without force as which an offset of zero is weighted.
+    /// For each joint, the weight of the prior that its offset is zero, as a number of samples with zero force.
     pub(super) zeros: Vec<f64>,
     pub(super) all: Vec<DMatrix<f64>>,
     pub(super) without: Vec<Vec<DMatrix<f64>>>,
@@ -110,12 +110,12 @@ impl<'a> Centred<'a> {
         rss.max(0.0)
     }
 
-    /// Offset of each run in a joint's force. A run without other data has the common offset.
+    /// Offset of each run in a joint's force. A run without used samples has the common offset of all runs.
     pub(super) fn offsets(&self, values: &Values, joint: usize) -> Vec<f64> {
         self.offsets_without(None, &residual_vector(self.layout, values, joint), joint)
     }
 
-    /// Sum of the squares of a joint's offsets without a fold, times the weight of zero of each offset.
+    /// Sum of the squares of a joint's offsets, fitted without a fold, times the weight of the prior ([`Self::zeros`]).
     pub(super) fn distance_of_offsets(&self, fold: usize, values: &Values, joint: usize) -> f64 {
         let offsets = self.offsets_without(Some(fold), &residual_vector(self.layout, values, joint), joint);
         let own = if self.offsets == Offsets::Common { &offsets[..1] } else { &offsets[..] };
@@ -136,8 +136,8 @@ impl<'a> Centred<'a> {
         sums.iter().map(of_run).collect()
     }
 
-    /// For each group of samples of a joint that share an offset: the weight of the samples plus the weight of an offset of
-    /// zero, and the sum of the columns divided by this weight.
+    /// For each group of samples of a joint that share an offset: the weight of the samples plus the weight of the offset's
+    /// prior, and the sum of the columns divided by this total weight.
     pub(super) fn means(&self, joint: usize) -> Vec<(f64, DVector<f64>)> {
         let groups = groups(self.sums.by_run(joint, None), self.layout.offsets(joint, self.offsets));
         let zeros = self.zeros[joint];
@@ -150,7 +150,7 @@ impl<'a> Centred<'a> {
 /// Products of a joint's columns without the part that offsets explain.
 ///
 /// - `without`: fold that is left out
-/// - `zeros`: number of samples without force as which each offset of zero is weighted
+/// - `zeros`: weight of the prior of each offset, as in [`Centred::zeros`]
 fn centred(
     sums: &Sums,
     joint: usize,
@@ -173,7 +173,7 @@ fn groups(runs: Vec<(f64, DVector<f64>)>, offsets: Offsets) -> Vec<(f64, DVector
     }
 }
 
-/// Factors of a joint's columns in its residual `K z − rigid − W δ − Θ φ`.
+/// Factors of a joint's columns in its residual `K z − rigid − W δ − Θ φ`, with the symbols of [`super::fit::fit`].
 pub(super) fn residual_vector(layout: &Layout, values: &Values, joint: usize) -> DVector<f64> {
     let local = &layout.local[joint];
     let mut r = DVector::zeros(local.len() + 2);
@@ -235,7 +235,7 @@ impl Normal {
     }
 }
 
-/// Factors by which a joint's columns give the columns of the active unknowns.
+/// Matrix that maps a joint's columns to the columns of the active unknowns.
 pub(super) fn selection((layout, joint, gain): (&Layout, usize, f64), active: &[usize]) -> DMatrix<f64> {
     let mut selection = DMatrix::zeros(layout.width(joint), active.len());
     for (i, &global) in active.iter().enumerate() {
@@ -253,7 +253,7 @@ fn target_vector(unknowns: usize, gain: f64) -> DVector<f64> {
     t
 }
 
-/// The rigid body's force with the current parameters, as factors of the joint's columns.
+/// The rigid-body force for given values, as factors of the joint's columns.
 pub(super) fn force_vector(layout: &Layout, at: &Values, joint: usize) -> DVector<f64> {
     let local = &layout.local[joint];
     let mut c = DVector::zeros(local.len() + 2);
@@ -264,7 +264,7 @@ pub(super) fn force_vector(layout: &Layout, at: &Values, joint: usize) -> DVecto
     c
 }
 
-/// The Hessian plus the description's metric Λ, with a ridge of the size of rounding on all unknowns.
+/// The Hessian plus the description's metric Λ. A ridge of the size of rounding errors is added for all unknowns.
 pub(super) fn regularized(normal: &Normal, metric: &DMatrix<f64>) -> DMatrix<f64> {
     let mut a = &normal.hessian + metric;
     for i in 0..a.nrows() {
@@ -285,7 +285,7 @@ pub(super) fn with_ridge(mut normal: DMatrix<f64>) -> DMatrix<f64> {
     normal
 }
 
-/// Larger sums of products do not come from data in sensible units.
+/// Largest sum of products that data in sensible units can have.
 const LARGEST_SUM: f64 = 1e150;
 
 /// Solves `A x = b` for symmetric positive definite A, scaled to a unit diagonal.
@@ -296,7 +296,7 @@ pub(super) fn solve(a: &DMatrix<f64>, b: &DMatrix<f64>) -> Result<DMatrix<f64>> 
     Ok(Factor::new(a)?.solve(b))
 }
 
-/// `A = D L Lᵀ D` of a symmetric positive definite matrix, with a unit diagonal of `L Lᵀ`.
+/// The factorization `A = D L Lᵀ D` of a symmetric positive definite matrix, with a unit diagonal of `L Lᵀ`.
 pub(super) struct Factor {
     /// Diagonal of D⁻¹.
     scale: DVector<f64>,
@@ -320,8 +320,8 @@ impl Factor {
         }
         let largest = a.amax();
         if largest < LARGEST_SUM {
-            let reason = "its equations are singular: the log is too short, or moves too little. Record 10 s or more in which all \
-                          joints move";
+            let reason = "its equations are singular: the log is too short, or the robot moves too little. Record 10 s or more in \
+                          which all joints move";
             return Err(IdentificationError::NoSolution { reason: reason.into() });
         }
         Err(IdentificationError::Overflow { what: "the sum of products".into(), largest })

@@ -1,8 +1,8 @@
 //! The distance from the description: a quadratic form in the inertial parameters that does not depend on units or frames.
 //!
-//! For each body it is ½ tr((P₀⁻¹ ΔP)²), with the described pseudo-inertia P₀ and the difference ΔP from it (Lee, Wensing,
-//! Park 2020: the affine-invariant metric at P₀). A distance of one is an error of the mass or inertia by about 100 %. For
-//! the inertia J of a rotor it is (ΔJ / J)².
+//! For each body the form is ½ tr((P₀⁻¹ ΔP)²), with the described pseudo-inertia P₀ and the difference ΔP from it (Lee,
+//! Wensing, Park 2020: the affine-invariant metric at P₀). A value of one is an error of the mass or inertia by about 100 %.
+//! For the inertia J of a rotor the form is (ΔJ / J)².
 
 use super::super::inertial::{PER_BODY, margin, pseudo_inertia};
 use super::joint_prior::JointPrior;
@@ -68,8 +68,8 @@ impl Prior {
         found
     }
 
-    /// The metric with bodies whose radius of gyration about their centre is the same in all directions: the centre is as
-    /// uncertain across a slender link as along it. The diagonal is one for held parameters.
+    /// The metric for bodies that are replaced by bodies with the same radius of gyration about the centre in all directions.
+    /// The centre of a slender link is then as uncertain across the link as along it. The diagonal is one for held parameters.
     pub(super) fn round_metric(&self) -> DMatrix<f64> {
         let mut metric = self.metric.clone();
         (0..self.held.len()).filter(|i| self.held[*i]).for_each(|i| metric[(i, i)] = 1.0);
@@ -89,7 +89,7 @@ impl Prior {
         metric
     }
 
-    /// Whether all bodies with mass are physically possible if the parameters differ by `changes` from the described ones.
+    /// Whether all bodies with mass are physically possible if `changes` are added to the described parameters.
     pub(super) fn can_exist(&self, changes: &DVector<f64>) -> bool {
         let value = |i: usize| self.described[i] + changes[i];
         self.bodies.iter().all(|body| margin(&std::array::from_fn(|k| value(body * PER_BODY + k))) > 0.0)
@@ -138,8 +138,8 @@ fn body_metric(inverse: &Matrix4<f64>) -> DMatrix<f64> {
     DMatrix::from_fn(PER_BODY, PER_BODY, |i, k| 0.5 * (scaled[i] * scaled[k]).trace())
 }
 
-/// Cholesky factor of P₀ plus floors of its moments. If the described body is not physically possible, the floors are
-/// doubled until it is.
+/// Cholesky factor of the described pseudo-inertia P₀ plus a floor on its second moments. If the body is not physically
+/// possible with this floor, the floor is doubled until the body is possible.
 fn believed(pi: &[f64; PER_BODY], mean_radius: f64) -> Cholesky<f64, Const<4>> {
     let mut p = pseudo_inertia(pi);
     let own = (p[(0, 0)] + p[(1, 1)] + p[(2, 2)]).abs() / pi[0];

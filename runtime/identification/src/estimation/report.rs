@@ -6,9 +6,9 @@ use super::residuals::{Forces, RunOffsets};
 use super::result::{Estimate, Gravity, JointEstimate};
 use gelenk_findings::{Finding, Rule};
 
-/// Sees: a robot that compensates the weight of its bodies as described.
+/// Sees: a robot that compensates the weight of the described bodies only.
 /// Matters: the efforts contain only the additional weight.
-/// Example: a load in the hand of a robot that holds itself.
+/// Example: a load in the hand of a robot with gravity compensation.
 /// Fixture: `estimation/tests/simulated.rs`.
 const AS_DESCRIBED: Rule = Rule::note("compensated-as-described");
 
@@ -21,7 +21,7 @@ pub(super) struct Report<'a> {
     pub(super) offset_errors: &'a RunOffsets,
     pub(super) held_out: &'a [f64],
     pub(super) with_rest: &'a [f64],
-    /// Whether friction under load was requested.
+    /// Whether load-dependent friction was requested.
     pub(super) has_loads: bool,
 }
 
@@ -77,8 +77,9 @@ impl Report<'_> {
     fn gravity(&self) -> Option<Finding> {
         (self.fitted.gravity == Gravity::CompensatedAsDescribed).then(|| {
             AS_DESCRIBED.found(
-                "the robot compensates the weight of the described bodies. The efforts contain the additional weight, and so do \
-                 the estimated bodies; if the robot's own model differs, their weight is wrong by the difference",
+                "the robot compensates the weight of the described bodies only. The estimated bodies contain the additional weight \
+                 that the efforts show; if the model in the robot differs from the description, their weight is wrong by the \
+                 difference",
             )
         })
     }

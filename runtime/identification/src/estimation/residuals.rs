@@ -1,4 +1,4 @@
-//! Forces along the runs with given values, robust deviations, and weights of outliers.
+//! Measured, modelled and residual forces along the runs, robust deviations, and weights of outliers.
 
 use super::super::numeric::kernel::BLOCK;
 use super::super::numeric::statistics::median;
@@ -9,7 +9,7 @@ use super::normal::{Values, residual_vector};
 use super::rows::Rows;
 use nalgebra::DVector;
 
-/// Standard deviation of normal errors divided by the median of their magnitudes.
+/// Ratio of the standard deviation of normal errors to the median of their magnitudes.
 const FROM_MEDIAN: f64 = 1.4826;
 
 /// Forces of every joint along every run, `[run][joint][sample]` [N·m or N].
@@ -20,12 +20,12 @@ pub(super) struct Forces {
     /// Forces of the rigid body with the estimated values (`rigid`) and with the described values.
     pub(super) rigid: Vec<Vec<Vec<f64>>>,
     pub(super) described: Vec<Vec<Vec<f64>>>,
-    /// Friction under load; empty if the layout does not have it.
+    /// Load-dependent friction; empty if the layout does not have this term.
     pub(super) load: Vec<Vec<Vec<f64>>>,
 }
 
 impl Forces {
-    /// Runs and samples that are used for a joint: those without its rests.
+    /// Indices of the runs and samples that are used for a joint: the samples at which it does not rest.
     pub(super) fn moving<'a>(
         &self,
         layout: &'a Layout,
@@ -42,7 +42,7 @@ impl Forces {
 /// Offsets of each joint and run, `[joint][run]`.
 pub(super) type RunOffsets = Vec<Vec<f64>>;
 
-/// Residual of one joint over a block, without the offset.
+/// Residual of one joint over a block of samples, after the offset is subtracted.
 pub(super) fn residual(factors: &DVector<f64>, offset: f64, columns: &[&[f64]]) -> Vec<f64> {
     let mut residual = vec![-offset; columns.first().map_or(0, |c| c.len())];
     for (factor, column) in factors.iter().zip(columns).filter(|(factor, _)| **factor != 0.0) {
@@ -101,7 +101,7 @@ fn rigid(layout: &Layout, joint: usize, factors: &DVector<f64>, columns: &[&[f64
     residual(&only, 0.0, columns)
 }
 
-/// Friction under load; empty if the layout does not have it.
+/// Load-dependent friction; empty if the layout does not have this term.
 fn under_load(layout: &Layout, joint: usize, factors: &DVector<f64>, columns: &[&[f64]]) -> Vec<f64> {
     let place = layout.first_term(joint) + LOAD;
     let has = layout.terms > LOAD;
@@ -122,8 +122,8 @@ pub(super) fn robust_deviations(layout: &Layout, runs: &[PreparedRun], forces: &
     (0..layout.joints).map(|j| robust_deviation(sizes(j))).collect()
 }
 
-/// Standard deviation of residuals by the median of their sizes, which is insensitive to outliers; infinite without
-/// residuals.
+/// Standard deviation of residuals, estimated from the median of their magnitudes, which is insensitive to outliers;
+/// infinite if there are no residuals.
 pub(crate) fn robust_deviation(sizes: impl Iterator<Item = f64>) -> f64 {
     median(sizes).map_or(f64::INFINITY, |median| (FROM_MEDIAN * median).max(f64::MIN_POSITIVE))
 }

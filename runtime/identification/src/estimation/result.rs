@@ -20,7 +20,7 @@ pub enum Offsets {
 /// the inertial parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Gravity {
-    /// The efforts hold the weight.
+    /// The recorded efforts contain the weight: `z = W π + …`.
     Recorded,
     /// The robot compensates its whole weight outside the recorded efforts: `z = W π − W₀ π + …`.
     Compensated,
@@ -53,21 +53,21 @@ pub struct Estimate {
     pub offsets: Offsets,
     /// Weight λ of the squared distance from the description.
     pub description_weight: f64,
-    /// Number of combinations of the inertial parameters that the data decide: the trace of `(H + λ R)⁻¹ H` over these
-    /// parameters, with the Hessian H and the metric R of the description.
+    /// Effective number of inertial parameters that the data determine: the trace of `(H + λ R)⁻¹ H` over these parameters,
+    /// with the Hessian H of the sum of squares, the weight λ and the metric R of the description.
     pub effective_parameters: f64,
     /// Covariance of the inertial parameters `[P × P]`; zero for parameters that the data may not change.
     pub parameter_covariance: DMatrix<f64>,
-    /// Change of the residuals with the inertial parameters.
+    /// Products from which [`Self::r_squared_lost`] is computed.
     pub(crate) sensitivity: Sensitivity,
-    /// Measured forces at the joints, gains applied, `[run][joint][sample]` [N·m or N].
+    /// Measured forces at the joints, multiplied by the gains, `[run][joint][sample]` [N·m or N].
     pub measured: Vec<Vec<Vec<f64>>>,
     /// Forces of the fitted model including offsets, `[run][joint][sample]` [N·m or N].
     pub predicted: Vec<Vec<Vec<f64>>>,
     /// Measured forces minus the rigid-body forces, `[run][joint][sample]` [N·m or N]. They contain friction, offset and
     /// error.
     pub friction: Vec<Vec<Vec<f64>>>,
-    /// Friction that grows with the load, `[run][joint][sample]` [N·m or N]; empty if it was not requested.
+    /// Load-dependent friction, `[run][joint][sample]` [N·m or N]; empty if it was not requested.
     pub load_friction: Vec<Vec<Vec<f64>>>,
     /// Confidence level of all intervals, between 0 and 1.
     pub confidence: f64,
@@ -77,10 +77,10 @@ pub struct Estimate {
     pub terms_margins: Vec<DVector<f64>>,
     /// Degrees of freedom of the covariances.
     pub freedom: usize,
-    /// Remaining delay of each effort after the removed one \[s\], positive if the effort is still late; empty if the delays
-    /// are known. The forces of this estimate are at the times of the motion.
+    /// Delay of each effort that remained after the preparation \[s\], positive if the effort is late; empty if the delays are
+    /// known. The forces of this estimate are at the times of the motion.
     pub delays: Vec<Uncertain>,
-    /// Notes on the choices, and doubts about the data.
+    /// Findings about the choices of the fit and about the data.
     pub findings: Vec<Finding>,
 }
 
@@ -114,14 +114,13 @@ pub struct JointEstimate {
     pub unit: &'static str,
     /// Friction terms; empty if the joint does not move.
     pub terms: Vec<EstimatedTerm>,
-    /// Friction under load, `|τ_l| s₁(v)` with the load τ_l and a share s₁ without unit; `None` if it was not requested or
-    /// not chosen.
+    /// Load-dependent friction `|τ_l| s₁(v)` with the load τ_l of the gear and a dimensionless function s₁ of the velocity;
+    /// `None` if the term was not requested or not chosen.
     pub load: Option<EstimatedTerm>,
-    /// Reflected inertia that the description does not have [kg m² or kg]; `None` if it was not chosen.
+    /// Reflected inertia in addition to the described inertia [kg m² or kg]; `None` if this term was not chosen.
     pub armature: Option<Uncertain>,
     /// Motor constant K_M [N·m/A or N/A]; `None` if the effort is not a current or if the description has the constant. The
-    /// scale of torque comes from the described bodies. The intervals of parameters and friction include the uncertainty of
-    /// K_M.
+    /// described bodies determine the scale of K_M. The intervals of parameters and friction include the uncertainty of K_M.
     pub gain: Option<Uncertain>,
     /// Offset of the measured force in each run, `measured = model + offset` [N·m or N].
     pub offsets: Vec<f64>,
@@ -131,7 +130,7 @@ pub struct JointEstimate {
     pub sigma: f64,
     /// `R² = 1 − RSS / Σ (τ − τ̄)²` over all fitted data, with the residual sum of squares RSS and the force τ.
     pub r_squared: f64,
-    /// R² with each fold predicted from the other folds.
+    /// R² of predictions in which each fold is predicted by the fit to the other folds.
     pub held_out_r_squared: f64,
     /// Held-out R² over all samples including those at rest. At rest, dry friction takes any value up to the static one,
     /// which no law of the velocity predicts. NaN if the estimate was made from moments.
@@ -144,8 +143,8 @@ pub struct JointEstimate {
     /// Whether the effort of the joint was measured. Without a measured effort the joint has no terms, gain or armature. Its
     /// numbers and its measured and predicted forces are then NaN.
     pub measured: bool,
-    /// Whether the force is known without a sensor, as in the rows of a joint with a quaternion. Such a row has neither an
-    /// offset nor estimated friction. R² is NaN if no force acts there.
+    /// Whether the force is known without a sensor, as it is for a joint with a quaternion. Such a row has neither an offset
+    /// nor estimated friction. R² is NaN if no force acts there.
     pub exact: bool,
 }
 
@@ -154,6 +153,6 @@ pub struct JointEstimate {
 pub struct EstimatedTerm {
     /// Expression in the joint's velocity `v`, as in a description.
     pub basis: String,
-    /// Coefficient of the expression.
+    /// Coefficient of the expression. The product of both is in N·m or N; it is dimensionless for [`JointEstimate::load`].
     pub coefficient: Uncertain,
 }

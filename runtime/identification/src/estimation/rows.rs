@@ -9,8 +9,8 @@ use super::loads::Loads;
 use super::result::Gravity;
 use std::ops::Range;
 
-/// A function of the positions y that adds a change of the regressor to its second argument: first the columns of the
-/// robot's parameters, then additional columns.
+/// A function of the positions y that writes a change of the regressor into its second argument. In each row the columns of
+/// the robot's parameters come first, then additional columns.
 pub(super) type More<'a> = &'a dyn Fn(&[f64], &mut [f64]);
 
 /// Evaluates the columns of up to [`BLOCK`] samples. Only one block is stored. The columns of joints whose force was not
@@ -22,10 +22,10 @@ pub(super) struct Rows<'a> {
     gravity: Gravity,
     filter: Option<&'a Filter>,
     loads: Option<&'a Loads>,
-    /// Rates of the efforts without noise from a first fit; `None` without a first fit.
+    /// Rates of the efforts without noise from a first fit; `None` if there is no first fit.
     rates: Option<&'a [Vec<Vec<f64>>]>,
     more: Option<More<'a>>,
-    /// |τ_l| of each joint at the last evaluated sample.
+    /// Magnitude |τ_l| of the load of each joint's gear at the last evaluated sample.
     load: Vec<f64>,
     regressor: Vec<f64>,
     at_rest: Vec<f64>,
@@ -72,7 +72,7 @@ impl<'a> Rows<'a> {
         Self { rates, ..self }
     }
 
-    /// These rows with the change of the regressor by a hypothesis.
+    /// These rows with the change of the regressor that belongs to a hypothesis.
     pub(super) fn with_more(self, more: Option<More<'a>>) -> Self {
         let added = vec![0.0; more.map_or(0, |_| self.layout.joints * self.layout.parameters)];
         Self { more, added, ..self }
@@ -120,9 +120,9 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Computes W and the described rigid force. If the robot compensates gravity, the force is without it. W is then also
-    /// without gravity, unless the robot compensates only the described bodies: the differences from these bodies then have
-    /// a weight in the efforts.
+    /// Computes the regressor W and the described rigid-body force. If the robot compensates gravity, the force does not
+    /// contain gravity. W does not contain gravity either, unless the robot compensates the described bodies only. In this
+    /// case the efforts contain the weight of the differences from these bodies.
     fn rigid_body(&mut self, y: &[f64], v: &[f64], a: &[f64], rigid: &mut [f64]) {
         self.regressor.fill(0.0);
         self.robot.inertial_regressor(y, v, a, &mut self.regressor);
@@ -157,7 +157,7 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Computes the loads of the gears. They include the weight, whoever compensates it.
+    /// Computes the loads of the gears. The loads include the weight, even if the robot compensates it.
     fn load(&mut self, a: &[f64], rigid: &[f64]) {
         let Some(loads) = self.loads else { return };
         let rows = self.regressor.chunks_exact(self.described.len().max(1));
@@ -166,7 +166,7 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Computes the columns of friction that are not multiples of v. They pass the filter if there is one.
+    /// Computes the columns of friction that are not multiples of v. The columns pass the filter if there is one.
     fn friction(&mut self, run: &PreparedRun, rows: &Range<usize>) {
         let layout = self.layout;
         let half = self.filter.map_or(0, Filter::half_length);

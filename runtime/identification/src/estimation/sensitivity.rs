@@ -3,8 +3,8 @@
 use super::result::Estimate;
 use nalgebra::{DMatrix, DVector};
 
-/// Change of the residuals with the inertial parameters. The residual sums of squares are quadratic functions of the
-/// parameters.
+/// Products from which the change of the residual sum of squares with the inertial parameters is computed. This sum is a
+/// quadratic function of the parameters.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Sensitivity {
     pub(super) joints: Vec<JointSensitivity>,
@@ -24,8 +24,8 @@ pub(super) struct JointSensitivity {
 }
 
 impl Estimate {
-    /// Loss of R² of each moving joint if the inertial parameters differ by `change` from the estimate and all other values
-    /// stay the same. A negative loss is a gain.
+    /// Decrease of R² of each moving joint if `change` is added to the inertial parameters and all other values stay the same.
+    /// A negative entry is an increase. Joints whose decrease is not finite have no entry.
     #[must_use]
     pub fn r_squared_lost(&self, change: &[f64]) -> Vec<f64> {
         let lost = |joint: &JointSensitivity| {

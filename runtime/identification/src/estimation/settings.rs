@@ -13,11 +13,12 @@ pub struct EstimationSettings {
     /// Kind of the offsets of the efforts. `None` chooses between one offset for each joint and one for each joint and run,
     /// by the held-out error.
     pub offsets: Option<Offsets>,
-    /// Factors k of the Coulomb terms tanh(k v), one for each joint [s/rad or s/m]. `None` chooses them by the held-out
-    /// error.
+    /// Factors k of the Coulomb terms tanh(k v) with the velocity v, one for each joint [s/rad or s/m]. `None` chooses the
+    /// factors by the held-out error.
     pub steepness: Option<Vec<f64>>,
-    /// Whether the friction of joints with an input of their own may grow with the load τ_l of the gear, `|τ_l| s₁ tanh(k
-    /// v)` with 0 < s₁ < 1. The term is added to a joint if it lowers the held-out error.
+    /// Whether load-dependent friction may be added, `|τ_l| s₁ tanh(k v)` with 0 < s₁ < 1, the load τ_l of the gear and k as in
+    /// [`Self::steepness`]. The term is added to a joint if it lowers the held-out error. The joint must have an input that
+    /// drives no other joint.
     pub load_friction: bool,
     /// Whether reflected inertia (ÿ) and asymmetric viscous friction (|v|) may be added. Each term is added to a joint if it
     /// lowers the held-out error.
@@ -28,15 +29,15 @@ pub struct EstimationSettings {
     pub robust_passes: usize,
     /// Whether the inertial parameters must be those of physically possible bodies.
     pub consistent: bool,
-    /// The filter that the runs passed. It has rounded the jumps of friction at reversals in the efforts, so the columns of
-    /// friction pass it, too. `None` if the runs passed no filter.
+    /// The filter that the runs passed. In the efforts this filter has rounded the jumps of friction at velocity reversals.
+    /// Therefore the regressor columns of friction also pass the filter. `None` if the runs passed no filter.
     pub filter: Option<Filter>,
-    /// For each effort, the index of its delay, from 0 on. Efforts with the same index share a delay. The rest of each delay
-    /// after the removed one is estimated together with all other unknowns. `None` if the delays are known.
+    /// For each effort, the index of its delay, from 0 on. Efforts with the same index share a delay. The delay that remains
+    /// after the preparation is estimated together with all other unknowns. `None` if the delays are known.
     pub delays: Option<Vec<usize>>,
     /// Confidence level of the intervals, between 0 and 1.
     pub confidence: f64,
-    /// Least centred R² on held-out data that the fit of a moving joint must have, below 1.
+    /// Smallest acceptable R² of a moving joint on held-out data, below 1.
     pub least_r_squared: f64,
     /// Indices of joints whose efforts are not used. These joints keep their description.
     pub without: Vec<usize>,

@@ -1,9 +1,9 @@
-//! The estimate from sums of products by share, if the samples are not available.
+//! The estimate from sums of products, if the samples are not available.
 //!
-//! A share is a group of samples of many logs. It is a fold of the held-out error and a block of the covariance. The mean of
-//! each column over a run is subtracted before the products are formed. So each run has an offset of its own, and the sums
-//! of any logs can be added. The rows of joints with a quaternion have no offset, so the means of their columns are not
-//! subtracted.
+//! The samples of all logs are divided into groups, called shares. Each share is a fold of the held-out error and a block of
+//! the covariance. The mean of each column over a run is subtracted before the products are formed. This has the effect of a
+//! separate offset for each run, and the sums of any logs can be added. The rows of joints with a quaternion have no offset,
+//! so the means of their columns are not subtracted.
 
 use super::super::error::{Result, require_finite};
 use super::super::methods::library::{slope, smooth_sign};
@@ -30,10 +30,11 @@ use gelenk_findings::Finding;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
-/// Factors k of the terms tanh(k v). They are those of the friction library, so that they do not depend on a log.
+/// Factors k of the terms tanh(k v) [s/rad or s/m]. The friction library has the same factors, which do not depend on a log.
 const STEEPNESS: [f64; 4] = [100.0, 20.0, 10.0, 5.0];
-/// Number of columns after those of the estimate. A joint has the columns sign v and |tanh 20 v|, which only the friction
-/// law needs. A joint with a quaternion has a column of ones instead, whose products are the sums of the other columns.
+/// Number of additional columns after the columns of the estimate. Most joints have the columns sign v and |tanh 20 v|, which
+/// only the friction law needs. A joint with a quaternion has a column of ones instead. The products of the column of ones
+/// are the sums of the other columns.
 const EXTRA: [usize; 2] = [2, 1];
 
 /// Columns of each joint's equation: inertial parameters, candidate terms, described force, measured force, and the columns
@@ -51,8 +52,8 @@ pub(crate) struct ShareSums {
     pub(crate) weights: Vec<f64>,
     /// Σ w (x − x̄)(x − x̄)ᵀ of each joint, with the columns x and their means x̄; Σ w x xᵀ of a joint with a quaternion.
     pub(crate) products: Vec<DMatrix<f64>>,
-    /// Sums of squares that the weights of outliers remove: Σ (1 − w) r² and Σ (1 − w)(z − z̄)² of each joint, with the
-    /// residual r and the measured effort z.
+    /// Sums of squares that the reduced weights w of outliers remove: Σ (1 − w) r² and Σ (1 − w)(z − z̄)² of each joint, with
+    /// the residual r and the measured effort z.
     pub(crate) lost: Vec<[f64; 2]>,
 }
 
@@ -63,7 +64,8 @@ pub(crate) struct RunPiece {
     pub(crate) rows: Range<usize>,
 }
 
-/// Weights and residuals of samples, `[run][joint][sample]`. The residuals are in units of the effort times B.
+/// Weights and residuals of samples, `[run][joint][sample]`. The residuals are in units of the effort times the input
+/// matrix B.
 pub(crate) struct Weighted<'a> {
     pub(crate) weights: &'a [Vec<Vec<f64>>],
     pub(crate) residuals: &'a [Vec<Vec<f64>>],
@@ -75,8 +77,7 @@ impl Columns {
     ///
     /// # Errors
     /// [`IdentificationError::File`](super::super::error::IdentificationError::File) if inputs act at frames and efforts are
-    /// not forces at the joints, or if efforts are currents with unknown motor constants of joints without inputs of their
-    /// own.
+    /// not forces at the joints. The same error is returned if motor constants are unknown and an input drives several joints.
     pub(crate) fn new(
         robot: &dyn Robot,
         effort: Effort,
@@ -98,7 +99,7 @@ impl Columns {
         (0..self.layout.joints).map(|joint| self.layout.width(joint) + extra(joint)).collect()
     }
 
-    /// Terms of the friction law, with the index of each term's column.
+    /// Candidate terms of the friction law, with the index of each term's column.
     pub(crate) fn library(&self, joint: usize) -> Vec<(String, usize)> {
         let (first, width) = (self.layout.local[joint].len() - TERMS, self.layout.width(joint));
         let coulomb = |place: usize| first + COULOMB.start + place;
@@ -115,9 +116,9 @@ impl Columns {
         ]
     }
 
-    /// Sums over each piece. Where forces are measured, the mean of each column over its run is subtracted.
+    /// Sums over each piece. The mean of each column over its run is subtracted, except for joints with a quaternion.
     ///
-    /// - `filter`: filter of the efforts, which friction passes, too
+    /// - `filter`: filter of the efforts, which the columns of friction also pass
     /// - `of`: weights and residuals of the samples
     pub(crate) fn sums(
         &self,
@@ -220,8 +221,8 @@ fn scale(column: &mut [f64], weights: &[f64]) {
     column.iter_mut().zip(weights).for_each(|(x, w)| *x *= w.sqrt());
 }
 
-/// Adds the squares that outliers lost. A sample with the weight zero is at rest and does not count. An outlier has a
-/// positive weight.
+/// Adds the squares that the reduced weights of outliers remove. A sample with the weight zero is at rest and does not count.
+/// The weight of an outlier is positive.
 fn add_lost(lost: &mut [f64; 2], weights: &[f64], squared: [&[f64]; 2]) {
     for (sum, values) in lost.iter_mut().zip(squared) {
         let counted = values.iter().zip(weights).filter(|(_, w)| **w > 0.0);
@@ -229,11 +230,11 @@ fn add_lost(lost: &mut [f64; 2], weights: &[f64], squared: [&[f64]; 2]) {
     }
 }
 
-/// Data of the estimate.
+/// Inputs of [`estimate_shares`].
 pub(crate) struct SharedData<'a> {
     pub(crate) robot: &'a dyn Robot,
     pub(crate) settings: &'a EstimationSettings,
-    /// Gravity in the logs. It is known from the sums, not from the settings.
+    /// Gravity in the logs. The file of the sums contains it, and the settings are not used.
     pub(crate) gravity: Gravity,
     pub(crate) columns: &'a Columns,
     /// Shares that have samples.
@@ -248,8 +249,8 @@ pub(crate) struct SharedEstimate {
     pub(crate) friction: Vec<DVector<f64>>,
 }
 
-/// Estimates inertial parameters, friction and gains as [`super::estimate`] does, with offsets for each run. Fields that
-/// need samples are empty: efforts, predictions and offsets.
+/// Estimates inertial parameters, friction and gains as [`super::estimate`] does, with an offset for each run. Efforts,
+/// predictions and offsets in the result are empty, because they need samples.
 ///
 /// # Errors
 /// The errors are those of [`super::estimate`].
@@ -336,7 +337,7 @@ struct Found<'a> {
 }
 
 impl Found<'_> {
-    /// Refuses a fit that explains too little, or that is better with the other sign of an effort.
+    /// Refuses a fit that explains too little, or a fit that would be better with the other sign of an effort.
     fn require_explained(&self) -> Result<()> {
         let Estimated { robot, settings, layout, .. } = self.fitted;
         let held_out: Vec<f64> =
@@ -345,7 +346,7 @@ impl Found<'_> {
         require_explained(robot, layout, settings, (&held_out, &self.doubts), reasons)
     }
 
-    /// The factor between estimated and described forces of the robot as a whole; `None` if no joint gives one.
+    /// Ratio of estimated to described forces of the robot as a whole; `None` if no joint determines the ratio.
     fn common_ratio(&self) -> Option<CommonRatio> {
         let Estimated { robot, layout, .. } = self.fitted;
         let sizes: Vec<Sizes> = (0..layout.joints).map(|joint| self.sizes(joint)).collect();
@@ -377,8 +378,8 @@ impl Found<'_> {
         [0, 1].map(|which| self.gain(joint).powi(2) * sum(which))
     }
 
-    /// `R² = 1 − RSS / Σ (τ − τ̄)²` with the mean τ̄ over each run if runs have offsets. Outliers have their full weight.
-    /// NaN if no force acts.
+    /// `R² = 1 − RSS / Σ (τ − τ̄)²` of the force τ, with the mean τ̄ over each run if runs have offsets. Outliers have their
+    /// full weight here. NaN if no force acts.
     fn r_squared(&self, joint: usize, rss: f64) -> f64 {
         let variation = self.fitted.chosen.centred.variation(joint);
         let [residual, total] = self.lost(joint);

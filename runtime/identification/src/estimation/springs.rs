@@ -57,11 +57,12 @@ pub(super) fn finding(case: &Case, change: &Change, rule: &Rule) -> Result<Optio
     }
     let (shown, unit) = (plain(stiffness.abs(), 3), task.robot.position_units()[*joint]);
     let force = if unit == "m" { "N" } else { "N·m" };
-    let (side, change) = if stiffness > 0.0 { ("more", "add") } else { ("less", "subtract") };
+    let (side, change) = if stiffness > 0.0 { ("more", "increase") } else { ("less", "reduce") };
     let message =
         format!("the data are explained better with {shown} {force}/{unit} {side} stiffness than described");
     let remedy = format!(
-        "if it has a spring, or a cable that pulls, {change} {shown} in its `spring = {{ stiffness = … }}`; otherwise check the load"
+        "if the joint has a spring or a cable that pulls, {change} its `spring = {{ stiffness = … }}` by {shown}; otherwise check \
+         the load"
     );
     Ok(Some(rule.found(message).with("stiffness", stiffness, "").help(remedy)))
 }

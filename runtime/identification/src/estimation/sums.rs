@@ -1,9 +1,10 @@
-//! Sums of products of each joint's columns for each fold, and sums of columns for each piece, in one pass over the runs.
+//! Sums of products of each joint's columns (regressor and force) for each fold, and sums of columns for each piece, in one
+//! pass over the runs.
 //!
-//! All choices (weights of the joints, terms, offsets, gains, the weight of the description) are made from these sums. Their
-//! size does not depend on the number of samples. Products square the condition number. This is accepted because the
-//! unknowns are differences from the description, which holds the directions that the squared numbers cannot resolve
-//! (singular values below 1e-7 of the largest one).
+//! All choices (weights of the joints, terms, offsets, gains, the weight of the description) are made from these sums. The
+//! size of the sums does not depend on the number of samples. Products square the condition number. This is accepted because
+//! the unknowns are differences from the description: the description determines the directions with singular values below
+//! 1e-7 of the largest one, which the squared numbers cannot resolve.
 
 use super::super::methods::moments::contiguous_blocks;
 use super::super::numeric::kernel::{BLOCK, add_products};
@@ -14,7 +15,7 @@ use super::rows::Rows;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
-/// A contiguous part of a run. All its samples are in one fold.
+/// A contiguous part of a run. All samples of a piece are in one fold.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Piece {
     pub(super) run: usize,
@@ -37,16 +38,16 @@ pub(super) struct Sums {
     pub(super) folds: Vec<Vec<DMatrix<f64>>>,
     pub(super) pieces: Vec<PieceSums>,
     pub(super) samples: usize,
-    /// The same sums without samples near stops, from which gains are found; `None` if no gains are to be found.
+    /// The same sums without samples near stops. Gains are estimated from these sums. `None` if no gain is estimated.
     pub(super) away: Option<Box<Sums>>,
 }
 
 /// Cuts runs into contiguous pieces and assigns the pieces to folds.
 ///
-/// A few runs are cut into one piece for each fold. If there are more than half as many runs as folds, each run is halved,
-/// and its halves are in different folds, so that the offset of the run can be estimated from the other half. Runs that
-/// repeat a motion are in the same folds. Otherwise the fit would know the motion of the held-out run, and the error would
-/// not measure the prediction of other motions.
+/// If there are at most half as many runs as folds, each fold is one contiguous part of all samples. If there are more runs,
+/// each run is halved, and the halves are in different folds, so that the offset of the run can be estimated from the other
+/// half. Runs that repeat a motion are in the same folds. Otherwise the fit would know the motion of the held-out run, and
+/// the error would not measure the prediction of other motions.
 pub(super) fn cut(runs: &[PreparedRun], folds: usize) -> Vec<Piece> {
     let pairs = (folds / 2).max(1);
     if runs.len() > pairs {
@@ -62,8 +63,8 @@ pub(super) fn cut(runs: &[PreparedRun], folds: usize) -> Vec<Piece> {
     parts(runs, folds).into_iter().map(|(run, fold, rows)| Piece { run, fold, rows }).collect()
 }
 
-/// Cuts all runs together into contiguous parts with equal numbers of samples in motion. The result has the index of the
-/// run, the index of the part, and the rows.
+/// Cuts the sequence of all runs into contiguous parts with equal numbers of samples in motion. Each entry of the result has
+/// the index of the run, the index of the part, and the rows of the run.
 fn parts(runs: &[PreparedRun], count: usize) -> Vec<(usize, usize, Range<usize>)> {
     let moving = |run: &PreparedRun| run.count_moving(0..run.times.len());
     let blocks: Vec<Range<usize>> = contiguous_blocks(runs.iter().map(moving).sum(), count).collect();
@@ -96,10 +97,10 @@ fn motions(runs: &[PreparedRun]) -> (Vec<usize>, usize) {
     (numbers, first.len())
 }
 
-/// Smallest number of motions for which motions are folds.
+/// Smallest number of distinct motions for which the folds are whole motions.
 pub(crate) const FEWEST_MOTIONS: usize = 3;
 
-/// Index of the motion of each run, if runs repeat motions and there are several motions; otherwise `None`.
+/// Index of the motion of each run; `None` if no motion is repeated or if there are fewer than [`FEWEST_MOTIONS`].
 pub(crate) fn repeated_motions(runs: &[PreparedRun]) -> Option<Vec<usize>> {
     let (numbers, count) = motions(runs);
     (count >= FEWEST_MOTIONS && count < runs.len()).then_some(numbers)
@@ -272,7 +273,7 @@ mod tests {
         let pieces = cut(&runs, 8);
         let folds = |run: usize| pieces.iter().filter(|p| p.run == run).map(|p| p.fold).collect::<Vec<_>>();
         assert_eq!([0, 1, 2, 3, 4].map(folds), [[0, 1], [2, 3], [0, 1], [4, 5], [2, 3]]);
-        // Where all runs are one motion, or none is another's, neighbours share them.
+        // If all runs have the same motion, or all have different ones, neighbours share folds.
         let same = vec![run(1.0, 0.0); 6];
         assert_eq!(
             cut(&same, 4).iter().map(|p| p.fold).collect::<Vec<_>>(),

@@ -1,4 +1,4 @@
-//! Robot, runs and settings, which all stages of an estimate share.
+//! Robot, runs and settings that all stages of an estimate share.
 
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
@@ -24,7 +24,8 @@ pub(super) struct Task<'a> {
     pub(super) gravity: Gravity,
     pub(super) pieces: Vec<Piece>,
     pub(super) loads: Option<&'a Loads>,
-    /// First fit with unknown delays, which have been removed from the runs; `None` if the delays are known.
+    /// First fit with unknown delays. The estimated delays have been removed from [`Self::runs`]. `None` if the delays are
+    /// known.
     pub(super) first_fit: Option<&'a FirstFit>,
     /// Columns that a hypothesis adds to the regressor.
     pub(super) more: Option<More<'a>>,

@@ -1,9 +1,10 @@
 //! Test of the described direction of gravity.
 //!
-//! Weights are linear in gravity. If gravity turns by small angles ε₁ and ε₂, the weights change by `ε₁ W₁(y) π + ε₂ W₂(y)
-//! π`, where W₁ and W₂ are regressors at rest under gravities perpendicular to it. The angles are fitted together with all
-//! other unknowns. Bodies are almost free, so an effect that other bodies explain equally well does not count as a tilt.
-//! Each pass starts from the gravity of the pass before until the direction converges (Gauss–Newton).
+//! Gravity forces are linear in the gravity vector. If this vector turns by small angles ε₁ and ε₂, the gravity forces change
+//! by `ε₁ W₁(y) π + ε₂ W₂(y) π`. W₁ and W₂ are regressors at rest for two gravity vectors perpendicular to the original one,
+//! and π are the inertial parameters. The angles are fitted together with all other unknowns. Bodies are almost free, so an
+//! effect that other bodies explain equally well does not count as a tilt. Each pass starts from the gravity of the previous
+//! pass until the direction converges (Gauss–Newton).
 
 use super::super::error::Result;
 use super::super::numeric::spectrum::symmetric_eigen;
@@ -70,19 +71,19 @@ fn across(gravity: Vector3<f64>) -> [Vector3<f64>; 2] {
     [first, down.cross(&first)]
 }
 
-/// A gravity that differs from the described one, and the axes along which it turns further.
+/// A gravity vector that differs from the described one, and the two directions in which it is turned further.
 struct Turning<'a> {
     robot: &'a dyn Robot,
     described: Vector3<f64>,
     gravity: Vector3<f64>,
     across: [Vector3<f64>; 2],
-    /// Inertial parameters π of the bodies whose weights turn.
+    /// Inertial parameters π of the bodies.
     pi: Vec<f64>,
 }
 
 impl Turning<'_> {
-    /// Adds to the regressor the weights under this gravity minus those under the described one, and the columns of the
-    /// angles.
+    /// Writes into the regressor the gravity columns under this gravity minus those under the described one, and the columns
+    /// of the angles.
     fn add(&self, y: &[f64], joints: usize, regressor: &mut [f64]) {
         let count = self.pi.len();
         let turned = at_rest(self.robot, y, joints, self.gravity - self.described);

@@ -1,7 +1,7 @@
-//! Doubts about the unit of efforts, by the ratio of the estimated rigid force to that of the described bodies.
+//! Doubts about the unit of efforts, from the ratio of the estimated rigid-body force to the force of the described bodies.
 //!
-//! A single joint is weak evidence. If gravity hardly loads it and its gear has much friction, the estimated force may be
-//! ten times the described one because both are nearly zero. So the joints that carry the robot decide about the unit.
+//! A single joint is weak evidence. If gravity hardly loads the joint and its gear has much friction, the estimated force may
+//! be ten times the described force because both are nearly zero. So the joints that carry the robot decide about the unit.
 
 use super::super::error::{IdentificationError, Result};
 use super::super::log::unit_value;
@@ -11,36 +11,36 @@ use super::levels;
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
 
-/// Sees: bodies that need several times, or a fraction of, the described force at the joints that carry the robot.
-/// Matters: beyond a factor of 10 nothing is estimated: efforts are in another unit.
+/// Sees: rigid-body forces that differ from the described ones by a factor above 3 at the joints that carry the robot.
+/// Matters: efforts are probably in another unit. Beyond a factor of 10 the result is refused.
 /// Example: efforts of motors before their gears.
 /// Fixture: `hundredths` in `codegen/tests/findings/arm.rs`.
 pub(super) const COMMON_FACTOR: Rule = Rule::error("other-unit-of-efforts");
 
-/// Sees: a body that needs several times, or a fraction of, the described force at one joint.
-/// Matters: the unit of its effort, its gear ratio or its described mass is wrong.
+/// Sees: an estimated rigid-body force that differs from the described force by a factor above 3 at one joint.
+/// Matters: the unit of its effort, its gear ratio or a described mass is wrong.
 /// Example: one effort in mN m.
 /// Fixture: `estimation/tests/simulated.rs`.
 const JOINT_FACTOR: Rule = Rule::warning("other-unit-of-effort");
 
-/// Units in which torques may be recorded.
+/// Units that are tried for recorded torques.
 const UNITS: [&str; 3] = ["mNm", "Ncm", "kNm"];
 /// Estimated rigid force, described rigid force, and measured force, each as the root of a sum of squares.
 pub(super) type Sizes = [f64; 3];
 
-/// The ratio of estimated to described rigid forces, over revolute joints or over prismatic joints.
+/// The median ratio of estimated to described rigid-body forces over the revolute joints, or over the prismatic joints.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct CommonRatio {
     factor: f64,
-    /// Names of the joints whose ratios have this median.
+    /// Names of the joints over which the median is taken.
     joints: Vec<String>,
     /// Unit of the joints' positions, rad or m.
     unit: &'static str,
     effort: Effort,
 }
 
-/// The ratio of the revolute joints or that of the prismatic joints, whichever is farther from 1; `None` if no joint carries
-/// the robot.
+/// The ratio of the revolute joints or the ratio of the prismatic joints, whichever is farther from 1; `None` if no joint
+/// carries the robot.
 ///
 /// - `known`: for each joint, whether it moves and its effort was measured
 pub(super) fn common_ratio(
@@ -135,16 +135,17 @@ impl CommonRatio {
         } else if self.factor < 1.0 {
             "efforts of motors before their gears are --effort input, currents are --effort current"
         } else {
-            "currents are --effort current, efforts behind the gears --effort joint"
+            "use --effort current for currents, and --effort joint for efforts on the output side of the gears"
         };
         let message = format!(
-            "the rigid bodies need {} times the described force ({})",
+            "the rigid bodies need {} times the described force (joints {})",
             plain(self.factor, 3),
             self.joints.join(", ")
         );
         let remedy = format!(
-            "{}{usual}; counts and percents have a factor, as in --columns '{key}=…[0.05 {unit}]'. If the efforts are right, check the \
-             unit of the positions, the described masses and the direction of gravity. --accept-poor uses the efforts as they are",
+            "{}{usual}; give counts and percents a factor, for example --columns '{key}=…[0.05 {unit}]'. If the efforts are right, \
+             check the unit of the positions, the described masses and the direction of gravity. --accept-poor uses the efforts as \
+             they are",
             guess.unwrap_or_default()
         );
         rule.found(message).with("factor", self.factor, "").help(remedy)

@@ -10,15 +10,15 @@ use std::f64::consts::PI;
 const PEAKS: [f64; 2] = [1.875, 5.773_502_691_896_258];
 /// Number of intervals of the motion at whose ends its forces are computed.
 const PARTS: usize = 100;
-/// Share of a range by which a posture may lie outside it, because postures are typed with a few digits.
+/// Share of a range of positions by which a posture may lie outside the range, because postures are typed with a few digits.
 const ROUNDING: f64 = 1e-6;
 
-/// A straight motion between two postures, at rest without acceleration at both ends: `s(τ) = 10 τ³ − 15 τ⁴ + 6 τ⁵` for τ
-/// from 0 to 1, the motion with the least jerk (Flash and Hogan 1985). All joints move together.
+/// A straight motion between two postures, at rest without acceleration at both ends. It follows the minimum-jerk polynomial
+/// `s(τ) = 10 τ³ − 15 τ⁴ + 6 τ⁵` for τ from 0 to 1 (Flash and Hogan 1985). All joints move at the same time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Approach {
-    /// Posture at the beginning [rad or m], by joint. A joint with a quaternion has the rotation vector of its orientation,
-    /// and if it is floating the position of its origin before the rotation vector.
+    /// Posture at the beginning [rad or m], one entry for each joint. A joint with a quaternion has the three entries of the
+    /// rotation vector of its orientation. If it is floating, the three entries of its origin's position come first.
     pub from: Vec<f64>,
     /// Posture at the end, in the same coordinates.
     pub to: Vec<f64>,
@@ -63,8 +63,8 @@ impl Approach {
         (0..=PARTS).filter(|_| moves).map(|i| self.instant(share(i), self.seconds)).collect()
     }
 
-    /// States of the motion at a period [s], without the last one, at which the planned motion begins. The motion takes a
-    /// little longer than the shortest time, so that it has a whole number of periods.
+    /// States of the approach with a period \[s\]. The last state is left out, because the planned motion begins with it. The
+    /// approach takes a little longer than the shortest time, so that it lasts a whole number of periods.
     pub(super) fn rows(&self, period: f64) -> Vec<Instant> {
         let rows = (self.seconds / period - 1e-9).ceil().max(0.0) as usize;
         let seconds = rows as f64 * period;
@@ -75,9 +75,9 @@ impl Approach {
 /// Fails if a posture is not possible for the robot.
 ///
 /// # Errors
-/// [`IdentificationError::Shape`](crate::error::IdentificationError::Shape) for a wrong number of joints, and
+/// [`IdentificationError::Shape`](crate::error::IdentificationError::Shape) if the number of entries is wrong, and
 /// [`IdentificationError::Setting`](crate::error::IdentificationError::Setting) for a rotation of π or more, or for a joint
-/// (also one that follows other joints) beyond its described limits.
+/// beyond its described limits. Joints that follow other joints are checked, too.
 pub(super) fn require_posture(robot: &dyn Robot, chart: &Chart, start: &[f64]) -> Result<()> {
     let names = robot.joint_names();
     require_length("positions of the start", names.len(), start.len())?;

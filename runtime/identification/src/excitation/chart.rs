@@ -1,8 +1,9 @@
 //! Coordinates in which motions of robots with quaternions are planned. There are as many coordinates as velocities.
 //!
 //! The coordinates of a joint with a quaternion are the rotation vector φ of its orientation, R = exp([φ]×). A floating
-//! joint has the position p of its origin in the parent's frame before φ. Along φ(t) and p(t), velocities in the body's own
-//! frame are (Chirikjian, *Stochastic Models, Information Theory, and Lie Groups 2*, 2012, section 10.8)
+//! joint has the position p of its origin in the parent's frame before φ. Along φ(t) and p(t), the angular velocity ω and the
+//! linear velocity v in the body's frame are (Chirikjian, *Stochastic Models, Information Theory, and Lie Groups 2*, 2012,
+//! section 10.8)
 //!
 //! ```text
 //!     ω = J(φ) φ̇,    J(φ) x = x − β φ × x + γ φ × (φ × x),    β = (1 − cos θ)/θ²,    γ = (θ − sin θ)/θ³,    θ = |φ|
@@ -23,7 +24,8 @@ const ROUNDS: usize = 6;
 /// Share of a limit that is left for the error of the next scaling.
 const MARGIN: f64 = 1e-3;
 
-/// The coordinates of a robot. Those of joints without a quaternion are their positions.
+/// Map from the coordinates of a motion to positions, velocities and accelerations of a robot. The coordinates of joints
+/// without a quaternion are their positions.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Chart {
     joints: Vec<QuaternionJoint>,
@@ -91,7 +93,7 @@ impl Chart {
     }
 
     /// Scales down the motion of joints with quaternions, so that velocities and accelerations of their bodies keep the
-    /// limits that those of the coordinates keep.
+    /// limits of the coordinates.
     pub(super) fn narrow(&self, motion: &mut FourierMotion, limits: &[ExcitationLimits], samples: usize) {
         for joint in &self.joints {
             for _ in 0..ROUNDS {

@@ -6,7 +6,7 @@ use super::chart::Chart;
 use super::{ExcitationLimits, Instant};
 use nalgebra::DMatrix;
 
-/// Number of random states by which dependent columns of the regressor are detected.
+/// Number of random states at which dependent columns of the regressor are detected.
 const STATES: usize = 60;
 
 /// Random states within the limits.
@@ -22,9 +22,9 @@ pub(super) fn random_states(limits: &[ExcitationLimits], chart: &Chart) -> Vec<I
     (0..STATES).map(|_| state()).collect()
 }
 
-/// Indices of columns of W that are linearly independent at random states (Gautier 1991).
+/// Indices of columns of the regressor W that are linearly independent at random states (Gautier 1991).
 ///
-/// - `columns`: number of the first columns of W that are considered
+/// - `columns`: number of columns that are considered, from the first column on
 pub(super) fn independent_columns(robot: &dyn Robot, columns: usize, states: &[Instant]) -> Vec<usize> {
     let (n, all) = (robot.joint_names().len(), robot.parameter_names().len());
     let mut stacked = DMatrix::zeros(n * states.len(), columns);

@@ -33,7 +33,7 @@ const FRICTION: usize = 3;
 pub(super) struct Design<'a> {
     robot: &'a dyn Robot,
     rows: RobotRows<'a>,
-    /// Indices of linearly independent columns of W.
+    /// Indices of linearly independent columns of the regressor W.
     pub(super) independent: Vec<usize>,
     columns: usize,
     /// Efforts that the motion may require from the joints (`efforts`), torques that it may require from the motors of
@@ -42,7 +42,7 @@ pub(super) struct Design<'a> {
     torques: Vec<f64>,
     weights: Vec<f64>,
     sign_speeds: Vec<f64>,
-    /// Joints that follow other joints, and for each motor the speed at which it has no torque left.
+    /// Limits of joints that follow other joints, and no-load speeds of the motors.
     followers: Vec<FollowerLimits>,
     /// Limits of the motors; `None` if the motors have no limits.
     motors: Option<Motors<'a>>,
@@ -81,7 +81,7 @@ impl<'a> Design<'a> {
         };
         Self {
             robot,
-            // All factors of described friction of joints cannot be distinguished from friction of shafts.
+            // Not all factors of described joint friction can be distinguished from friction of shafts.
             independent: independent_columns(&rows, robot.parameter_names().len(), &states),
             columns: rows.parameter_names().len(),
             weights: of_rows.iter().zip(&typical).map(weight).collect(),
@@ -125,7 +125,7 @@ impl<'a> Design<'a> {
                 instants.iter().map(|[y, ..]| joint.sum(y.iter().copied(), joint.offset) - middle);
             let [low, high] = positions.fold([0.0_f64; 2], |[low, high], y| [low.min(y), high.max(y)]);
             let [least, most] = joint.position;
-            // A quotient by 0 belongs to a motion that does not move the following joint. It scales nothing.
+            // If the motion does not move the following joint, a quotient has the divisor 0 and does not scale the motion.
             let share = 1.0_f64
                 .min((most - least) / (high - low))
                 .min(self.velocity_share * joint.velocity / fastest);
@@ -140,7 +140,8 @@ impl<'a> Design<'a> {
         }
     }
 
-    /// Whether the motion leaves the limits of a joint that follows other joints, or of a joint that was shifted for it.
+    /// Whether the motion leaves the limits of a joint that follows other joints, or of a joint whose motion was shifted for
+    /// such a joint.
     fn leaves_limits(&self, [y, v, _]: &Instant) -> bool {
         if self.followers.is_empty() {
             return false;
@@ -206,7 +207,7 @@ impl<'a> Design<'a> {
         &matrix * matrix.transpose()
     }
 
-    /// Names of joints, inputs at frames, motors and shafts whose limits a motion exceeds. They are computed lazily.
+    /// Names of joints, inputs at frames, motors and shafts whose limits a motion exceeds. The names are computed lazily.
     fn beyond<'b>(&'b self, instants: &'b [Instant]) -> impl Iterator<Item = String> + use<'a, 'b> {
         let joints = || named_beyond(self.robot, instants, &self.efforts);
         let inputs = || self.inputs.as_ref().and_then(|inputs| inputs.exceeded(instants));
@@ -236,13 +237,14 @@ impl<'a> Design<'a> {
         let beyond: Vec<String> = self.beyond(approach).collect();
         (!beyond.is_empty()).then(|| {
             format!(
-                "the path from the start needs more effort than the share that the plan may use: {}; go there more slowly, or start nearer",
+                "the path from the start needs more than the share of the effort that the plan may use, at {}: move along the path more \
+                 slowly, or start from a nearer posture",
                 beyond.join(", ")
             )
         })
     }
 
-    /// Requirements of the motion on the motors of shafts.
+    /// Speeds and torques that the motion requires from the motors of shafts.
     pub(super) fn shafts(&self, instants: &[Instant]) -> Vec<PlannedShaft> {
         let along: Vec<Instant> = instants.iter().map(|instant| self.rows.instant(instant)).collect();
         let [speeds, torques] = largest(&self.rows, &along);

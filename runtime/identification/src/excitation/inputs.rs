@@ -1,4 +1,4 @@
-//! Inputs that act at frames, as cylinders do: their values along a planned motion.
+//! Required values of inputs along a planned motion, for robots with inputs that act at frames (for example cylinders).
 
 use super::chart::Chart;
 use super::levels;
@@ -16,13 +16,13 @@ use nalgebra::DMatrix;
 pub struct PlannedInput {
     /// Name of the input.
     pub name: String,
-    /// Lowest and highest value, in the unit of the input.
+    /// Lowest and highest required value, in the unit of the input.
     pub range: [f64; 2],
-    /// Described lowest and highest value; infinite if the description has no limit.
+    /// Described lowest and highest value, in the unit of the input; infinite if the description has no limit.
     pub limits: [f64; 2],
 }
 
-/// Number of intervals of a joint's range at whose ends dead centres are searched.
+/// Number of intervals into which a joint's range is divided. Dead centres are searched at the ends of the intervals.
 const PLACES: u32 = 200;
 /// The inputs of a robot with inputs at frames.
 pub(super) struct FrameInputs<'a> {
@@ -38,8 +38,8 @@ impl<'a> FrameInputs<'a> {
         robot.has_inputs_at_frames().then(|| Self { robot, torques: Torques::of(robot, share) })
     }
 
-    /// Name of the first limit that a motion exceeds: an input or motor that would need more than its usable range, or a
-    /// dead centre of the inputs, near which they need very large forces. `None` if all limits are kept.
+    /// Name of the first limit that a motion exceeds; `None` if all limits are kept. The limit is that of an input or motor
+    /// that would need more than its usable range, or a dead centre, near which inputs need very large forces.
     pub(super) fn exceeded(&self, instants: &[Instant]) -> Option<String> {
         let mut side = 0.0;
         instants.iter().find_map(|instant| {
@@ -53,7 +53,7 @@ impl<'a> FrameInputs<'a> {
             }
             let ranges = self.torques.ranges(&instant[1]);
             let Some(inputs) = smallest_inputs(self.robot, &matrix, instant, &ranges) else {
-                return Some("forces that the inputs do not have".into());
+                return Some("forces that the inputs cannot produce".into());
             };
             let input = first_outside(&inputs, &ranges)?;
             let what = if self.torques.has_line(input) { "motor" } else { "input" };
@@ -81,7 +81,7 @@ impl<'a> FrameInputs<'a> {
     }
 }
 
-/// B(y): the joint forces of unit inputs.
+/// Input matrix B(y): the joint forces of unit inputs.
 pub(super) fn input_matrix(robot: &dyn Robot, y: &[f64]) -> DMatrix<f64> {
     let (joints, count) = (robot.joint_names().len(), robot.input_names().len());
     let mut matrix = DMatrix::zeros(joints, count);
@@ -95,8 +95,8 @@ pub(super) fn input_matrix(robot: &dyn Robot, y: &[f64]) -> DMatrix<f64> {
     matrix
 }
 
-/// Narrows the limits of joints to one side of the dead centre of their cylinder, to positions at which the lever is at
-/// least a share of the longest lever. Returns a sentence for each of these joints.
+/// Narrows the limits of joints to one side of the dead centre of their cylinder, where the lever is at least a share of the
+/// longest lever ([`levels::SHORT`]). Returns a sentence for each of these joints.
 pub(super) fn keep_sides(robot: &dyn Robot, chart: &Chart, limits: &mut [ExcitationLimits]) -> Vec<String> {
     if !robot.has_inputs_at_frames() {
         return Vec::new();
@@ -122,7 +122,7 @@ pub(super) fn keep_sides(robot: &dyn Robot, chart: &Chart, limits: &mut [Excitat
         if let Some([first, last]) = longest_side(&levers) {
             limit.position = [places[first], places[last]];
             notes.push(format!(
-                "{} has a dead centre within the limits of joint {}, which is moved from {:.2} to {:.2} therefore",
+                "{} has a dead centre within the limits of joint {}, so the joint moves only from {:.2} to {:.2}",
                 inputs[input], joints[joint], places[first], places[last]
             ));
         }
@@ -148,7 +148,7 @@ pub(super) fn longest_side(levers: &[f64]) -> Option<[usize; 2]> {
 }
 
 /// Fails if no input moves a joint, or if the inputs do not move a joint with a quaternion in all directions. A planned
-/// motion would need forces that do not exist.
+/// motion would then need forces that no input produces.
 pub(super) fn require_driven(robot: &dyn Robot, states: &[Instant]) -> Result<()> {
     let count = robot.input_names().len();
     let matrices: Vec<DMatrix<f64>> = match robot.has_inputs_at_frames() {
@@ -184,9 +184,10 @@ fn require_all_directions(joint: &QuaternionJoint, matrices: &[DMatrix<f64>]) ->
     };
     Err(at_joint(&joint.name).fault(format!(
         "no motion is planned if a {kind} joint is moved by its inputs in {moved} of its {} directions: its motion in the \
-         others cannot be controlled. Record free motions instead, which `gelenk identify` accepts; or \
-         describe the inputs that hold the joint while it moves (`[[inputs]]` with `frame` and `wrench`); or clamp what it \
-         carries, describe it as fixed for the plan and its logs ({fixed}), and identify the rest from free motions",
+         other directions cannot be controlled. Record free motions instead, which `gelenk identify` accepts; or \
+         describe the inputs that hold the joint while it moves (`[[inputs]]` with `frame` and `wrench`); or clamp the bodies \
+         that it carries, describe the joint as fixed for the plan and its logs ({fixed}), and identify the other parameters from \
+         free motions",
         rows.len()
     )))
 }

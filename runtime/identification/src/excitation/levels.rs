@@ -1,4 +1,4 @@
-//! Levels (numbers that decide) of a planned motion.
+//! Thresholds and constants of planned motions.
 
 use super::super::numeric::levels::levels;
 
@@ -6,15 +6,15 @@ levels! {
     /// Speed within which Coulomb friction changes its sign, as a share of the joint's largest speed.
     SIGN_SHARE: f64 = 0.02;
 
-    /// Share by which a start that is not possible is reduced in each trial.
+    /// Share by which a start motion that exceeds limits is reduced in each trial.
     SMALLER: f64 = 0.3;
 
-    /// Smallest size that is tried.
+    /// Smallest size of a start motion that is tried, as a share of the size that the limits allow.
     SMALLEST: f64 = 0.1;
 
-    /// Share by which a motion grows in each trial, as long as that lowers its score.
+    /// Share by which a motion is enlarged in each trial, as long as this lowers its score.
     LARGER: f64 = 0.1;
 
-    /// Share of the longest lever of a cylinder below which a lever is short, which is near a dead centre.
+    /// Smallest usable lever of a cylinder, as a share of its longest lever. Shorter levers are near a dead centre.
     SHORT: f64 = 0.25;
 }

@@ -35,8 +35,8 @@ impl Torques {
         (0..self.usable.len()).map(|input| self.range(input, v)).collect()
     }
 
-    /// Lowest and highest value of one input. Beyond its no-load speed a motor brakes, and the line limits the torque
-    /// without the share.
+    /// Lowest and highest value of one input. Beyond its no-load speed a motor can only brake. The limit there is the line
+    /// itself, not the usable share of the line.
     fn range(&self, input: usize, v: &[f64]) -> [f64; 2] {
         self.lines.iter().filter(|line| line.input == input).fold(self.usable[input], |[low, high], line| {
             let [least, most] = line.range(v);
@@ -85,7 +85,7 @@ fn constant_matrix(robot: &dyn Robot) -> DMatrix<f64> {
     DMatrix::from_row_slice(robot.joint_names().len(), count, &robot.input_matrix())
 }
 
-/// No-load speeds of motors, as limits of sums of the joints' speeds.
+/// No-load speeds of motors, as limits of weighted sums of the joints' speeds.
 pub(super) fn no_load_speeds(robot: &dyn Robot) -> impl Iterator<Item = FollowerLimits> {
     let names = robot.input_names();
     robot.torque_speed_lines().into_iter().map(move |line| FollowerLimits {

@@ -17,12 +17,12 @@ use gelenk_findings::{Finding, Rule};
 
 /// Sees: limits that a plan assumes because the description has none.
 /// Matters: the motion may be too fast or too far for the robot.
-/// Example: no limit of the speed.
+/// Example: a joint without a limit of speed.
 /// Fixture: `codegen/tests/motion_limits.rs`.
 const ASSUMED: Rule = Rule::note("assumed-limits");
 
 /// Sees: a motion that is smaller than the limits allow.
-/// Matters: it excites inertia and friction less.
+/// Matters: a smaller motion excites inertia and friction less.
 /// Example: 60 % of the size.
 /// Fixture: `codegen/tests/motion_limits.rs`.
 const SMALLER: Rule = Rule::note("smaller-motion");
@@ -36,13 +36,13 @@ const APPROACH: Rule = Rule::note("approach-beyond-limits");
 /// A planned motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
-    /// The motion. It is at rest at the beginning and end of each period. A joint with a quaternion has the rotation vector
-    /// φ of its orientation exp(φ), and if it is floating the position of its origin in the parent's frame before φ. The CSV
-    /// file has positions, velocities and accelerations instead.
+    /// The motion. It is at rest at the beginning and end of each period. The coordinates of a joint with a quaternion are the
+    /// rotation vector φ of its orientation exp(φ). If the joint is floating, the position of its origin in the parent's frame
+    /// comes before φ. The CSV file has positions, velocities and accelerations instead of these coordinates.
     pub motion: FourierMotion,
-    /// The approach from the given posture to the beginning of the motion; `None` without a given posture.
+    /// The approach from the given posture to the beginning of the motion; `None` if no posture is given.
     pub approach: Option<Approach>,
-    /// Number of base parameters, and number of friction parameters, that the motion has to determine.
+    /// Number of base parameters and number of friction parameters that the motion has to determine.
     pub parameters: [usize; 2],
     /// Condition number of the regressor of these parameters. Its rows are divided by the joints' efforts, and its columns
     /// are scaled to unit length.
@@ -50,35 +50,37 @@ pub struct Plan {
     /// Smallest score of the random motions before the search: minus the logarithm of the determinant of the Fisher
     /// information.
     pub start: f64,
-    /// Largest speeds [rad/s or m/s] and efforts [N·m or N] of the motion and the approach, by joint, for the described
-    /// robot without friction.
+    /// Largest speeds [rad/s or m/s] and largest efforts [N·m or N] of the motion and the approach, one entry for each joint,
+    /// for the described robot without friction.
     pub largest: [Vec<f64>; 2],
-    /// Requirements on the shafts of drives that act on several joints.
+    /// Speeds and torques that the motion and the approach require from drives that act on several joints.
     pub shafts: Vec<PlannedShaft>,
-    /// Requirements on all inputs, if some inputs act at frames; otherwise empty.
+    /// Ranges of all inputs that the motion and the approach require, if some inputs act at frames; otherwise empty.
     pub inputs: Vec<PlannedInput>,
-    /// Findings about assumed limits, and about limits that the motion exceeds.
+    /// Findings about assumed limits, about the size of the motion, and about limits that the approach exceeds.
     pub findings: Vec<Finding>,
     chart: Chart,
 }
 
-/// Number of evaluated times per time of the search for the requirements on inputs at frames, because their levers change
-/// with the position.
+/// Factor between the number of times at which required inputs at frames are computed and the number of times in the search.
+/// More times are necessary because the levers of these inputs change with the position.
 const SHOWN: usize = 10;
 
 /// Plans a motion that determines the base parameters and the friction of all joints.
 ///
-/// Minus the logarithm of the determinant of the Fisher information `Σ Wᵀ Σ_τ⁻¹ W` is minimized (D-optimality). It measures
-/// the volume of the parameters' confidence ellipsoid. Σ_τ is the diagonal matrix of the squares of the usable efforts, or
-/// of the typical forces of joints without a limit of the effort. W has a column for each independent inertial parameter,
-/// and three columns for each joint without a quaternion: v, a smooth sign of v, and 1. Shafts of drives that act on several
-/// joints replace rows of joints ([`crate::shafts`]), with the torque of their motors.
+/// The search minimizes minus the logarithm of the determinant of the Fisher information `Σ Wᵀ Σ_τ⁻¹ W` (D-optimality). This
+/// is a measure of the volume of the parameters' confidence ellipsoid.
+/// - W is the regressor at one time. It has a column for each independent inertial parameter, and three columns for each
+///   joint without a quaternion: the velocity v, a smooth sign of v, and 1.
+/// - Σ_τ is the diagonal matrix of the squares of the usable efforts. If a joint has no limit of the effort, its typical force
+///   is used instead.
+/// - Shafts of drives that act on several joints replace rows of joints ([`crate::shafts`]), with the torque of their motors.
 ///
 /// The motion keeps the limits of the joints. Its forces keep the usable share of the efforts, of the motors' torques, and
-/// of the range that torque–speed lines leave at each speed. If inputs act at frames, as cylinders do, the motion keeps the
-/// usable share of their limits. The plan does not consider obstacles and collisions of links.
+/// of the range that torque–speed lines leave at each speed. If inputs act at frames, for example cylinders, the motion keeps
+/// the usable share of their limits. The plan does not consider obstacles and collisions of links.
 ///
-/// - `progress`: receives a sentence on the search
+/// - `progress`: receives a sentence about the search
 ///
 /// # Errors
 /// - [`Setting`](IdentificationError::Setting): a setting out of its range, or a start beyond the described limits
@@ -99,7 +101,7 @@ pub fn plan(robot: &dyn Robot, settings: &PlanSettings, progress: &mut dyn FnMut
     require_driven(robot, &states)?;
     let design = Design::new(robot, RobotRows::of(robot), (&chart, &limits, &states), settings);
     progress(&format!(
-        "searching a motion for {} base parameters and {} of friction",
+        "searching for a motion that determines {} base parameters and {} friction parameters",
         design.independent.len(),
         design.friction()
     ));
@@ -146,20 +148,20 @@ pub fn plan(robot: &dyn Robot, settings: &PlanSettings, progress: &mut dyn FnMut
     })
 }
 
-/// The finding about a motion that is smaller than the limits allow, because a larger one would exceed the efforts; `None`
+/// The finding about a motion that is smaller than the limits allow, because a larger motion would exceed the efforts; `None`
 /// if the motion has its full size.
 fn smaller(size: f64) -> Option<Finding> {
     (size < 1.0).then(|| {
         let message = format!(
-            "full-size motions need more than the allowed share of the efforts: this motion has {:.0} % of the full size",
+            "motions of full size need more than the usable share of the efforts: this motion has {:.0} % of the full size",
             100.0 * size
         );
-        SMALLER.found(message).help("with a longer period it can be larger")
+        SMALLER.found(message).help("use a longer period for a larger motion")
     })
 }
 
 impl Plan {
-    /// First line of the CSV file, including its line break.
+    /// Returns the first line of the CSV file, including its line break.
     pub fn header(robot: &dyn Robot) -> String {
         let names = robot.joint_names();
         let positions = position_names(&robot.quaternion_joints(), &names);
@@ -174,9 +176,10 @@ impl Plan {
         self.chart.instant(&self.motion.instant(t))
     }
 
-    /// The approach and the motion as the text of a CSV file. The columns are `t` \[s\], and `q_`, `dq_` and `ddq_` with the
-    /// names of the joints. `gelenk_runtime::trajectory::Recording::open` reads this file, and a log of the motion can be
-    /// compared with it. A joint with a quaternion has a column for each position entry, as `q_base_x` to `q_base_qw`.
+    /// Returns the approach and the motion as the text of a CSV file. The columns are `t` \[s\], and `q_`, `dq_` and `ddq_`
+    /// (position, velocity, acceleration) with the names of the joints. A joint with a quaternion has a column for each
+    /// position entry, for example `q_base_x` to `q_base_qw`. `gelenk_runtime::trajectory::Recording::open` reads this file,
+    /// for example to compare a log of the motion with the plan.
     ///
     /// - `period`: time between rows \[s\]
     /// - `periods`: number of periods of the motion

@@ -10,7 +10,7 @@ pub(super) struct Refusals {
 }
 
 impl Refusals {
-    /// Counts a rejected motion. Returns its score, which is infinite.
+    /// Counts a rejected motion. Returns the score of a rejected motion, which is infinite.
     pub(super) fn refuse(&self, what: &str) -> f64 {
         *self.counts.borrow_mut().entry(what.to_owned()).or_default() += 1;
         f64::INFINITY
@@ -27,15 +27,15 @@ impl Refusals {
         });
         if !at_rest.is_empty() {
             return format!(
-                "standing still in the middle of the positions already needs more than the share that a plan may use of {}: raise the \
-                 efforts or the share, or narrow the limits to positions that need less",
+                "standing still in the middle of the positions already needs more than the share of the efforts that a plan may use, at \
+                 {}: raise the efforts or the share, or narrow the limits to positions that need less effort",
                 at_rest.join(", ")
             );
         }
         format!(
-            "no motion tried, down to a tenth of the size that the limits allow, shows all parameters within the efforts of joints and inputs, and within the limits of joints that \
-             follow others{most}: raise the efforts, lower the speed, lengthen the period, or narrow the limits of the joints that \
-             are followed"
+            "no motion tried, down to a tenth of the size that the limits allow, determines all parameters and keeps the efforts of \
+             joints and inputs and the limits of joints that follow others{most}: raise the efforts, lower the speed, lengthen the \
+             period, or narrow the limits of the joints that are followed"
         )
     }
 }

@@ -1,4 +1,4 @@
-//! The search for a motion.
+//! The search for the motion with the smallest score, by an evolution strategy.
 
 use super::super::error::{Result, require_setting};
 use super::super::numeric::random::SplitMix64;
@@ -22,7 +22,7 @@ pub(crate) struct ExcitationLimits {
 pub struct Excitation {
     /// Period T of the motion \[s\].
     pub period: f64,
-    /// Number of harmonics.
+    /// Number of harmonics of the Fourier series, from the frequency 1/T on.
     pub harmonics: usize,
     /// Number of equidistant times of a period at which limits and regressor are evaluated.
     pub samples: usize,
@@ -57,8 +57,8 @@ impl Excitation {
     /// - `restrict`: linear map of a motion to a motion of the requested kind
     /// - `narrow`: changes a motion within the limits so that it also keeps other limits
     ///
-    /// A start with an infinite score is scaled down until its score is finite. The motions that descend from it have the
-    /// same size.
+    /// A start with an infinite score is scaled down until its score is finite. All motions that are derived from this start
+    /// have the same size.
     pub(super) fn minimize(
         &self,
         limits: &[ExcitationLimits],
@@ -99,7 +99,7 @@ impl Excitation {
             "number of instants",
             self.samples as f64,
             self.samples >= 8 * self.harmonics,
-            "the highest harmonic needs at least eight per oscillation",
+            "the highest harmonic needs at least eight instants per oscillation",
         )?;
         for (i, limit) in limits.iter().enumerate() {
             let [low, high] = limit.position;
@@ -203,7 +203,7 @@ pub(super) fn condition_of_scaled(gram: &DMatrix<f64>) -> f64 {
     let n = norms.len();
     let scaled = DMatrix::from_fn(n, n, |i, j| gram[(i, j)] / (norms[i] * norms[j]));
     let eigenvalues = symmetric_eigenvalues(&scaled);
-    // With a smaller eigenvalue the Gram matrix has no significant digit left.
+    // If the eigenvalue is smaller, the Gram matrix has no significant digit left.
     match eigenvalues.min() {
         least if least > 1e-14 => (eigenvalues.max() / least).sqrt(),
         _ => f64::INFINITY,
@@ -283,7 +283,7 @@ mod tests {
         }
     }
 
-    /// Where the starts are too fast, the search goes on from smaller ones, and the motion grows to what is possible.
+    /// If the starts are too fast, the search continues from smaller starts, and the motion grows to the largest possible size.
     #[test]
     fn a_search_whose_starts_are_impossible_begins_smaller() {
         let settings = Excitation { iterations: 100, starts: 2, ..Default::default() };

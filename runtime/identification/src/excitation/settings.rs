@@ -9,12 +9,11 @@ use std::f64::consts::PI;
 pub struct PlanSettings {
     /// Settings of the search, with the period of the motion.
     pub excitation: Excitation,
-    /// Usable share of the range of positions, about its middle; above 0, at most 1.
+    /// Usable share of the range of positions, about the middle of the range; above 0, at most 1.
     pub position_share: f64,
     /// Usable share of the described speeds; above 0, at most 1.
     pub velocity_share: f64,
-    /// Usable share of the described efforts. The motion of the described robot needs at most these efforts. Above 0, at
-    /// most 1.
+    /// Usable share of the described efforts, which the described robot does not exceed in the motion; above 0, at most 1.
     pub effort_share: f64,
     /// Largest acceleration [rad/s² or m/s²]. `None` takes twice the usable speed per second.
     pub acceleration: Option<f64>,
@@ -23,11 +22,11 @@ pub struct PlanSettings {
     /// Range of positions of prismatic joints without described limits \[m\]. Revolute joints without described limits may
     /// turn by ±π.
     pub travel: f64,
-    /// Largest rotation of joints with a quaternion from their zero position \[rad\], above 0 and below π. A description
-    /// does not limit it.
+    /// Largest rotation of joints with a quaternion from their zero position \[rad\], above 0 and below π. Descriptions have
+    /// no such limit.
     pub turn: f64,
-    /// Posture from which the robot moves to the beginning of the motion [rad or m], by joint. A joint with a quaternion has
-    /// the coordinates of [`Approach`](super::Approach). `None` plans no approach.
+    /// Posture from which the robot moves to the beginning of the motion [rad or m], one entry for each joint. A joint with a
+    /// quaternion has the coordinates of [`Approach`](super::Approach). `None` plans no approach.
     pub start: Option<Vec<f64>>,
 }
 

@@ -1,17 +1,17 @@
-//! The smallest inputs that give certain joint forces, within limits if there are more inputs than joints.
+//! The smallest inputs that produce given joint forces, within limits if there are more inputs than joints.
 
 use super::Instant;
 use crate::numeric::spectrum::svd;
 use crate::robot::Robot;
 use nalgebra::{DMatrix, DVector, Dyn, SVD};
 
-/// Share of the largest force that the inputs need not give.
+/// Largest error of a force of the inputs, as a share of the largest required force.
 const RESIDUAL: f64 = 1e-9;
-/// Share of the largest singular value of B below which a singular value counts as zero, as for a cylinder at its dead
-/// centre.
+/// Share of the largest singular value of B below which a singular value counts as zero, for example if a cylinder is at its
+/// dead centre.
 pub(super) const SINGULAR: f64 = 1e-9;
 /// Number of corrections of the solution. The decomposition has an error of 6e-6 of the forces if columns of B differ much
-/// in size, as those of geared motors and cylinders do. Each correction reduces the error by this factor.
+/// in size, for example columns of geared motors and of cylinders. Each correction multiplies the error by 6e-6.
 const CORRECTIONS: usize = 3;
 /// Share of an input's range by which it may exceed its limits, for rounding near an end at 0.
 const OUTSIDE: f64 = 1e-6;
@@ -28,7 +28,7 @@ impl SmallestInputs {
         Self { matrix, decomposed }
     }
 
-    /// The smallest of the inputs u for which B u is nearest to the forces; `None` if there are no inputs.
+    /// The smallest inputs u among those for which B u is nearest to the forces; `None` if there are no inputs.
     pub(super) fn closest(&self, forces: &DVector<f64>) -> Option<DVector<f64>> {
         if self.matrix.is_empty() {
             return None;
@@ -42,7 +42,7 @@ impl SmallestInputs {
         Some(inputs)
     }
 
-    /// The smallest inputs with exactly these forces; `None` if no inputs give the forces.
+    /// The smallest inputs with exactly these forces; `None` if no inputs produce the forces.
     fn exact(&self, forces: &DVector<f64>) -> Option<DVector<f64>> {
         let inputs = self.closest(forces)?;
         let residual = (&self.matrix * &inputs - forces).amax();
@@ -50,11 +50,11 @@ impl SmallestInputs {
     }
 }
 
-/// The smallest inputs with B(y) u = M ÿ + k − q; `None` if no inputs give these forces.
+/// The smallest inputs u with B(y) u = M ÿ + k − q; `None` if no inputs produce these forces.
 ///
-/// If there are more inputs than joints, inputs that would leave their limits are held at the exceeded limit: a propeller
-/// that only pushes then stands still. If the other inputs cannot replace them, the smallest inputs are returned, beyond
-/// their limits.
+/// If there are more inputs than joints, inputs that would leave their limits are held at the exceeded limit. For example, a
+/// propeller that can only push stands still if it would have to pull. If the other inputs cannot produce the remaining
+/// forces, the smallest inputs are returned, although they exceed limits.
 pub(super) fn smallest_inputs(
     robot: &dyn Robot,
     matrix: &DMatrix<f64>,
@@ -71,7 +71,7 @@ pub(super) fn smallest_inputs(
 }
 
 /// Holds one input after the other at an exceeded limit until all inputs are within their limits; `None` if the other inputs
-/// cannot give the forces.
+/// cannot produce the forces.
 fn held_within(
     matrix: &DMatrix<f64>,
     forces: &DVector<f64>,

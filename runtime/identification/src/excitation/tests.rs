@@ -1,4 +1,4 @@
-//! Effect of the numbers that decide about a planned motion.
+//! Effect of the thresholds and constants of a planned motion.
 
 use super::super::numeric::levels::varied::page;
 use super::super::robot::{JointLimits, Robot};

@@ -6,8 +6,8 @@ use super::motors::joint_limits;
 use super::{ExcitationLimits, PlanSettings};
 use std::f64::consts::PI;
 
-/// Limits of the coordinates of the motion. Each entry of a rotation vector has a share of the largest rotation, so that the
-/// whole vector keeps it.
+/// Limits of the coordinates of the motion. The entries of a rotation vector have limits with which the length of the vector
+/// does not exceed the largest rotation.
 pub(super) fn usable(robot: &dyn Robot, settings: &PlanSettings, chart: &Chart) -> Vec<ExcitationLimits> {
     let mut halves: Vec<f64> = robot.position_units().iter().map(|unit| half_range(unit, settings)).collect();
     chart.rotations().for_each(|(_, rows)| halves[rows].fill(settings.turn / 3.0_f64.sqrt()));
@@ -47,11 +47,15 @@ pub(super) fn assumptions(robot: &dyn Robot, settings: &PlanSettings, chart: &Ch
         let half = half_range(unit, settings);
         let is_turn = |i: usize| turns[i] && unit == "rad";
         let found = joints(unit, &|i, limits| !is_turn(i) && !is_bounded(limits.position));
-        found.map(|names| format!("without limits of position ±{half:.2} {unit} are used: {names}"))
+        found.map(|names| {
+            format!("joints without limits of position have the limits ±{half:.2} {unit}: {names}")
+        })
     });
     let speeds = ["rad", "m"].map(|unit| {
         let found = joints(unit, &|_, limits| !is_limit(limits.velocity));
-        found.map(|names| format!("without limits of speed {} {unit}/s are used: {names}", settings.velocity))
+        found.map(|names| {
+            format!("joints without a limit of speed have the limit {} {unit}/s: {names}", settings.velocity)
+        })
     });
     let turning: Vec<&str> = chart.rotations().map(|(name, _)| name).collect();
     let turn = (!turning.is_empty()).then(|| {

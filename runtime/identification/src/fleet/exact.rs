@@ -2,8 +2,7 @@
 
 use super::super::error::{IdentificationError, Result};
 
-/// Number of binary digits after the point. The unit is 2⁻⁷² ≈ 2.1e-22. Numbers below 2⁻²⁰ lose digits of a floating-point
-/// number.
+/// Number of binary digits after the point. The unit is 2⁻⁷² ≈ 2.1e-22. Floating-point numbers below 2⁻²⁰ lose digits.
 const BITS: i32 = 72;
 /// Bound of the integers. Sums stay below 2⁵⁴ ≈ 1.8e16.
 const LARGEST: u128 = 1 << 126;
@@ -16,8 +15,8 @@ impl Exact {
     /// The multiple that is nearest to a number.
     ///
     /// # Errors
-    /// [`IdentificationError::Overflow`] if the number is not finite or too large, which happens if the units of the log are
-    /// not SI units.
+    /// [`IdentificationError::Overflow`] if the number is not finite or too large. This happens if the units of the log are not
+    /// SI units.
     pub(super) fn new(x: f64) -> Result<Self> {
         let scaled = (x * 2.0_f64.powi(BITS)).round_ties_even();
         if scaled.is_finite() && scaled.abs() < LARGEST as f64 {

@@ -17,21 +17,21 @@ const MAGIC: &[u8] = b"gelenk moments ";
 const FIRST_LINE: &[u8] = b"gelenk moments 4\n";
 /// Number of bytes of a SHA-256.
 const HASH: usize = 32;
-/// Largest file that is read [bytes]: that of a robot with several hundred joints.
+/// Largest size of a file that is read [bytes]. It is enough for a robot with several hundred joints.
 const LARGEST: u64 = 1 << 30;
 
 impl LogMoments {
     /// Reads a file of moments.
     ///
     /// # Errors
-    /// [`IdentificationError::File`](crate::error::IdentificationError::File) if the file cannot be read, has no moments or
-    /// moments of another version, or was truncated or changed.
+    /// [`IdentificationError::File`](crate::error::IdentificationError::File) if the file cannot be read, is not a file of
+    /// moments, has another version, or was truncated or changed.
     pub fn read(path: &Path) -> Result<Self> {
         let place = path.display().to_string();
         let fault = |message: String| at(&place).fault(message);
         let size = fs::metadata(path).map_err(|e| fault(e.to_string()))?.len();
         if size > LARGEST {
-            return Err(fault(format!("{size} bytes are more than moments have ({LARGEST})")));
+            return Err(fault(format!("it has {size} bytes, but a file of moments has at most {LARGEST}")));
         }
         Self::from_bytes(&fs::read(path).map_err(|e| fault(e.to_string()))?, &place)
     }
@@ -49,12 +49,14 @@ impl LogMoments {
         let fault =
             |message: String| at(path.display().to_string()).fault(format!("cannot be written: {message}"));
         if !may_be_replaced(path, MAGIC).map_err(|e| fault(e.to_string()))? {
-            return Err(fault("it holds no moments; name another file, or remove it first".into()));
+            return Err(fault(
+                "it is not a file of moments; name another file, or remove this file first".into(),
+            ));
         }
         write_whole(path, self.bytes()).map_err(|e| fault(e.to_string()))
     }
 
-    /// The bytes of the file. They are the same for the same logs, whatever the order in which the logs were added.
+    /// The bytes of the file. They do not depend on the order in which logs were added.
     pub(crate) fn bytes(&self) -> Vec<u8> {
         let mut bytes = FIRST_LINE.to_vec();
         self.put(&mut bytes);
@@ -68,18 +70,18 @@ impl LogMoments {
     /// - `place`: name of the file in messages
     ///
     /// # Errors
-    /// [`IdentificationError::File`](crate::error::IdentificationError::File) if the bytes have no moments or moments of
-    /// another version, or were truncated or changed.
+    /// [`IdentificationError::File`](crate::error::IdentificationError::File) if the bytes are not those of a file of moments,
+    /// have another version, or were truncated or changed.
     pub(crate) fn from_bytes(bytes: &[u8], place: &str) -> Result<Self> {
         let fault = |message: &str| at(place).fault(message);
         if !bytes.starts_with(MAGIC) {
             return Err(fault(
-                "it holds no moments: make them with `gelenk identify DESCRIPTION --reduce LOG.csv`",
+                "it is not a file of moments: make one with `gelenk identify DESCRIPTION --reduce LOG.csv`",
             ));
         }
         if !bytes.starts_with(FIRST_LINE) {
             return Err(fault(
-                "its moments are of another version than 4, which is all that this gelenk reads: reduce the logs again \
+                "its moments have another version than 4, and this gelenk reads only version 4: reduce the logs again \
                  with this gelenk",
             ));
         }
@@ -120,8 +122,8 @@ impl Share {
 }
 
 impl JointSums {
-    /// Whether the sums may come from a log: squares and weights are not negative, and without weight all sums are zero,
-    /// because the effort of the joint is in no log.
+    /// Whether the sums may come from a log. Squares and weights must not be negative. If the weight is zero, no log has the
+    /// effort of the joint, and all sums must be zero.
     fn is_consistent(&self, width: usize) -> bool {
         let size = width.checked_add(1).and_then(|next| width.checked_mul(next));
         if size.is_none_or(|size| size / 2 != self.products.len()) {
@@ -139,8 +141,8 @@ impl JointSums {
 trait Stored: Sized {
     fn put(&self, bytes: &mut Vec<u8>);
 
-    /// Reads a value from the beginning of `rest` and removes its bytes; `None` if they are not a valid value. No more memory
-    /// is allocated than the bytes justify.
+    /// Reads a value from the beginning of `rest` and removes its bytes; `None` if the bytes are not a valid value. The
+    /// allocated memory is limited by the number of bytes.
     fn take(rest: &mut &[u8]) -> Option<Self>;
 }
 
@@ -258,7 +260,7 @@ impl Stored for Exact {
 }
 
 /// SHA-256 of the contents of files and of the options for reading them, in hexadecimal. Moments identify their description
-/// by this hash. Paths are not part of it.
+/// by this hash. The hash does not depend on paths.
 pub(super) fn hash_of(parts: &[&[u8]]) -> String {
     let mut hasher = Sha256::new();
     for part in parts {

@@ -21,25 +21,25 @@ use gelenk_findings::{Finding, Rule};
 use nalgebra::{DMatrix, DVector};
 
 /// Sees: moments of logs that passed different filters.
-/// Matters: their sums are those of different signals.
+/// Matters: the sums mix signals of different bandwidths.
 /// Example: 4 Hz and 9 Hz.
 /// Fixture: `fleet/tests.rs`.
 const OTHER_FILTERS: Rule = Rule::warning("different-filters");
 
 /// Sees: moments of logs from whose efforts different delays were removed.
-/// Matters: one of them may be wrong.
+/// Matters: one of the delays may be wrong.
 /// Example: 0 ms and 12 ms.
 /// Fixture: `merge` in `codegen/tests/findings/arm.rs`.
 const OTHER_DELAYS: Rule = Rule::warning("different-delays");
 
 /// Sees: the number of logs and samples in moments.
-/// Matters: efforts and residuals over time are not known.
+/// Matters: efforts and residuals over time are not available.
 /// Example: 3 logs, 4200 samples.
 /// Fixture: `merge` in `codegen/tests/findings/arm.rs`.
 const OF_MOMENTS: Rule = Rule::note("moments");
 
-/// Identifies a robot from moments of its logs, as [`super::super::identify::identify`] does from the logs. Results that
-/// need samples are empty: runs, efforts, predictions, offsets.
+/// Identifies a robot from moments of its logs, as [`super::super::identify::identify`] does from the logs. Runs, efforts,
+/// predictions and offsets in the result are empty, because they need samples.
 ///
 /// - `description`: source of the robot, as for [`super::reduce()`]
 /// - `progress`: receives a sentence at each step
@@ -98,7 +98,7 @@ impl LogMoments {
     /// Fails unless the moments belong to a description.
     ///
     /// # Errors
-    /// [`IdentificationError::File`]
+    /// [`IdentificationError::File`] if they belong to another description.
     pub(super) fn require_description(&self, description: &[&[u8]]) -> Result<()> {
         if hexadecimal(&self.about.description) == hash_of(description) {
             return Ok(());
@@ -112,8 +112,8 @@ impl LogMoments {
     /// The columns of the sums.
     ///
     /// # Errors
-    /// [`IdentificationError::File`] if the sums have other columns, or if efforts are currents of a robot whose joints have
-    /// no inputs of their own.
+    /// [`IdentificationError::File`] if the sums have other columns, or if efforts are currents with unknown motor constants
+    /// and an input drives several joints.
     fn columns(&self, robot: &dyn Robot) -> Result<Columns> {
         let spans: Vec<f64> = self.joints.iter().map(|joint| joint.span).collect();
         let weighs = |joint: usize| {
@@ -125,7 +125,7 @@ impl LogMoments {
         if columns.widths() == self.about.widths {
             return Ok(columns);
         }
-        Err(fault("they were made by another gelenk: reduce the logs again with this one"))
+        Err(fault("they were made by another version of gelenk: reduce the logs again with this version"))
     }
 
     /// Sums of the shares that have samples. A share is a group of samples of many logs.
@@ -140,8 +140,8 @@ impl LogMoments {
             return Ok(shares);
         }
         Err(fault(&format!(
-            "they lie in {} of 16 shares, and at least {fewest} are needed, so that a part can be held out: add \
-             more logs, or longer ones",
+            "their samples are in only {} of 16 shares, but at least {fewest} are needed, so that a part can be held out: add \
+             more logs or longer logs",
             shares.len()
         )))
     }
@@ -192,8 +192,8 @@ impl LogMoments {
         let (logs, samples, shares) = (self.logs.len(), self.samples(), self.shares());
         let plural = if logs == 1 { "log" } else { "logs" };
         vec![format!(
-            "moments of {logs} {plural}, {samples} samples, {seconds:.1} s, in {shares} shares; filter of {filters}; R² is with an offset of \
-             each run, which they do not hold"
+            "moments of {logs} {plural}, {samples} samples, {seconds:.1} s, in {shares} shares; filter of {filters}; R² is computed \
+             with an offset of each run, which the moments do not contain"
         )]
     }
 
@@ -203,12 +203,12 @@ impl LogMoments {
         let [early, late] = self.range(&|log| log.delays);
         let filters = (wide > levels::OTHER_FILTER.get() * narrow).then(|| {
             let message = format!("the logs passed different filters ({narrow:.3} to {wide:.3} Hz)");
-            OTHER_FILTERS.found(message).help("take one --bandwidth for each --reduce")
+            OTHER_FILTERS.found(message).help("use the same --bandwidth for every --reduce")
         });
         let delays = (late - early > levels::OTHER_DELAY.get()).then(|| {
             let [early, late] = [early, late].map(|delay| 1e3 * delay);
             let message = format!("delays of {early:.1} to {late:.1} ms were removed from the efforts");
-            OTHER_DELAYS.found(message).help("take one --delay for each --reduce")
+            OTHER_DELAYS.found(message).help("use the same --delay for every --reduce")
         });
         filters.into_iter().chain(delays).collect()
     }
@@ -220,7 +220,7 @@ impl LogMoments {
 
     fn preparation(&self) -> Result<PreparationReport> {
         let bandwidth = self.range(&|log| [log.bandwidth; 2])[1];
-        // No signal passes this filter any more.
+        // Signals do not pass this filter, which only has the bandwidth for the report.
         let sample_rate = 10.0 * bandwidth;
         let filter = Filter::new(bandwidth, 1.0 / sample_rate)?;
         let findings = self.notes().into_iter().map(|note| OF_MOMENTS.found(note)).collect();
@@ -307,7 +307,7 @@ impl JointMoments<'_> {
         }
     }
 
-    /// The library without asymmetries that the logs do not show, and a sentence on the terms that were left out.
+    /// The library without asymmetric terms that the logs do not determine, and a sentence on the terms that were left out.
     fn seen(&self) -> (Vec<(String, usize)>, Option<String>) {
         let names: Vec<String> = self.library.iter().map(|(name, _)| name.clone()).collect();
         let [vv, v, tt, t] = self.facts.directions.map(Exact::value);

@@ -1,4 +1,4 @@
-//! Levels (numbers that decide) of moments of logs.
+//! Thresholds and constants of moments of logs.
 
 use super::super::numeric::levels::levels;
 
@@ -9,12 +9,12 @@ levels! {
     /// Smallest number of shares with samples, which are the folds of the held-out error.
     FEWEST_SHARES: usize = 4;
 
-    /// Ratio between bandwidths of logs from which on there is a finding.
+    /// Ratio between the largest and smallest bandwidth of logs above which there is a finding.
     OTHER_FILTER: f64 = 1.5;
 
-    /// Difference between delays of logs from which on there is a finding [s].
+    /// Difference between the largest and smallest delay of logs above which there is a finding [s].
     OTHER_DELAY: f64 = 2e-3;
 
-    /// Share of the logs below which a doubt about single logs is only counted.
+    /// Share of the logs below which a doubt about single logs is counted but not reported.
     RARE: f64 = 0.1;
 }

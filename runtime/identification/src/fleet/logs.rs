@@ -21,7 +21,8 @@ pub(super) const SHARES: usize = 16;
 pub(super) type Hash = [u8; 32];
 
 /// Moments of one or several logs: sums of products of the columns of each joint's equation, without the offsets of the
-/// runs, in 16 shares of the samples. Their size does not depend on the length of the logs.
+/// runs. The samples are divided into 16 groups (shares) with separate sums. The size of moments does not depend on the length
+/// of the logs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LogMoments {
     pub(super) about: About,
@@ -30,7 +31,7 @@ pub struct LogMoments {
     /// Doubts of the fits to single logs, ascending by joint and kind.
     pub(super) doubts: Vec<Doubt>,
     pub(super) joints: Vec<JointFacts>,
-    /// The shares, [`SHARES`] in number.
+    /// The shares. Their number is [`SHARES`].
     pub(super) shares: Vec<Share>,
 }
 
@@ -83,12 +84,12 @@ pub(super) struct Doubt {
     pub(super) first: DoubtedLog,
 }
 
-/// A log, and what is doubted about it.
+/// A log, and a doubt about it.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct DoubtedLog {
     pub(super) hash: Hash,
     pub(super) name: String,
-    /// The sentence.
+    /// The doubt as a sentence.
     pub(super) text: String,
 }
 
@@ -98,7 +99,7 @@ pub(super) struct JointFacts {
     /// Largest range of positions in a run [rad or m].
     pub(super) span: f64,
     pub(super) velocities: [f64; 2],
-    /// Σ v², Σ v |v|, Σ t², Σ t |t| with t = tanh 20 v, not centred.
+    /// Σ v², Σ v |v|, Σ t², Σ t |t| of the velocities v, with t = tanh 20 v, without subtraction of means.
     pub(super) directions: [Exact; 4],
 }
 
@@ -115,23 +116,23 @@ pub(super) struct Share {
 pub(super) struct JointSums {
     /// Σ w, with the weights w of the samples.
     pub(super) weight: Exact,
-    /// Sums of squares that the weights of outliers remove: Σ (1 − w) r² and Σ (1 − w)(z − z̄)², in units of the effort,
-    /// with the residual r and the measured effort z.
+    /// Sums of squares that the reduced weights w of outliers remove: Σ (1 − w) r² and Σ (1 − w)(z − z̄)², in squared units of
+    /// the effort, with the residual r and the measured effort z.
     pub(super) lost: [Exact; 2],
-    /// Σ w (x − x̄)(x − x̄)ᵀ of the columns x with their means x̄; Σ w x xᵀ for a joint with a quaternion. Rows of the lower
-    /// triangle.
+    /// Lower triangle, row by row, of Σ w (x − x̄)(x − x̄)ᵀ of the columns x with their means x̄; of Σ w x xᵀ for a joint with a
+    /// quaternion.
     pub(super) products: Vec<Exact>,
 }
 
 impl ReducedLog {
-    /// SHA-256 of the log's bytes, in hexadecimal.
+    /// Returns the SHA-256 of the log's bytes, in hexadecimal.
     pub fn hash(&self) -> String {
         hexadecimal(&self.hash)
     }
 }
 
 impl LogMoments {
-    /// The logs, ascending by their hashes.
+    /// Returns the logs in ascending order of their hashes.
     pub fn logs(&self) -> &[ReducedLog] {
         &self.logs
     }
@@ -141,8 +142,8 @@ impl LogMoments {
         self.logs.iter().map(|log| log.samples).sum()
     }
 
-    /// Findings about the doubts of the fits to single logs: each doubt that at least a tenth of the logs have, and the
-    /// number of the other doubts.
+    /// Returns findings about the doubts of the fits to single logs: one finding for each doubt that at least a tenth of the
+    /// logs have, and one finding with the number of the other doubts.
     pub fn doubts(&self) -> Vec<Finding> {
         let logs = self.logs.len();
         let is_rare = |doubt: &&Doubt| (doubt.logs as f64) < levels::RARE.get() * logs as f64;
@@ -150,28 +151,28 @@ impl LogMoments {
             let DoubtedLog { name, text, .. } = &doubt.first;
             OF_LOGS.found(match logs {
                 1 => format!("{name}: {text}"),
-                _ => format!("in {} of {logs} logs, as in {name}: {text}", doubt.logs),
+                _ => format!("in {} of {logs} logs, for example in {name}: {text}", doubt.logs),
             })
         };
         let rare = self.doubts.iter().filter(is_rare).count();
         let rare = (rare > 0).then(|| {
             let message = format!("{rare} more warnings each concern less than a tenth of the logs");
-            OF_LOGS.found(message).help("--reduce names them for each log")
+            OF_LOGS.found(message).help("`gelenk identify --reduce` prints the warnings of each log")
         });
         self.doubts.iter().filter(|doubt| !is_rare(doubt)).map(finding).chain(rare).collect()
     }
 
-    /// Number of shares with samples.
+    /// Returns the number of shares (groups of samples) that have samples, at most 16.
     pub fn shares(&self) -> usize {
         self.shares.iter().filter(|share| share.samples > 0).count()
     }
 
-    /// The sum of moments. Its bytes do not depend on the order of the parts.
+    /// Returns the sum of moments. Its bytes do not depend on the order of the parts.
     ///
-    /// - `parts`: moments with the name of their file
+    /// - `parts`: moments, each with the name of its file
     ///
     /// # Errors
-    /// [`IdentificationError::Empty`] without parts, and [`IdentificationError::File`] if the parts have different
+    /// [`IdentificationError::Empty`] if there are no parts, and [`IdentificationError::File`] if the parts have different
     /// descriptions or options, or if a log occurs in two parts.
     pub fn sum<E: From<IdentificationError>>(
         parts: impl IntoIterator<Item = std::result::Result<(Self, String), E>>,
@@ -257,7 +258,7 @@ struct Sum {
     total: Option<LogMoments>,
     /// Name of the file of the first moments.
     first: String,
-    /// Origin of each log by the hash of its samples: the name of the file of moments, and the log's name in it.
+    /// Origin of each log, with the hash of its samples as key: the name of the file of moments, and the log's name there.
     places: BTreeMap<Hash, (String, String)>,
 }
 
@@ -287,10 +288,10 @@ impl Sum {
 
 fn twice(place: &str, name: &str, before: &str, other: &str) -> IdentificationError {
     let message = if place == name && before == other {
-        format!("it holds the same samples as {before}: give a log once")
+        format!("it has the same samples as {before}: give each log only once")
     } else {
         format!(
-            "the log {name} in it is the log {other} in {before}, sample by sample: leave out one of the two files"
+            "its log {name} has the same samples as the log {other} in {before}: leave out one of the two files"
         )
     };
     at(place).fault(message)
@@ -307,19 +308,18 @@ fn require_same(first: &About, other: &About, before: &str, place: &str) -> Resu
     }
     for ((mine, remedy), (theirs, _)) in made_with(first).into_iter().zip(made_with(other)) {
         if mine != theirs {
-            return fault(format!("{theirs}; of {before}: {mine}. Reduce the logs {remedy}"));
+            return fault(format!("{theirs}, but for {before}: {mine}. Reduce the logs {remedy}"));
         }
     }
     if first.widths != other.widths {
         return fault(format!(
-            "its joints have other columns than those of {before}: reduce both with one gelenk"
+            "its joints have other columns than those of {before}: reduce all logs with the same version of gelenk"
         ));
     }
     Ok(())
 }
 
-/// Sentences on the options with which moments were made, and the options with which logs have to be reduced so that they
-/// agree.
+/// Sentences on the options with which moments were made, each with a remedy for different options.
 fn made_with(about: &About) -> [(String, &'static str); 4] {
     let said = |option: &str, value: Option<String>| {
         let option =
@@ -329,9 +329,9 @@ fn made_with(about: &About) -> [(String, &'static str); 4] {
     let number = |value: Option<f64>| value.map(|value| format!(" {value:?}"));
     let compensated = about.gravity_compensated.then(String::new);
     [
-        (format!("its efforts are {}", about.effort.plural()), "with one --effort"),
-        (said("--gravity-compensated", compensated), "alike"),
-        (said("--bandwidth", number(about.bandwidth)), "with the same one"),
-        (said("--delay", number(about.delay)), "with the same one"),
+        (format!("its efforts are {}", about.effort.plural()), "with the same --effort"),
+        (said("--gravity-compensated", compensated), "either all with this option or all without it"),
+        (said("--bandwidth", number(about.bandwidth)), "with the same --bandwidth"),
+        (said("--delay", number(about.delay)), "with the same --delay"),
     ]
 }

@@ -1,9 +1,10 @@
 //! Identification from more logs than one machine can hold. The logs are reduced to moments: sums of products that can be
 //! added in any order.
 //!
-//! Each log is reduced to [`LogMoments`] by itself ([`reduce()`]), on any machine. The sums of each joint and share are
-//! exact integers (`exact`), so that they give the same bytes in whatever order they are added ([`LogMoments::sum`]). They
-//! are written to a file (`file`), and [`identify_moments`] identifies the robot from them.
+//! Each log is reduced to [`LogMoments`] separately ([`reduce()`]), on any machine. The samples are divided into groups
+//! (shares), and the sums of each joint and share are exact integers (`exact`). So the total has the same bytes for every order
+//! in which the sums are added ([`LogMoments::sum`]). Moments are stored in files (`file`), and [`identify_moments`] identifies
+//! the robot from moments.
 
 mod exact;
 mod file;

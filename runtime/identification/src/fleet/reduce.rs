@@ -23,8 +23,8 @@ use gelenk_findings::{Finding, Severity};
 use std::ops::Range;
 use std::path::Path;
 
-/// Fails if an effort of an arm is missing, because the log then has the wrong columns. For a robot with quaternions, the
-/// rows of the base can be fitted alone.
+/// Fails if an effort of a robot without quaternions is missing, because the log then has wrong columns. Robots with
+/// quaternions may lack efforts, because the rows of the base can be fitted alone.
 fn require_all_efforts(robot: &dyn Robot, preparation: &PreparationReport) -> Result<()> {
     match faults(preparation).next().filter(|_| robot.quaternion_joints().is_empty()) {
         None => Ok(()),
@@ -35,10 +35,10 @@ fn require_all_efforts(robot: &dyn Robot, preparation: &PreparationReport) -> Re
 /// Reduces one log to its moments.
 ///
 /// First the log is fitted alone, as [`super::super::identify::identify`] does. This fit gives the weights of outliers, the
-/// correlation time of the residuals, and doubts about the log. It is not an error if the fit explains little.
+/// correlation time of the residuals, and findings about the log. It is not an error if the fit explains little.
 ///
-/// - `description`: source of the robot, e.g. the contents of its files and the options for reading them. Moments contain
-///   its hash and can be added only to moments with the same hash.
+/// - `description`: source of the robot, for example the contents of its files and the options for reading them. Moments
+///   contain the hash of this source and can be added only to moments with the same hash.
 /// - `progress`: receives a sentence at each step, and the findings about the log
 ///
 /// # Errors
@@ -149,7 +149,7 @@ fn doubts(estimate: &Estimate, log: &ReducedLog) -> Vec<Doubt> {
     doubts
 }
 
-/// The fit to the log alone, as far as its moments need it.
+/// Results of the fit to a single log from which its moments are computed.
 struct Fitted<'a> {
     runs: &'a [PreparedRun],
     estimate: &'a Estimate,
@@ -260,8 +260,8 @@ fn deviation(residuals: &[Vec<Vec<f64>>], runs: &[PreparedRun], estimate: &Estim
     }))
 }
 
-/// Contiguous pieces of the runs. There are as many pieces as shares, or fewer if the pieces would be too short, and at
-/// least one for each run.
+/// Contiguous pieces of the runs. The number of pieces is about the number of shares. There are fewer pieces if they would be
+/// too short, but at least one for each run.
 fn pieces(runs: &[PreparedRun], correlation: f64) -> Vec<RunPiece> {
     let total: usize = runs.iter().map(|run| run.times.len()).sum();
     let length = (levels::PIECE.get() * correlation).max(total as f64 / SHARES as f64).max(1.0);

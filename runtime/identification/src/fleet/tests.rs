@@ -62,7 +62,7 @@ fn log(seed: u64, spikes: bool) -> String {
     log_of(seed, spikes, 20.0)
 }
 
-/// Ten seconds at 50 Hz with an offset and correlated noise of its own, and Coulomb friction tanh(slope · v).
+/// Ten seconds at 50 Hz with a separate offset and separate correlated noise, and Coulomb friction tanh(slope · v).
 fn log_of(seed: u64, spikes: bool, slope: f64) -> String {
     log_with(seed, spikes, slope, TRUTH)
 }
@@ -123,7 +123,7 @@ fn merged(moments: &LogMoments, settings: &IdentificationSettings) -> Result<Ide
     identify_moments(&Arm, DESCRIPTION, moments, settings, &mut |_| ())
 }
 
-/// The arm waits a second before it moves: the samples of the wait count nowhere.
+/// The arm waits for a second before it moves. The samples of this second are not counted.
 #[test]
 fn moments_of_a_log_with_a_rest_are_read_back() {
     let folder = tempfile::tempdir().unwrap();
@@ -155,7 +155,7 @@ fn any_order_and_any_tree_give_the_same_bytes() {
     assert_eq!(read.bytes(), bytes);
     assert_eq!(read.logs().len(), 6);
     assert!(read.logs().windows(2).all(|pair| pair[0].hash() < pair[1].hash()));
-    // Twice the logs, the same size but for their names.
+    // Twice as many logs have the same size, except for their names.
     let grown = bytes.len() - sum(&[a, b, c]).unwrap().bytes().len();
     println!("{} bytes for one log, {} for six", a.bytes().len(), bytes.len());
     assert!(bytes.len() < 16 * 1700 + 6 * 200 && grown < 16 * 1700);
@@ -210,7 +210,7 @@ fn the_sum_finds_what_the_arm_is_and_what_the_logs_themselves_give() {
     assert!((here / there - 1.0).abs() < 0.1, "{here} {there}");
 }
 
-/// The options of reading are those of the logs: nobody gives them again where moments are added.
+/// The options for reading belong to the logs. They are not repeated if moments are added.
 #[test]
 fn the_gravity_of_the_sum_is_that_of_its_logs() {
     let mut moments = sum(&fleet().2.iter().collect::<Vec<_>>()).unwrap();
@@ -340,11 +340,15 @@ fn what_does_not_belong_together_is_refused_with_what_to_do() {
     };
     let cases = [
         (changed(&|about| about.description[3] ^= 1), "another description", "reduce its logs again"),
-        (changed(&|about| about.effort = Effort::Current), "are currents", "with one --effort"),
-        (changed(&|about| about.gravity_compensated = true), "with --gravity-compensated", "alike"),
-        (changed(&|about| about.bandwidth = None), "without --bandwidth", "with the same one"),
-        (changed(&|about| about.delay = Some(0.01)), "with --delay 0.01", "with the same one"),
-        (changed(&|about| about.widths[0] += 1), "other columns", "reduce both with one gelenk"),
+        (changed(&|about| about.effort = Effort::Current), "are currents", "with the same --effort"),
+        (
+            changed(&|about| about.gravity_compensated = true),
+            "with --gravity-compensated",
+            "or all without it",
+        ),
+        (changed(&|about| about.bandwidth = None), "without --bandwidth", "with the same --bandwidth"),
+        (changed(&|about| about.delay = Some(0.01)), "with --delay 0.01", "with the same --delay"),
+        (changed(&|about| about.widths[0] += 1), "other columns", "with the same version of gelenk"),
     ];
     for (message, what, remedy) in cases {
         assert!(
@@ -358,11 +362,11 @@ fn what_does_not_belong_together_is_refused_with_what_to_do() {
     let message = sum(&[&all[0], &all[1], &copy]).unwrap_err().to_string();
     assert_eq!(
         message,
-        "2.moments: the log copy.csv in it is the log 1.csv in 0.moments, sample by sample: leave out one of the two files"
+        "2.moments: its log copy.csv has the same samples as the log 1.csv in 0.moments: leave out one of the two files"
     );
     // A copy that an editor ended with another line has the same samples.
     let copy = reduced(folder.path(), "copy.csv", &format!("{}\n", log(1, false)), &settings()).unwrap();
-    assert!(sum(&[&all[0], &copy]).unwrap_err().to_string().contains("sample by sample"));
+    assert!(sum(&[&all[0], &copy]).unwrap_err().to_string().contains("the same samples"));
     let both = sum(&[&all[0], &all[1]]).unwrap();
     assert!(sum(&[&both, &all[1]]).unwrap_err().to_string().contains("2.csv"));
     let other =
@@ -374,7 +378,7 @@ fn what_does_not_belong_together_is_refused_with_what_to_do() {
     assert!(few.contains("of 16 shares") && few.contains("add more logs"), "{few}");
     assert_eq!(
         sum(&[]).unwrap_err().to_string(),
-        "the list of moments is empty: there is nothing to identify from"
+        "the list of moments is empty, so that nothing can be identified"
     );
 }
 
@@ -382,14 +386,14 @@ fn what_does_not_belong_together_is_refused_with_what_to_do() {
 fn files_that_are_something_else_are_refused_and_kept() {
     let (folder, paths, all) = fleet();
     let message = |bytes: &[u8]| LogMoments::from_bytes(bytes, "x").unwrap_err().to_string();
-    assert!(message(b"").contains("it holds no moments: make them with"));
-    assert!(message(b"t,q1\n").contains("it holds no moments"));
+    assert!(message(b"").contains("it is not a file of moments: make one with"));
+    assert!(message(b"t,q1\n").contains("it is not a file of moments"));
     let bytes = all[0].bytes();
     let mut newer = bytes.clone();
     newer[15] = b'5';
     assert!(message(&newer).contains("another version than 4"));
     let refused = all[0].write(DESCRIPTION, &paths[0]).unwrap_err().to_string();
-    assert!(refused.contains("it holds no moments; name another file"), "{refused}");
+    assert!(refused.contains("it is not a file of moments; name another file"), "{refused}");
     let path = folder.path().join("one.moments");
     all[1].write(DESCRIPTION, &path).unwrap();
     all[0].write(DESCRIPTION, &path).unwrap();
@@ -465,7 +469,7 @@ fn a_wrong_sign_is_refused_and_named() {
     assert!(
         texts(&found.estimate.findings, Severity::Warning)
             .iter()
-            .any(|w| w.contains("[doubts-of-logs]: in ") && w.contains(" of 3 logs, as in ")),
+            .any(|w| w.contains("[doubts-of-logs]: in ") && w.contains(" of 3 logs, for example in ")),
         "{:?}",
         found.estimate.findings
     );
@@ -478,8 +482,8 @@ fn a_wrong_sign_is_refused_and_named() {
     assert!(identify(&Arm, &paths, &accepting, &mut |_| ()).is_ok());
 }
 
-/// Inertia and friction in fleets of four logs: intervals of 90 % hold the truth as often as those from the logs
-/// themselves do.
+/// Inertia and friction in fleets of four logs: 90 % intervals contain the true value as often as intervals from the logs
+/// themselves.
 #[test]
 #[ignore = "a hundred fleets, two minutes: cargo test -p gelenk-identification --lib fleets_hold -- --ignored --nocapture"]
 fn intervals_of_a_hundred_fleets_hold_the_truth() {
@@ -504,12 +508,12 @@ fn intervals_of_a_hundred_fleets_hold_the_truth() {
     let shares = |inside: [f64; 3]| inside.map(|n| n / fleets as f64);
     let (inside, from_logs) = (shares(inside), shares(from_logs));
     println!("coverage of m c, J and the friction at 1.5 rad/s: {inside:.2?}, from the logs {from_logs:.2?}");
-    // The weight of the description, which both have alike, costs m c some of its coverage.
+    // The weight of the description, which is the same for both, reduces the coverage of m c.
     let pooled = |inside: [f64; 3]| inside.iter().sum::<f64>() / 3.0;
     assert!((pooled(inside) - pooled(from_logs)).abs() < 0.05 && pooled(inside) > 0.8);
 }
 
-/// Whether the intervals of m c, J and of the friction at 1.5 rad/s hold the arm's true values.
+/// Whether the intervals of m c, J and of the friction at 1.5 rad/s contain the arm's true values.
 fn hold_the_truth(found: &Identification) -> [bool; 3] {
     let [mc, j, viscous, coulomb] = TRUTH;
     let holds = |place: usize, truth: f64| {

@@ -1,4 +1,4 @@
-//! Values of a library or a friction law at the samples. They pass the filter of the torques if there is one.
+//! Values of a library or a friction law at the samples. If the torques passed a filter, the values pass the same filter.
 
 use super::super::error::Result;
 use super::super::methods::filtered::Filtered;
@@ -9,9 +9,9 @@ use super::task::FrictionData;
 use nalgebra::DMatrix;
 
 impl FrictionData<'_> {
-    /// The speed from which the data determine the law without the effect of the filter. It is the tenth smallest speed of
-    /// the samples that are farther from rests and reversals than the filter reaches. If there are fewer than ten of these
-    /// samples, it is the largest speed of all samples.
+    /// The speed from which on the data determine the law without an effect of the filter. This speed is the tenth smallest
+    /// speed of the samples that are farther from rests and reversals than the filter reaches. If there are fewer than ten of
+    /// these samples, it is the largest speed of all samples.
     pub(super) fn resolved_from(&self) -> f64 {
         let near = self.filtered.map_or_else(|| vec![false; self.velocities.len()], Filtered::near);
         let away = self.velocities.iter().zip(near).filter(|(_, near)| !near);

@@ -1,10 +1,11 @@
-//! Covariance of a law's coefficients from the common estimate. Errors of the rigid body and of the delay are contained in
-//! the torques to which the law is fitted, and no residual shows them.
+//! Covariance of a law's coefficients that follows from the estimate of all joints. The torques to which the law is fitted
+//! contain errors of the rigid body and of the delay, which the residuals do not show.
 //!
-//! The common estimate has friction terms F of its own, with the covariance C of their coefficients. A law has other terms Θ
-//! and is fitted to torques with the same errors. So its coefficients have the covariance `P C Pᵀ`, where `P = (ΘᵀWΘ)⁻¹ ΘᵀW
-//! F` is the same least-squares fit. For a nonlinear law, Θ has the derivatives of the law. If the law has the terms of the
-//! estimate, P is the identity. The change of the estimate if the samples near stops are left out changes the law by P, too.
+//! The estimate has friction terms F with the covariance C of their coefficients. A law has other terms Θ and is fitted to
+//! torques with the same errors. So its coefficients have the covariance `P C Pᵀ`. `P = (ΘᵀWΘ)⁻¹ ΘᵀW F` is the least-squares
+//! fit of the law to the terms F, with the weights W of the samples. For a nonlinear law, Θ has the derivatives of the law. If
+//! the law has the terms of the estimate, P is the identity. P also maps the change of the estimate if the samples near stops
+//! are left out.
 
 use super::super::error::Result;
 use super::super::methods::confidence::quantile;
@@ -14,10 +15,11 @@ use super::task::CommonTerms;
 use nalgebra::{DMatrix, DVector};
 
 impl Errors {
-    /// Errors that include effects that the residuals do not show: the covariance of the common estimate if it is the larger
-    /// one, and the changes of the estimate and of the law if the samples near rests and reversals are left out.
+    /// Errors that include effects that the residuals do not show. These effects are the covariance of the estimate of all
+    /// joints, if it is larger, and the changes of the estimate and of the law if the samples near rests and reversals are
+    /// left out.
     ///
-    /// - `common`: terms of the common estimate, and P
+    /// - `common`: terms of the estimate of all joints, and P
     /// - `changes`: changes of the law itself
     pub(super) fn with_biases(
         mut self,

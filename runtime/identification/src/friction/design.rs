@@ -1,7 +1,7 @@
 //! The regression without offsets: the mean of each run is subtracted from the columns and from the torque.
 //!
 //! Least squares then gives the same coefficients as least squares with a constant for each run (Frisch, Waugh 1933; Lovell
-//! 1963). So offsets are separated before the law is fitted, and they cost no term of the library.
+//! 1963). So offsets are separated before the law is fitted, and the library needs no constant term.
 
 use super::super::error::{IdentificationError, Result};
 use super::super::methods::confidence::LongRun;
@@ -15,8 +15,8 @@ use super::task::{FrictionData, FrictionIdentification, Offsets};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
-/// Share of a column that must remain after the means of the runs are subtracted. With a smaller share the column cannot be
-/// distinguished from offsets, and six digits of the data would be lost.
+/// Smallest share of a column's norm that must remain after the means of the runs are subtracted. If the share is smaller,
+/// the column cannot be distinguished from offsets, and six digits of the data would be lost.
 const LEAST_REMAINDER: f64 = 1e-6;
 
 /// Columns of the candidate terms and the torque, without offsets.
@@ -30,8 +30,8 @@ pub(super) struct Design<'a> {
     pub(super) separate: bool,
     /// Sentences on terms that were left out of the library, with reasons.
     pub(super) notes: Vec<String>,
-    /// Sentence on terms that friction may have but that the data do not distinguish from an offset; `None` if there are
-    /// none.
+    /// Sentence on terms that the data do not distinguish from an offset, although friction may have them; `None` if there is
+    /// no such term.
     pub(super) hidden: Option<String>,
 }
 
@@ -199,9 +199,9 @@ fn are_alike(one: &DVector<f64>, other: &DVector<f64>) -> bool {
     left.norm() < levels::LEAST_CHANGE.get() * one.norm()
 }
 
-/// The library without terms that act as offsets in these data, as `sign(v)` does if each run moves in one direction, and a
-/// sentence on the terms that were left out. A library with only terms of this kind is returned unchanged, and the fit
-/// refuses it.
+/// The library without terms that act as offsets in these data, and a sentence on the terms that were left out. For example,
+/// `sign(v)` acts as an offset if each run moves in one direction. If all terms act as offsets, the library is returned
+/// unchanged, and the fit refuses it.
 fn without_offsets(library: Library, data: &FrictionData) -> Result<(Library, Option<String>)> {
     let (matrix, runs) = (library.matrix(&[data.velocities])?, runs(data));
     let varies = |term: &usize| {
@@ -218,8 +218,8 @@ fn without_offsets(library: Library, data: &FrictionData) -> Result<(Library, Op
     }
     let out: Vec<&str> = out.iter().map(|i| library.terms()[*i].as_str()).collect();
     let note = format!(
-        "{} left out: the data hardly show a change of it within a run. What it contributes is part of the offset, which is \
-         not written: let the joint move in both directions, slowly too",
+        "terms left out of the law, because they hardly change within a run: {}. Their contribution is part of the offset, which \
+         is not written: record motion in both directions, including slow motion",
         out.join(", ")
     );
     Ok((library.only(&kept)?, Some(note)))

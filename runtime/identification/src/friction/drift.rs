@@ -1,4 +1,4 @@
-//! Friction and offsets that change over the log, as they do while a gear warms up.
+//! Friction and offsets that change over the log, for example while a gear warms up.
 
 use super::super::methods::confidence::{LongRun, quantile};
 use super::super::methods::offset::{centre, mean};
@@ -11,8 +11,8 @@ use std::ops::Range;
 
 /// The drift over a log; `None` if the law is zero or there are too few samples.
 ///
-/// - `gradients`: derivatives of the law with respect to its coefficients. The fit of the coefficients has explained a part
-///   of the trend.
+/// - `gradients`: derivatives of the law with respect to its coefficients. They are needed because the fit of the coefficients
+///   has already explained a part of the trend.
 pub(super) fn drift(
     data: &FrictionData,
     law: &[f64],

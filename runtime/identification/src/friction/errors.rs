@@ -18,10 +18,10 @@ use nalgebra::{DMatrix, DVector};
 pub(super) struct Errors {
     pub(super) covariance: DMatrix<f64>,
     pub(super) standard: Vec<f64>,
-    /// Half the width of the interval; `None` if it follows from the standard error and Student's t, see
-    /// [`FrictionTerm::reach`].
+    /// Half the width of the interval; `None` if the width follows from the standard error and Student's t
+    /// ([`FrictionTerm::reach`]).
     pub(super) reach: Vec<Option<f64>>,
-    /// Standard errors if all other coefficients were known.
+    /// Standard error of each coefficient if all other coefficients were known.
     pub(super) resolution: Vec<f64>,
     pub(super) freedom: f64,
     /// Number of samples with independent errors that would give the same information.

@@ -8,19 +8,19 @@ use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
 
 /// Sees: a law that explains less of held-out data than required.
-/// Matters: it is noise.
+/// Matters: the law describes noise.
 /// Example: a joint that moved once, slowly.
 /// Fixture: `friction/tests.rs`.
 const POOR_LAW: Rule = Rule::error("poor-law");
 
-/// Sees: a log that shows a small part of the described speeds.
+/// Sees: a log that contains a small part of the described range of speeds.
 /// Matters: the law is an extrapolation at higher speeds.
-/// Example: a motion of 0.1 rad/s of a joint that may move at 3.
+/// Example: a motion at 0.1 rad/s of a joint with a limit of 3 rad/s.
 /// Fixture: `laws_are_judged_at_speeds_that_the_joint_may_have` in `friction/findings.rs`.
 const SLOW_LOG: Rule = Rule::warning("slow-log");
 
 /// Sees: a law that exceeds the described effort at a speed outside the data.
-/// Matters: it is wrong there. Far beyond, it is refused.
+/// Matters: the law is wrong there. If it exceeds the effort several times, it is refused.
 /// Example: a steep term of a slow log.
 /// Fixture: `laws_are_judged_at_speeds_that_the_joint_may_have` in `friction/findings.rs`.
 const BEYOND_EFFORT: Rule = Rule::error("law-beyond-effort");
@@ -70,8 +70,8 @@ impl<'a> Findings<'a> {
     }
 
     /// Adds findings if a law needs more than the described effort at a speed that the joint may have but the data do not
-    /// contain. The finding is a doubt. It refuses the law if the data contain only a small part of the speeds, or if the
-    /// law needs several times the described effort.
+    /// contain. The finding is a warning. It is an error, which refuses the law, if the data contain only a small part of the
+    /// speeds or if the law needs several times the described effort.
     ///
     /// - `fastest`: largest speed in the data
     ///
@@ -83,7 +83,7 @@ impl<'a> Findings<'a> {
         let shows_little = fastest < levels::SMALL_PART.get() * farthest;
         if shows_little {
             self.add(SLOW_LOG.found(format!(
-                "the speeds of the log reach {} {}, {:.1} % of the described limit: beyond them the law is an extrapolation",
+                "the speeds of the log reach {} {}, {:.1} % of the described limit: at higher speeds the law is an extrapolation",
                 plain(fastest, 3),
                 self.data.velocity_unit,
                 100.0 * fastest / farthest
@@ -104,7 +104,8 @@ impl<'a> Findings<'a> {
 
     fn beyond_effort(&self, [speed, torque]: [f64; 2], effort: f64, fastest: f64) -> Finding {
         let message = format!(
-            "the law needs {} {} at {} {}, more than the described effort of {}: the data, with speeds up to {}, do not determine the friction there",
+            "the law needs {} {} at {} {}, more than the described effort of {}: the data, with speeds up to {}, do not determine the \
+             friction there",
             plain(torque, 3),
             self.unit,
             plain(speed, 3),
@@ -158,7 +159,7 @@ mod tests {
             warnings.is_empty() && refusals[0].contains("[law-beyond-effort]: the law needs 1200 "),
             "{refusals:?}"
         );
-        // A log that shows a small part of the speeds tells nothing of the others.
+        // A log with a small part of the speeds does not determine the law at higher speeds.
         let (warnings, refusals) = said(30.0, 0.1);
         assert!(
             warnings[0].starts_with("warning[slow-log]")

@@ -44,11 +44,11 @@ impl HeldOutErrors {
     }
 }
 
-/// Errors of laws of terms on the folds to which they were not fitted; `None`, with a warning, if a fold leaves too few data
-/// for a fit.
+/// Errors of laws of terms on the folds to which the laws were not fitted. If too few data remain without a fold, the result
+/// is `None`, and there is a warning.
 ///
-/// Each run keeps the offset of all its samples, also if a part of the run is held out. An offset belongs to a run, and no
-/// law predicts it.
+/// Each run keeps the offset of all its samples, even if a part of the run is held out. An offset belongs to a run, and a law
+/// cannot predict it.
 ///
 /// - `total`: `Σ (τ − τ̄)²` over the folds
 /// - `selection`: method by which the terms of a law are chosen
@@ -86,7 +86,8 @@ fn fit(training: &Reduced, selection: &Selection, rows: Option<&DMatrix<f64>>) -
     }
 }
 
-/// `Σ (τ − τ̄)²` over the samples of `ranges`. The mean τ̄ is that of the run if offsets are separate.
+/// `Σ (τ − τ̄)²` over the samples of `ranges`, with the torque τ. The mean τ̄ is the mean of the run if offsets are separate,
+/// and the mean of all samples otherwise.
 pub(super) fn variation(data: &FrictionData, separate: bool, ranges: &[Range<usize>]) -> f64 {
     let mut torque = data.torques.to_vec();
     if separate {

@@ -17,7 +17,7 @@ pub(crate) struct JointSamples<'a> {
     joint: usize,
     pub(crate) name: &'a str,
     unit: &'a str,
-    /// Offset of the estimate in each run of the samples. It is subtracted before the law is fitted.
+    /// Estimated offset of each run of the samples. It is subtracted before the law is fitted.
     offsets: Vec<Offset>,
     runs: Vec<Range<usize>>,
     /// The samples of each motion; `None` if runs do not repeat motions.
@@ -26,7 +26,7 @@ pub(crate) struct JointSamples<'a> {
     whole: Vec<FilteredRun<'a>>,
     pub(crate) velocities: Vec<f64>,
     pub(crate) torques: Vec<f64>,
-    /// Friction terms of the common estimate; `None` if the joint has none.
+    /// Friction terms of the joint in the estimate of all joints; `None` if the joint has no terms there.
     common: Option<CommonTerms>,
 }
 
@@ -69,7 +69,7 @@ impl<'a> JointSamples<'a> {
         samples
     }
 
-    /// Takes the motions in which the joint moves as folds, if there are enough of them.
+    /// Uses the motions in which the joint moves as folds, if there are enough of these motions.
     fn keep_motions(&mut self) {
         let Some(motions) = &mut self.motions else { return };
         motions.retain(|ranges| !ranges.is_empty());
@@ -153,7 +153,7 @@ fn sentences(preparation: &PreparationReport) -> Vec<String> {
     let bandwidth = preparation.joints.first().map(|joint| joint.bandwidth);
     let filter = bandwidth.map(|hertz| {
         format!(
-            "positions and efforts through one zero-phase filter of {} Hz, {} Hz grid",
+            "positions and efforts passed one zero-phase filter of {} Hz on a grid of {} Hz",
             plain(hertz, 4),
             plain(preparation.sample_rate, 6)
         )

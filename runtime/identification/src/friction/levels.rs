@@ -1,24 +1,24 @@
-//! Levels (numbers that decide) of friction laws.
+//! Thresholds and constants of the identification of friction laws.
 
 use super::super::numeric::levels::levels;
 
 levels! {
-    /// Number k for the speed from which the data determine a law: the k-th smallest speed of samples away from rests and
-    /// reversals.
+    /// Rank k of the speed from which on the data determine a law. It is the k-th smallest speed of the samples away from
+    /// rests and reversals.
     RESOLVING: usize = 10;
 
-    /// Share of a term's size that must change within the runs. A term with a smaller change is determined by errors of the
-    /// data, and its coefficient grows by the missing part.
+    /// Smallest change of a term within the runs, as a share of the term's size, at which the term may be part of a law. If
+    /// the change is smaller, errors of the data determine the coefficient.
     LEAST_CHANGE: f64 = 0.01;
 
     /// Least R² on held-out data of a law that may be written. Below 0.05 the law removes less than 2.6 % of the torque's
     /// root mean square. It would have no measurable effect as a feed-forward, and its terms would have no meaning.
     LEAST_R_SQUARED: f64 = 0.05;
 
-    /// Share of the described speed below which the largest speed of a log gives a finding.
+    /// Smallest ratio of the largest speed in a log to the described speed limit. If the ratio is smaller, there is a finding.
     SMALL_PART: f64 = 0.1;
 
-    /// Ratio of a speed or a friction to its described limit that no joint has.
+    /// Ratio of a speed or a friction torque to its described limit above which the data or the law must be wrong.
     ABSURD: f64 = 3.0;
 
     /// Condition number of the chosen terms above which the coefficients are doubted. The curve may still be accurate.
@@ -27,29 +27,29 @@ levels! {
     /// Largest speed up to which a law is bounded, as a multiple of the largest speed in the data.
     FARTHEST: f64 = 10.0;
 
-    /// Largest growth of the torque beyond the speeds in the data, as a multiple of the growth of the speed. Viscous
-    /// friction minus a dry friction of a third of it has this growth. A robot that compensates its dry friction may have a
-    /// remainder of this kind.
+    /// Largest growth of the torque beyond the speeds in the data, as a multiple of the growth of the speed. This growth
+    /// belongs to viscous friction minus a dry friction of a third of its size. A robot that compensates too much dry friction
+    /// may have such a law.
     MOST_GROWTH: f64 = 1.5;
 
-    /// Largest ratio of a law at speeds at which the data do not determine it to the law at the least speed at which they
-    /// do. False peaks of simulated arms that stick have ratios of 1.8 to 2.4. Laws of a harmonic drive and true Stribeck
+    /// Largest ratio of a law's torque at speeds too low to be resolved by the data to its torque at the smallest resolved
+    /// speed. False peaks of simulated arms that stick have ratios of 1.8 to 2.4. Laws of a harmonic drive and true Stribeck
     /// laws have ratios of at most 1.2.
     MOST_UNRESOLVED: f64 = 1.5;
 
     /// Number of standard errors by which static friction has to exceed Coulomb friction.
     DISTINCT: f64 = 2.0;
 
-    /// Smallest number of samples that determine the fall from static to Coulomb friction.
+    /// Smallest number of samples below the Stribeck speed that determine the fall from static to Coulomb friction.
     FEWEST_SLOW: usize = 10;
 
-    /// Least share of F_s − F_c by which the law exceeds the Coulomb friction F_c at some speed, with the static friction
-    /// F_s.
+    /// Amount by which a Stribeck law must exceed its Coulomb friction F_c at some speed, as a share of F_s − F_c with the
+    /// static friction F_s.
     REACHED: f64 = 0.1;
 
-    /// Smallest number of samples that show a drift.
+    /// Smallest number of samples from which a drift is estimated.
     FEWEST_OF_DRIFT: usize = 20;
 
-    /// Significance level of a trend.
+    /// Significance level of the test for a trend.
     DRIFT_LEVEL: f64 = 0.01;
 }

@@ -1,9 +1,9 @@
 //! The friction law of one joint, from samples of its velocity and friction torque, with the numbers that show its quality.
 //!
 //! [`FrictionIdentification::identify`] works in these steps:
-//! - Constant torques are separated (`design`).
+//! - Constant torques are separated from friction (`design`).
 //! - Terms are chosen by a [`FrictionMethod`] and fitted by least squares (`selection`, `terms`). The coefficients are those
-//!   of this fit, never the values that the LASSO has shrunk.
+//!   of this fit, never the shrunk values of the LASSO.
 //! - Standard errors of the coefficients take correlated residuals into account (`methods::confidence`).
 //! - The law is tested on held-out data (`judgement`).
 
@@ -43,7 +43,8 @@ use super::error::{
 impl FrictionIdentification {
     /// Identifies the friction law of one joint.
     ///
-    /// A law that explains too little is not an error. It has a [refusal](super::result::FrictionResult::refusals).
+    /// A law that explains too little is not an error. The result then has a
+    /// [refusal](super::result::FrictionResult::refusals).
     ///
     /// # Errors
     /// - [`Empty`](crate::IdentificationError::Empty), [`TooFewSamples`](crate::IdentificationError::TooFewSamples):

@@ -1,4 +1,4 @@
-//! The terms and methods of a friction law by the names that the command line takes.
+//! Names of friction terms and of identification methods on the command line.
 
 use super::super::error::{IdentificationError, Result};
 use super::super::methods::expression::fault;
@@ -10,7 +10,7 @@ use super::selection::{FrictionMethod, LambdaChoice};
 use super::task::FrictionIdentification;
 use std::collections::BTreeMap;
 
-/// Words, and the terms for which they stand.
+/// Names of groups of terms, each with its terms.
 const WORDS: [(&str, &[&str]); 4] = [
     ("viscous", &["v"]),
     ("coulomb", &["sign(v)", "tanh(5*v)", "tanh(10*v)", "tanh(20*v)", "tanh(100*v)"]),
@@ -36,10 +36,14 @@ pub const METHODS: [(&str, &str, Make); 4] = [
         let threshold = threshold.unwrap_or(standard.threshold);
         FrictionMethod::Thresholding(Thresholding { threshold, ..standard })
     }),
-    ("lasso", "LASSO, cross-validated with one standard error, then least squares on its terms", |_| {
-        let lasso = Lasso { standardize: true, ..Lasso::default() };
-        FrictionMethod::Lasso(lasso, LambdaChoice::OneStandardError)
-    }),
+    (
+        "lasso",
+        "LASSO with a cross-validated penalty (one standard error), then least squares on its terms",
+        |_| {
+            let lasso = Lasso { standardize: true, ..Lasso::default() };
+            FrictionMethod::Lasso(lasso, LambdaChoice::OneStandardError)
+        },
+    ),
     ("all", "Least squares on all terms", |_| FrictionMethod::LeastSquares),
 ];
 
@@ -58,7 +62,7 @@ impl FrictionIdentification {
             return Err(fault(STRIBECK, message));
         }
         let Some((.., make)) = METHODS.iter().find(|(known, ..)| *known == word) else {
-            return Err(fault(word, "no method has this name"));
+            return Err(fault(word, "no method has this name: use subset, stls, lasso or all"));
         };
         match (make(threshold), threshold) {
             (method @ FrictionMethod::Thresholding(_), _) | (method, None) => {
@@ -67,25 +71,24 @@ impl FrictionIdentification {
             (_, Some(value)) => Err(IdentificationError::Setting {
                 name: "threshold".to_owned(),
                 value,
-                requirement: "--threshold is that of --method stls".to_owned(),
+                requirement: "only --method stls has a threshold: leave --threshold out".to_owned(),
             }),
         }
     }
 
     /// Returns the same settings with a library of the given terms.
     ///
-    /// - `terms`: words and expressions in the speed `v`, separated by commas, as in `viscous, coulomb, v*v*v`. The words
-    ///   are `viscous`, `coulomb`, `asymmetric` and `quadratic`. The single word `stribeck` gives the Stribeck law.
+    /// - `terms`: words and expressions in the velocity `v`, separated by commas, for example `viscous, coulomb, v*v*v`. The
+    ///   words are `viscous`, `coulomb`, `asymmetric` and `quadratic`. The single word `stribeck` selects the Stribeck law.
     ///
     /// # Errors
     /// [`IdentificationError::Expression`] if a term is not a known word or a valid expression, or if `stribeck` is combined
-    /// with other terms. Errors of [`Library::new`] if there is no term or a term twice.
+    /// with other terms. Errors of [`Library::new`] if the list is empty or contains a term twice.
     pub fn of_terms(&self, terms: &str) -> Result<Self> {
         let listed = between_commas(terms);
         if listed.iter().any(|term| term.eq_ignore_ascii_case(STRIBECK)) {
             if listed.len() > 1 {
-                let message =
-                    "`stribeck` is not combined with other terms: its law has viscous and Coulomb friction";
+                let message = "`stribeck` is not combined with other terms: the Stribeck law includes viscous and Coulomb friction";
                 return Err(fault(terms, message));
             }
             return Ok(Self {
@@ -108,7 +111,7 @@ impl FrictionIdentification {
     }
 }
 
-/// Fails if a term is a word, but neither the speed nor one of the [`WORDS`].
+/// Fails if a term is a word, but neither the velocity `v` nor one of the [`WORDS`].
 fn require_known(term: &str) -> Result<()> {
     let is_word = term.chars().all(|c| c.is_ascii_alphabetic() || c == '_');
     let known = || WORDS.iter().map(|(word, _)| *word).chain([STRIBECK, "v"]);

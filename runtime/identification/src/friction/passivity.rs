@@ -12,19 +12,19 @@ use gelenk_findings::Rule;
 use gelenk_findings::digits::plain;
 use nalgebra::{DMatrix, DVector};
 
-/// Sees: a law by least squares that would drive the joint, or diverge beyond the speeds in the data.
-/// Matters: it was refitted so that it brakes.
+/// Sees: a least-squares law that would drive the joint, or diverge beyond the speeds in the data.
+/// Matters: the law was refitted with constraints, so that it brakes.
 /// Example: terms that nearly cancel.
 /// Fixture: `friction/tests.rs`.
 const RESTRICTED: Rule = Rule::warning("law-restricted");
 
-/// Sees: chosen terms that resemble each other on these velocities.
-/// Matters: single coefficients mean little.
+/// Sees: chosen terms that are nearly collinear at the velocities of the data.
+/// Matters: single coefficients are inaccurate, although the curve may be accurate.
 /// Example: `tanh(5*v)` and `tanh(10*v)` of a slow motion.
 /// Fixture: `good` in `codegen/tests/findings/arm.rs`.
 const COLLINEAR: Rule = Rule::warning("terms-alike");
 
-/// Share of the rms torque below which the contribution of a coefficient counts as rounding of zero.
+/// Share of the rms torque below which the contribution of a term counts as a rounding error of zero.
 const NOTHING: f64 = 1e-12;
 
 /// Ratios of speeds beyond the data to the largest speed in the data.
@@ -32,9 +32,11 @@ pub(super) fn beyond() -> impl Iterator<Item = f64> {
     (1..=20).map(|i| levels::FARTHEST.get().powf(f64::from(i) / 20.0))
 }
 
-/// Matrix A of the constraints `A ξ ≥ 0` on the coefficients ξ: the law dissipates, viscous friction is not negative, and
-/// beyond the speeds in the data the torque hardly grows faster than the speed. At these speeds least squares has no data,
-/// and terms that cancel each other within the data no longer cancel.
+/// Matrix A of the constraints `A ξ ≥ 0` on the coefficients ξ of a passive law:
+/// - The law dissipates energy.
+/// - Viscous friction is not negative.
+/// - Beyond the speeds in the data, the torque hardly grows faster than the speed. Without this constraint, terms that cancel
+///   each other within the data would diverge at higher speeds.
 pub(super) fn passive(library: &Library, velocities: [f64; 2]) -> Result<DMatrix<f64>> {
     let fastest = velocities.iter().fold(0.0_f64, |a, v| a.max(v.abs()));
     let grid: Vec<f64> = (-200..=200).map(|i| fastest * f64::from(i) / 200.0).collect();
@@ -61,9 +63,10 @@ fn rows_beyond(library: &Library, end: f64) -> Result<DMatrix<f64>> {
     Ok(DMatrix::from_rows(&all))
 }
 
-/// Least squares under the constraints if the unconstrained solution violates them, and the active constraints.
+/// The given solution, or the constrained least-squares solution if the given one violates the constraints; and the active
+/// constraints.
 ///
-/// - `rows`: matrix A of the constraints `A ξ ≥ 0`; `None` without constraints
+/// - `rows`: matrix A of the constraints `A ξ ≥ 0`; `None` if there are no constraints
 pub(super) fn restrict(
     reduced: &Reduced,
     free: Solution,
@@ -77,9 +80,9 @@ pub(super) fn restrict(
         return Ok((free, none));
     }
     findings.add(RESTRICTED.found(
-        "least squares would give a law that drives the joint at some speed, or that diverges beyond the speeds in the data; it \
-         was refitted under τ v ≥ 0, viscous friction ≥ 0 and bounded growth, and the standard errors treat active constraints \
-         as exact",
+        "least squares would give a law that drives the joint at some speed, or that diverges beyond the speeds in the data. The \
+         law was refitted with the constraints τ v ≥ 0, viscous friction ≥ 0 and bounded growth; the standard errors treat active \
+         constraints as exact",
     ));
     let mut coefficients = constrained_fit(reduced, 0, &free.active, rows)?;
     remove_rounding(&mut coefficients, reduced.moments(), samples);
@@ -104,10 +107,12 @@ pub(super) fn doubt(reduced: &Reduced, active: &[usize], findings: &mut Findings
     let condition = (eigenvalues.max() / eigenvalues.min().max(f64::MIN_POSITIVE)).sqrt();
     if condition > levels::DOUBTFUL_CONDITION.get() {
         let message = format!(
-            "the chosen terms are nearly collinear on these velocities (condition number {})",
+            "the chosen terms are nearly collinear at the velocities of the data (condition number {})",
             plain(condition, 3)
         );
-        findings.add(COLLINEAR.found(message).help("trust the curve, not the single coefficients"));
+        findings.add(
+            COLLINEAR.found(message).help("use the law as a curve, and do not interpret single coefficients"),
+        );
     }
 }
 

@@ -10,7 +10,7 @@ use nalgebra::DMatrix;
 pub struct FrictionReport {
     /// The law with its errors and statistics.
     pub result: FrictionResult,
-    /// Candidate terms of the law. These are the terms of the library, without constant ones if offsets are separated or
+    /// Candidate terms of the law. These are the terms of the library, without constant terms if offsets are separated or
     /// known.
     pub terms: Vec<String>,
     /// Cosines between the columns of the candidate terms after the offsets are removed `[p × p]`, for p terms.
@@ -19,9 +19,10 @@ pub struct FrictionReport {
     pub condition: f64,
     /// Covariance of the law's coefficients for correlated residuals, in the order of the law's terms.
     pub covariance: DMatrix<f64>,
-    /// Cross-validated path of the LASSO; `None` for other methods.
+    /// Cross-validated path of the LASSO (laws for decreasing λ); `None` for other methods.
     pub validation: Option<CrossValidation>,
-    /// Pareto table of the choice of terms; `None` for least squares on all terms and for the Stribeck law.
+    /// Pareto table of the choice of terms (error against number of terms); `None` for least squares on all terms and for the
+    /// Stribeck law.
     pub subsets: Option<SubsetValidation>,
     /// Probabilities of the candidate terms; `None` for the Stribeck law and for libraries of more than twelve terms.
     pub(crate) probabilities: Option<Vec<f64>>,
@@ -31,7 +32,7 @@ pub struct FrictionReport {
     pub residuals: Vec<f64>,
 }
 
-/// A term that is part of a law or could have been, with its evidence in the data.
+/// A candidate term of a law, chosen or not, with the evidence for the term in the data.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Candidate<'a> {
     /// The term as an expression in the velocity v, or the name of a Stribeck parameter.
@@ -45,8 +46,8 @@ pub struct Candidate<'a> {
 }
 
 impl FrictionReport {
-    /// The terms of the law and its constant, then the candidate terms that were not chosen. Friction under load is not part
-    /// of the list.
+    /// Returns the terms of the law and its constant, then the candidate terms that were not chosen. Load-dependent friction
+    /// is not part of the list.
     pub fn candidates(&self) -> Vec<Candidate<'_>> {
         let law = self.result.law.coefficients();
         let t = self.result.interval_factor();

@@ -10,12 +10,12 @@ use super::super::methods::subset::{Conditions, SubsetValidation, best_of_size, 
 use super::super::methods::thresholding::Thresholding;
 use gelenk_findings::digits::plain;
 
-/// Rule that chooses λ from a cross-validated path of the LASSO.
+/// Rule that chooses the weight λ of the penalty from a cross-validated path of the LASSO.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LambdaChoice {
     /// The λ with the least error on held-out blocks.
     Minimum,
-    /// The largest λ whose error exceeds the least one by at most one standard error.
+    /// The largest λ whose error exceeds the least error by at most one standard error.
     OneStandardError,
 }
 
@@ -24,12 +24,12 @@ pub enum LambdaChoice {
 pub enum FrictionMethod {
     /// Least squares on all terms of the library.
     LeastSquares,
-    /// Sequentially thresholded least squares.
+    /// Sequentially thresholded least squares (STLS, as in SINDy).
     Thresholding(Thresholding),
     /// LASSO on 100 values of λ, cross-validated on contiguous blocks, then least squares on the chosen terms.
     Lasso(Lasso, LambdaChoice),
-    /// The subset with the fewest terms whose error on held-out blocks exceeds the least one by at most one standard error,
-    /// for libraries of at most twelve terms.
+    /// The subset with the fewest terms whose error on held-out blocks exceeds the least error by at most one standard error.
+    /// The library must have at most twelve terms.
     BestSubset,
     /// Nonlinear regression of the Stribeck law. The library is not used.
     Stribeck(StribeckRegression),
@@ -83,13 +83,13 @@ impl Selection {
     }
 }
 
-/// A solution that also contains the terms that the law of its terms needs.
+/// The solution, refitted with the terms that its terms require.
 fn completed(solution: Solution, reduced: &Reduced) -> Result<Solution> {
     let active = with_needed(solution.active.clone(), reduced);
     if active == solution.active { Ok(solution) } else { reduced.fit(0, &active) }
 }
 
-/// A set of terms, extended by the terms that its terms need.
+/// A set of terms, extended by the terms that its terms require ([`requirements`]).
 fn with_needed(mut active: Vec<usize>, reduced: &Reduced) -> Vec<usize> {
     for requirement in requirements(reduced.moments().names()) {
         if active.contains(&requirement.term) && !active.contains(&requirement.needs) {
@@ -102,7 +102,7 @@ fn with_needed(mut active: Vec<usize>, reduced: &Reduced) -> Vec<usize> {
 
 /// Chooses terms by a method.
 ///
-/// - `folds`: makes the moments of the folds, if the method needs them
+/// - `folds`: computes the moments of the folds, if the method needs them
 /// - `conditions`: conditions that subsets have to meet
 pub(super) fn choose(
     method: &FrictionMethod,
@@ -140,8 +140,8 @@ fn by_subsets(reduced: &Reduced, folds: &[Moments], conditions: Conditions) -> R
     })
 }
 
-/// The sets of terms for increasing thresholds. Each threshold is above the smallest coefficient of the set before. There is
-/// at most one set for each term.
+/// The sets of terms for increasing thresholds. Each threshold is just above the smallest coefficient of the previous set.
+/// The number of sets is at most the number of terms.
 fn by_threshold(settings: &Thresholding, reduced: &Reduced) -> Vec<Vec<usize>> {
     let mut threshold = 0.0_f64;
     let mut next = |_| {
@@ -153,7 +153,7 @@ fn by_threshold(settings: &Thresholding, reduced: &Reduced) -> Vec<Vec<usize>> {
     (0..reduced.moments().terms()).map_while(&mut next).collect()
 }
 
-/// The Pareto table of sets of terms; `None` if it cannot be made.
+/// The Pareto table of sets of terms; `None` if it cannot be computed.
 fn along(
     mut sets: Vec<Vec<usize>>,
     folds: &[Moments],
@@ -182,7 +182,7 @@ fn by_lasso(
     let lambda = grid[index];
     let note = format!(
         "LASSO, {} contiguous folds, choice by {name}: λ = {} in 1/(2N)‖·‖² + λ‖·‖₁{}, {} in \
-         ‖·‖² + λ‖·‖₁; then least squares on the chosen terms, whose values and errors these are",
+         ‖·‖² + λ‖·‖₁; values and errors are those of least squares on the chosen terms",
         folds.len(),
         plain(lambda, 5),
         if lasso.standardize { " (terms in units of their rms)" } else { "" },

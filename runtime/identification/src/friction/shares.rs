@@ -1,5 +1,5 @@
-//! The friction law of one joint from sums of products by share, if the samples are not available. A share is an independent
-//! group of samples of many logs.
+//! The friction law of one joint from sums of products, if the samples are not available. There is one set of sums for each
+//! share, which is an independent group of samples of many logs.
 
 use super::super::error::Result;
 use super::super::methods::least_squares::Reduced;
@@ -23,16 +23,16 @@ pub(crate) struct SharedFriction<'a> {
     /// For each share, the sums of products of the columns of terms and torque, without the offsets of the runs. The terms
     /// are those of a library in `v`.
     pub(crate) shares: Vec<Moments>,
-    /// Sum of squares that outliers lost with their weight w: Σ (1 − w) r² with the residual r. It is added to the residual
-    /// and to the variation of the torque, because the torque of an outlier is mostly its residual.
+    /// Sum of squares that the reduced weights w of outliers remove: Σ (1 − w) r² with the residual r. This sum is added to
+    /// the residual and to the variation of the torque, because the torque of an outlier is mostly its residual.
     pub(crate) lost: f64,
-    /// Least and largest ẏ [rad/s or m/s].
+    /// Lowest and highest velocity ẏ [rad/s or m/s].
     pub(crate) velocity_range: [f64; 2],
 }
 
 impl FrictionIdentification {
-    /// Identifies the law of one joint as [`Self::identify`] does. Shares are the folds and the blocks of the errors.
-    /// Results that need samples are left out: drift, residuals, offsets.
+    /// Identifies the law of one joint as [`Self::identify`] does. The shares are the folds of the cross-validation and the
+    /// blocks of the standard errors. Drift, residuals and offsets are left out of the result, because they need samples.
     ///
     /// # Errors
     /// The errors are those of [`Self::identify`].
@@ -49,7 +49,7 @@ impl FrictionIdentification {
             velocity_range: data.velocity_range,
         };
         if matches!(self.method, FrictionMethod::Ladder(_)) {
-            findings.note("the Stribeck law needs samples: it was not tried".into());
+            findings.note("the Stribeck law was not tried, because it needs samples".into());
         }
         let fitted = candidates.fitted(self, &mut findings)?;
         let (coefficients, active) = (&fitted.solution.coefficients, &fitted.solution.active);

@@ -29,7 +29,7 @@ use std::ops::Range;
 const NO_STRIBECK: Rule = Rule::error("no-stribeck-law");
 
 /// Sees: a Stribeck law that drives the joint at some speed.
-/// Matters: a controller that compensates it would be unstable.
+/// Matters: a controller that compensates this friction would be unstable.
 /// Example: viscous friction below 0.
 /// Fixture: `friction/tests.rs`.
 const DRIVES: Rule = Rule::error("law-drives");
@@ -47,12 +47,12 @@ pub(super) fn identify(
     attempt.judged(settings)
 }
 
-/// The Stribeck law of one joint if its error on held-out data is smaller than that of a law of terms by more than one
-/// standard error of its own (Breiman 1984), otherwise the law of terms.
+/// The Stribeck law of one joint, or the law of terms. The Stribeck law is chosen if its error on held-out data is smaller by
+/// more than one standard error (Breiman 1984).
 ///
-/// The Stribeck law is taken as a curve, whose parameters may have no physical meaning. A law with a peak at speeds at which
-/// the data do not determine it is refused, because sticking before a reversal causes such a peak. If the regression fails,
-/// the law of terms is returned.
+/// The Stribeck law is a curve here, and its parameters may have no physical meaning. A law with a peak at speeds too low to
+/// be resolved by the data is refused, because sticking before a reversal causes such a peak. If the regression fails, the law
+/// of terms is returned.
 pub(super) fn or_simpler(
     settings: &FrictionIdentification,
     data: &FrictionData,
@@ -75,9 +75,9 @@ struct Attempt<'a> {
     regression: StribeckRegression,
     samples: Observed<'a>,
     fit: StribeckFit,
-    /// The finding that its parameters have no physical meaning; `None` if they have.
+    /// The finding that parameters of the fit have no physical meaning; `None` if all of them have a meaning.
     other_law: Option<Finding>,
-    /// Findings that refuse the curve.
+    /// Findings because of which the curve is refused.
     findings: Findings<'a>,
 }
 
@@ -137,8 +137,8 @@ impl<'a> Attempt<'a> {
         Ok(FrictionReport { condition: fit.condition, covariance: errors.covariance, ..report })
     }
 
-    /// Errors of the parameters as for a law of terms: they include errors of the common estimate, and the change if the
-    /// samples near rests and reversals are left out.
+    /// Errors of the parameters. As for a law of terms, they include errors of the estimate of all joints, and the change if
+    /// the samples near rests and reversals are left out.
     fn errors(&self) -> Result<Errors> {
         let Self { samples, fit, findings, .. } = self;
         let data = findings.data;
@@ -164,7 +164,8 @@ impl<'a> Attempt<'a> {
         own.with_biases(common.transpose()?, changes.unwrap_or_else(|| DVector::zeros(5)))
     }
 
-    /// The fit repeated without each fold in turn, from the law of all samples. A fold is left out by weights of zero.
+    /// Errors on held-out data: the fit is repeated without each fold in turn, and it starts at the law of all samples. A fold
+    /// is left out by weights of zero.
     fn held_out(&self, settings: &FrictionIdentification) -> Result<HeldOutErrors> {
         let Self { regression, samples, fit, findings, .. } = self;
         let data = findings.data;
@@ -189,16 +190,16 @@ impl<'a> Attempt<'a> {
     }
 }
 
-/// Whether static friction is not less than Coulomb friction, and the law has no peak at speeds at which the data do not
-/// determine it.
+/// Whether static friction is not less than Coulomb friction, and the law has no peak at speeds too low to be resolved by the
+/// data.
 fn falls(fit: &StribeckFit, data: &FrictionData) -> bool {
     let resolved = data.resolved_from();
     let bound = levels::MOST_UNRESOLVED.get() * fit.torque(resolved).abs();
     fit.parameters[3] >= 0.0 && slower(resolved).all(|v| fit.torque(v).abs() <= bound)
 }
 
-/// Whether the law without viscous friction rises above the Coulomb friction F_c at some speed. It does not if the fall from
-/// static to Coulomb friction is complete before the smoothed step at zero is.
+/// Whether the law without viscous friction exceeds the Coulomb friction F_c noticeably at some speed. It does not if the fall
+/// from static to Coulomb friction ends at lower speeds than the smoothed step at zero velocity.
 fn stands_out(fit: &StribeckFit) -> bool {
     let [_, coulomb, step, excess, fall] = fit.parameters;
     let without = [0.0, coulomb, step, excess, fall];
@@ -206,8 +207,8 @@ fn stands_out(fit: &StribeckFit) -> bool {
     speeds.any(|v| stribeck_torque(v, &without) > coulomb + levels::REACHED.get() * excess)
 }
 
-/// The finding that a fit is not a Stribeck law, because Coulomb friction, static friction or Stribeck speed would have no
-/// physical meaning; `None` if it is one.
+/// The finding that a fit is not a Stribeck law, because its Coulomb friction, static friction or Stribeck speed has no
+/// physical meaning; `None` if all three have a meaning.
 fn other_law(fit: &StribeckFit, data: &FrictionData) -> Option<Finding> {
     let words = fit.words();
     let [coulomb, highest, speed] =
@@ -226,7 +227,8 @@ fn other_law(fit: &StribeckFit, data: &FrictionData) -> Option<Finding> {
             format!("static friction F_s = {said_highest} {torque} is less than Coulomb friction F_c = {said_coulomb} {torque}")
         }),
         (highest >= coulomb && !differ).then(|| {
-            format!("static friction F_s = {said_highest} {torque} cannot be distinguished from Coulomb friction F_c = {said_coulomb} {torque}")
+            format!("static friction F_s = {said_highest} {torque} cannot be distinguished from Coulomb friction F_c = \
+                     {said_coulomb} {torque}")
         }),
         (speed > fastest).then(|| {
             format!("the Stribeck speed v_s = {said_speed} {velocity} is beyond the fastest motion of {said_fastest} {velocity}")
@@ -235,8 +237,8 @@ fn other_law(fit: &StribeckFit, data: &FrictionData) -> Option<Finding> {
             format!("only {slow} samples are slower than the Stribeck speed v_s = {said_speed} {velocity}")
         }),
         (highest > coulomb && !stands_out(fit)).then(|| {
-            format!("its friction nowhere rises above Coulomb friction: the fall by v_s = {said_speed} {velocity} is over within the \
-                     step at zero")
+            format!("the friction exceeds Coulomb friction nowhere: with v_s = {said_speed} {velocity} the fall from static friction \
+                     ends within the smoothed step at zero velocity")
         }),
     ];
     let faults: Vec<String> = faults.into_iter().flatten().collect();
@@ -253,7 +255,8 @@ fn refuse_driving(fit: &StribeckFit, findings: &mut Findings) {
     let driving = speeds.filter(|v| fit.torque(*v) < -1e-9 * fit.torque(fastest).abs()).fold(0.0, f64::max);
     if driving > 0.0 {
         let remedy = "use a law with chosen terms, which can be constrained (--friction viscous,coulomb)";
-        let message = format!("the Stribeck law drives the joint at up to {}", plain(driving, 4));
+        let (speed, unit) = (plain(driving, 4), findings.data.velocity_unit);
+        let message = format!("the Stribeck law drives the joint at speeds up to {speed} {unit}");
         findings.add(DRIVES.found(message).help(remedy));
     }
 }

@@ -23,33 +23,35 @@ pub struct FrictionData<'a> {
     pub velocities: &'a [f64],
     /// Friction torque τ_f of each sample [N·m or N]: the effort minus the rigid-body force at the joint.
     pub torques: &'a [f64],
-    /// Folds of the cross-validation. Each fold has several ranges of samples, e.g. the runs that repeat one motion. `None`
-    /// takes contiguous blocks of equal size.
+    /// Folds of the cross-validation. Each fold has several ranges of samples, for example the runs that repeat one motion.
+    /// `None` takes contiguous blocks of equal size.
     pub folds: Option<&'a [Vec<Range<usize>>]>,
-    /// Ranges of samples that were recorded without interruption. They are contiguous and contain all samples. Each run has
-    /// an offset of its own. Errors of different runs count as uncorrelated. `None` takes all samples as one run.
+    /// Runs: ranges of samples that were recorded without interruption. Each range starts at the end of the previous range,
+    /// and the ranges contain all samples. Each run has a separate offset. Errors of different runs count as uncorrelated.
+    /// `None` takes all samples as one run.
     pub runs: Option<&'a [Range<usize>]>,
-    /// The filter that the torques passed. Friction laws pass it, too. `None` if the torques passed no filter.
+    /// The filter that the torques passed. The values of friction laws pass the same filter. `None` if the torques passed no
+    /// filter.
     pub(crate) filtered: Option<&'a Filtered<'a>>,
-    /// Friction terms of the common estimate; `None` if there are none. The errors of the law are at least as large as those
-    /// that follow from the estimate.
+    /// Friction terms of the estimate of all joints ([`crate::estimation`]); `None` if there are no terms. The errors of the
+    /// law are at least as large as the errors that follow from this estimate.
     pub(crate) common: Option<&'a CommonTerms>,
     /// Limits of the joint; `None` if the law is not compared with limits.
     pub limits: Option<JointLimits>,
-    /// Source and hash of the log.
+    /// Name and hash of the log.
     pub data: &'a str,
-    /// Sentences on the processing of the samples, as differentiation and selection.
+    /// Sentences that say how the samples were processed, for example how velocities were computed.
     pub settings: &'a [String],
 }
 
 impl<'a> FrictionData<'a> {
-    /// Samples of a joint in N·m and rad/s, in one run.
+    /// Returns data with samples in N·m and rad/s, in one run, and with defaults for all other fields.
     pub fn of(joint: &'a str, velocities: &'a [f64], torques: &'a [f64]) -> Self {
         Self { joint, unit: "N·m", velocity_unit: "rad/s", velocities, torques, ..Self::default() }
     }
 }
 
-/// Friction terms of the common estimate.
+/// Friction terms of the estimate of all joints ([`crate::estimation`]).
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct CommonTerms {
     /// Terms in the velocity `v`.
@@ -65,9 +67,10 @@ pub(crate) struct CommonTerms {
 /// Meaning of a constant torque in the data.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Offsets {
-    /// A constant of each run is an offset of the sensor, or an error of the modelled gravity. It is estimated together with
-    /// the law and reported, but neither constrained nor written. Constant terms of the library are left out. Coulomb
-    /// friction that differs by direction cannot be distinguished from an offset unless the data contain slow motion.
+    /// A constant torque of a run is an offset of the sensor, or an error of the modelled gravity. The offset is estimated
+    /// together with the law and reported, but it is neither constrained nor written into the description. Constant terms of
+    /// the library are left out. Coulomb friction that differs by direction cannot be distinguished from an offset unless the
+    /// data contain slow motion.
     #[default]
     Separate,
     /// The offsets are known and were subtracted from the torques before. Constant terms of the library are left out.
@@ -87,21 +90,23 @@ pub struct FrictionIdentification {
     pub offsets: Offsets,
     /// Number of contiguous blocks of the cross-validation, if the data have no folds.
     pub folds: usize,
-    /// Whether the law must be passive: `τ v ≥ 0` at all speeds up to ten times the largest one in the data, viscous
-    /// friction ≥ 0, and at c times the largest speed (c > 1) a torque of at most 1.5 c times that at the largest speed.
-    /// Terms are chosen among laws that meet these constraints. Offsets are separated before. A Stribeck law that drives the
-    /// joint is refused.
+    /// Whether the law must be passive. A passive law has these properties, after offsets are separated:
+    /// - The torque τ brakes, `τ v ≥ 0`, at all speeds up to ten times the largest speed in the data.
+    /// - Viscous friction is not negative.
+    /// - At c times the largest speed (c > 1) the torque is at most 1.5 c times the torque at the largest speed.
+    ///
+    /// Terms are chosen among laws with these properties. A Stribeck law that drives the joint is refused.
     pub passive: bool,
     /// Least R² on held-out data. A law with a lower R² is refused.
     pub least_r_squared: f64,
 }
 
 impl FrictionIdentification {
-    /// Settings with the usual terms of a joint, thresholding at 0.1, separate offsets and ten folds. The law is passive. It
-    /// is refused if its held-out R² is below 0.05.
+    /// Returns settings with the usual friction terms of a joint, sequential thresholding at 0.1, separate offsets and ten
+    /// folds. The law must be passive. It is refused if its held-out R² is below 0.05.
     ///
     /// # Errors
-    /// An error of [`Library::new`], which does not occur.
+    /// The call fails if the default terms are invalid, which does not happen.
     pub fn new() -> Result<Self> {
         Ok(Self {
             library: Library::joint_friction()?,

@@ -19,8 +19,8 @@ use gelenk_findings::Rule;
 use nalgebra::DMatrix;
 
 /// Sees: friction terms that cannot be distinguished from an offset.
-/// Matters: they are left out of the law.
-/// Example: Coulomb friction of a joint that moves in one direction.
+/// Matters: these terms are left out of the law.
+/// Example: Coulomb friction of a joint that moves in one direction only.
 /// Fixture: `parameters_that_the_data_do_not_show` in `runtime/tests/identification_bad_input.rs`.
 const HIDDEN: Rule = Rule::warning("terms-hidden");
 
@@ -98,8 +98,8 @@ impl Candidates<'_> {
         Ok(Fitted { chosen, rows, solution, binding })
     }
 
-    /// Values of the terms at speeds of the data in both directions, from a hundredth of the largest speed on; zeros for a
-    /// constant term.
+    /// Values of the terms at velocities of both directions, from a hundredth of the largest speed in the data up to this
+    /// speed; zeros for a constant term.
     fn values(&self) -> Result<DMatrix<f64>> {
         let share = |i: i32| 0.01_f64.powf(f64::from(i) / 20.0);
         let speeds = self.velocity_range.into_iter().flat_map(|end| (0..=20).map(move |i| end * share(i)));
@@ -123,7 +123,7 @@ pub(super) fn probabilities(reduced: &Reduced, errors: &Errors) -> Result<Option
 }
 
 impl Fitted {
-    /// Rule and constraints by which the law is identified on other moments.
+    /// Rule for the choice of terms, and constraints. The law can be identified again with them on other moments.
     pub(super) fn way(&self) -> (&Selection, Option<&DMatrix<f64>>) {
         (&self.chosen.selection, self.rows.as_ref())
     }

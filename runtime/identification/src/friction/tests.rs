@@ -1,4 +1,4 @@
-//! Laws found again in made data, and everything that is said about them.
+//! Identification of known laws from synthetic data, and the findings and statistics of these laws.
 
 use super::super::methods::lasso::Lasso;
 use super::super::methods::library::Library;
@@ -60,8 +60,8 @@ fn every_method_finds_the_curve() {
     }
 }
 
-/// Without noise most coefficients are rounding, some of them exactly zero; with a ridge the coefficients that decide are others than
-/// those that are returned. The path ends all the same, and has the chosen terms.
+/// Without noise most coefficients are rounding errors, and some are exactly zero. With a ridge, the coefficients that are
+/// compared with the threshold differ from the returned ones. The path ends nevertheless, and contains the chosen terms.
 #[test]
 fn the_path_of_thresholds_ends() {
     for (noise, ridge) in [(0.0, 0.0), (0.2, 0.0), (0.2, 10.0)] {
@@ -96,7 +96,7 @@ fn the_lasso_says_its_lambda_in_both_conventions_and_keeps_its_path() {
     assert!(probable[0] > 0.99, "{probable:?}");
 }
 
-/// Law and offset that passivity spoilt when it was asked for first: 1.57 forwards and 0 backwards.
+/// Law and offset that were wrong when passivity was required before the offset was separated: 1.57 forwards and 0 backwards.
 #[test]
 fn an_offset_is_separated_before_passivity_is_asked_for() {
     let truth = |v: f64| 0.78 * (50.0 * v).tanh() + 2.0 * v;
@@ -145,12 +145,12 @@ fn every_run_has_its_own_offset() {
     let bad = [0..10, 11..6000];
     let data = FrictionData { runs: Some(&bad), velocities: &v, torques: &torque, ..FrictionData::default() };
     let message = FrictionIdentification::new().unwrap().identify(&data).unwrap_err().to_string();
-    assert!(message.contains("first sample of a run of : 10 expected, 11 given"), "{message}");
+    assert!(message.contains("first sample of a run of : 10 are expected, but 11 are given"), "{message}");
 }
 
 #[test]
 fn a_law_that_would_drive_the_joint_is_mended_with_a_warning() {
-    // A compensation that is too strong: slow motion is driven.
+    // The compensation is too strong, so friction drives slow motion.
     let (v, torque) = samples(|v| 20.0 * v - 3.0 * (20.0 * v).tanh(), 0.05);
     let settings = FrictionIdentification {
         method: FrictionMethod::LeastSquares,
@@ -229,9 +229,9 @@ fn a_law_that_explains_nothing_is_refused() {
         let lenient = FrictionIdentification { least_r_squared: -1.0, ..settings };
         let is_stribeck = matches!(lenient.method, FrictionMethod::Stribeck(_));
         let refusals = texts(&identify(&lenient, &v, &torque).unwrap().result.findings, Severity::Error);
-        // Noise shows no Stribeck law either, whatever it explains.
+        // Noise does not show a Stribeck law either.
         assert_eq!(!refusals.is_empty(), is_stribeck, "{refusals:?}");
-        assert!(refusals.iter().all(|reason| !reason.contains("explains nothing")), "{refusals:?}");
+        assert!(refusals.iter().all(|reason| !reason.contains("explains too little")), "{refusals:?}");
     }
 }
 
@@ -306,8 +306,8 @@ fn correlated_samples(seed: u64) -> (Vec<f64>, Vec<f64>) {
     (v, torque)
 }
 
-/// Counts of intervals at 90 % that hold the truth, for v and tanh 10v, and of those that would if errors were
-/// independent.
+/// Numbers of 90 % intervals that contain the true value, for v and tanh 10v, and the same numbers for intervals that are
+/// computed for independent errors.
 fn coverage(seeds: Range<u64>) -> [usize; 2] {
     let settings = FrictionIdentification {
         library: Library::new(&["v", "tanh(10*v)"], &["v"]).unwrap(),
@@ -320,7 +320,7 @@ fn coverage(seeds: Range<u64>) -> [usize; 2] {
         let report = identify(&settings, &v, &torque).unwrap();
         let FrictionLaw::Terms(terms) = &report.result.law else { panic!("a law of terms") };
         let t = quantile(0.9, report.result.freedom).unwrap();
-        // σ/√(ΘᵀΘ) by hand: what least squares says of independent errors, with other terms known.
+        // σ/√(ΘᵀΘ) by hand: standard error of least squares for independent errors, with the other terms known.
         let independent = report.result.residual / (v.len() as f64 * 0.28).sqrt();
         for (term, truth) in terms.iter().zip([4.0, 1.5]) {
             let error = (term.coefficient - truth).abs();
@@ -348,8 +348,8 @@ fn coverage_of_a_thousand_logs() {
     assert!((1700..=1900).contains(&covered));
 }
 
-/// Terms that resemble each other: each coefficient is vague, their sum is not.
-/// Half the width of a law's confidence band at a level.
+/// Half the width of a law's confidence band at a level. For terms that resemble each other, each coefficient is inaccurate,
+/// but their sum is not.
 pub(crate) fn band(report: &FrictionReport, velocities: &[f64], level: f64) -> Vec<f64> {
     let t = quantile(level, report.result.freedom).unwrap();
     let gradients = report.result.law.gradients(velocities).unwrap();
@@ -382,14 +382,15 @@ fn bad_data_have_messages() {
     let settings = FrictionIdentification::new().unwrap();
     let message = |v: &[f64], t: &[f64]| identify(&settings, v, t).unwrap_err().to_string();
     assert!(message(&[], &[]).starts_with("the friction of beta is empty"));
-    assert!(message(&[1.0], &[1.0]).contains("needs at least 2 samples, there are 1"));
+    assert!(message(&[1.0], &[1.0]).contains("needs at least 2 samples, but there are 1"));
     assert!(message(&[1.0; 50], &[1.0; 50]).starts_with("the velocity of beta is constant (1) in all 50"));
     assert!(message(&[1.0, f64::NAN], &[1.0; 2]).contains("not finite (NaN) at row 1"));
-    assert!(message(&[1.0, 2.0], &[1.0]).contains("friction torques: 2 expected, 1 given"));
-    assert!(message(&[0.1, 0.2, 0.3], &[1.0; 3]).contains("needs at least 7 samples, there are 3"));
+    assert!(message(&[1.0, 2.0], &[1.0]).contains("friction torques: 2 are expected, but 1 are given"));
+    assert!(message(&[0.1, 0.2, 0.3], &[1.0; 3]).contains("needs at least 7 samples, but there are 3"));
 }
 
-/// Torques through a filter that rounds the reversals: terms that pass it too give the law back, others do not.
+/// Torques that passed a filter, which rounds the reversals. Terms that also pass the filter reproduce the law. Other terms do
+/// not.
 #[test]
 fn terms_pass_the_filter_of_the_torques() {
     use super::super::preparation::Filter;
@@ -397,7 +398,7 @@ fn terms_pass_the_filter_of_the_torques() {
     let sharp: Vec<f64> = velocities.iter().map(|v| 5.0 * v + 2.0 * v.signum()).collect();
     let filter = Filter::new(2.0, 0.01).unwrap();
     let passed = filter.apply(&sharp);
-    // Every third instant, as where a joint rests in between.
+    // Every third instant, as if the joint rested in between.
     let kept: Vec<usize> = (0..4000).filter(|i| i % 3 != 0).collect();
     let at = |column: &[f64]| kept.iter().map(|i| column[*i]).collect::<Vec<f64>>();
     let (v, torques) = (at(&velocities), at(&passed));
@@ -433,8 +434,8 @@ fn terms_pass_the_filter_of_the_torques() {
     assert!(settings.identify(&data).unwrap_err().to_string().contains("filtered samples of beta"));
 }
 
-/// Efforts of a joint that truly jumps at a reversal, with correlated errors, through a filter. Smooth laws share a bias near
-/// reversals that no spread of blocks shows.
+/// Filtered efforts of a joint whose friction jumps at reversals, with correlated errors. Smooth laws have a common bias near
+/// reversals, which differences between blocks do not show.
 #[test]
 fn intervals_of_stribeck_laws_hold_friction_that_jumps() {
     use super::super::preparation::Filter;
@@ -480,11 +481,11 @@ fn intervals_of_stribeck_laws_hold_friction_that_jumps() {
     }
     let [held, widths] = [held, widths].map(|sums| sums.map(|sum| sum / LOGS as f64));
     println!("95 % intervals of a1, a2, a4, a5 hold {held:.2?}, half widths {widths:.3?}");
-    // Without the change near reversals they hold .92, .88, .88 and .96.
+    // Without the change near reversals, the coverages are .92, .88, .88 and .96.
     assert!(held.iter().sum::<f64>() / 4.0 >= 0.95 && held.iter().all(|share| *share >= 0.88), "{held:?}");
 }
 
-/// Two runs in one direction each: an offset of each run is all of the Coulomb friction.
+/// Two runs, each in one direction: the offset of each run contains the whole Coulomb friction.
 #[test]
 fn offsets_of_runs_in_one_direction_hold_the_coulomb_friction() {
     let v: Vec<f64> = (0..2000)
@@ -503,7 +504,7 @@ fn offsets_of_runs_in_one_direction_hold_the_coulomb_friction() {
     assert!((each.offsets[0].value - 1.8).abs() < 1e-9 && (each.offsets[1].value + 1.2).abs() < 1e-9);
 }
 
-/// A joint that moves in one place: without it folds tell no law.
+/// A joint that moves in one part of the log only: without this fold, no law can be fitted.
 #[test]
 fn motion_in_one_place_is_said() {
     let v: Vec<f64> = (0..4000).map(|i| if i < 3800 { 0.0 } else { (0.1 * f64::from(i)).sin() }).collect();

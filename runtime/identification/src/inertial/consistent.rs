@@ -1,10 +1,10 @@
 //! Inertial parameters of physically possible bodies, as a convex program.
 //!
-//! `minimize ½ xᵀ H x − gᵀ x` over parameters x whose bodies have positive semidefinite pseudo-inertias (Sousa, Cortesão
-//! 2014; Wensing, Kim, Slotine 2017), with a list of other entries that are not negative. For least squares it is `H = Wᵀ W`
-//! and `g = Wᵀ τ`, plus the distance from the description.
+//! The program is `minimize ½ xᵀ H x − gᵀ x` over parameters x whose bodies have positive semidefinite pseudo-inertias (Sousa,
+//! Cortesão 2014; Wensing, Kim, Slotine 2017), with a list of other entries that are not negative. For least squares with the
+//! regressor W and the forces τ, `H = Wᵀ W` and `g = Wᵀ τ`, plus the distance from the description.
 //!
-//! The method is a primal-dual interior-point method over the 4 × 4 pseudo-inertias. It needs ten to thirty factorizations
+//! The solver is a primal-dual interior-point method over the 4 × 4 pseudo-inertias. It needs ten to thirty factorizations
 //! of a matrix of the size of H. It finds the global minimum up to a known gap.
 
 use super::interior_point::{Cone, Point};
@@ -16,12 +16,12 @@ use nalgebra::{DMatrix, DVector, Matrix4};
 /// Smallest [`margin`] of a body in a solution.
 pub(crate) const MARGIN: f64 = 1e-6;
 
-/// Least diagonal entry of Σ as a share of its trace. Moments of inertia are sums of diagonal entries, so smaller entries
-/// would be lost by rounding.
+/// Smallest diagonal entry of the second moments Σ, as a share of the trace of Σ. Moments of inertia are sums of diagonal
+/// entries, so smaller entries would be lost by rounding.
 const THINNEST: f64 = 1e-12;
 
-/// Largest gap and residual of a solution, relative to the decrease of the objective from zero to its unconstrained minimum.
-/// Larger ones are an error.
+/// Largest accepted gap and residual of a solution, relative to the decrease of the objective from zero to its unconstrained
+/// minimum.
 pub(crate) const TOLERANCE: f64 = 1e-8;
 
 /// `minimize ½ xᵀ H x − gᵀ x` over physically possible bodies.
@@ -33,7 +33,7 @@ pub(crate) struct ConsistentProblem {
     pub linear: DVector<f64>,
     /// Number of bodies. The first `10 · bodies` entries of x are their parameters.
     pub bodies: usize,
-    /// Indices of other entries that must not be negative, e.g. rotor inertias and viscous friction.
+    /// Indices of other entries that must not be negative, for example rotor inertias and viscous friction.
     pub nonnegative: Vec<usize>,
 }
 
@@ -43,11 +43,11 @@ pub(crate) struct ConsistentSolution {
     /// Solution x. Each body's [`margin`] is at least [`MARGIN`] (up to rounding). An entry of
     /// [`ConsistentProblem::nonnegative`] is exactly zero if it would be negative without the bound.
     pub parameters: DVector<f64>,
-    /// Indices of bodies that the data would make impossible. Their pseudo-inertias are singular up to the margin.
+    /// Indices of bodies that would be impossible without the constraints. Their pseudo-inertias are singular up to the margin.
     pub on_boundary: Vec<usize>,
 }
 
-/// Solves the program.
+/// Solves the convex program.
 ///
 /// # Errors
 /// [`IdentificationError::NotFinite`] if values are not finite, and [`IdentificationError::NotConverged`] if the iteration
@@ -62,8 +62,8 @@ pub(crate) fn solve(problem: &ConsistentProblem) -> Result<ConsistentSolution> {
     Ok(ConsistentSolution { parameters, on_boundary })
 }
 
-/// The last x of the iteration, which lies inside all cones, and the last point. Scaled entries and multipliers are of one
-/// size, so the smaller one of the two counts as zero.
+/// The solution x of the iteration, which lies inside all cones, and the scaled point. Scaled entries and their multipliers
+/// have similar sizes, so the smaller of the two counts as zero.
 fn minimum(problem: &ConsistentProblem) -> Result<(DVector<f64>, Point)> {
     require_finite("the Hessian", problem.hessian.as_slice())?;
     require_finite("the linear term", problem.linear.as_slice())?;
@@ -123,7 +123,7 @@ fn require_converged(point: &Point) -> Result<()> {
         what: "the physically consistent estimate".into(),
         iterations: point.iterations,
         detail: format!(
-            "relative gap {:.1e}, residual {:.1e}, both must fall below {TOLERANCE:.0e}",
+            "the relative gap is {:.1e} and the residual {:.1e}, but both must fall below {TOLERANCE:.0e}",
             point.gap, point.residual
         ),
     })

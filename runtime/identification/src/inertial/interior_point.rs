@@ -1,12 +1,13 @@
 //! Primal-dual interior-point method for a quadratic function over positive semidefinite 4 × 4 blocks.
 //!
-//! `minimize ½ uᵀ H u − gᵀ u`. The first `10 · blocks` entries of u are symmetric 4 × 4 matrices `S ⪰ 0`. An S has the
-//! order: diagonal, then the entries above it times √2, so that products of vectors equal products of matrices. The entries
-//! with the indices `scalars` are ≥ 0. All other entries are free. With the multipliers z of the cones the solution meets `H
-//! u − g − z = 0`, `z ⪰ 0`, `uᵀ z = 0`, and z is zero for the free entries.
+//! The problem is `minimize ½ uᵀ H u − gᵀ u`. The first `10 · blocks` entries of u are symmetric 4 × 4 matrices `S ⪰ 0`. The
+//! ten entries of a matrix are its diagonal, then the entries above the diagonal times √2, so that scalar products of vectors
+//! equal scalar products of matrices. The entries with the indices `scalars` are ≥ 0. All other entries are free. The solution
+//! and the multipliers z of the cones satisfy `H u − g − z = 0`, `z ⪰ 0` and `uᵀ z = 0`, and z is zero for the free entries.
 //!
 //! Each iteration linearizes `S Z = μ 1` in the scaling of Nesterov and Todd (1998), in which S and Z are the same diagonal
-//! matrix Λ, with predictor and corrector (Mehrotra 1992). Both take the same step, as a quadratic objective requires.
+//! matrix Λ, with predictor and corrector (Mehrotra 1992). The steps of u and z have the same length, as a quadratic objective
+//! requires.
 
 use crate::numeric::spectrum;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix4, Vector4};
@@ -18,7 +19,7 @@ pub(super) const BLOCK: usize = 10;
 pub(super) const PLACES: [(usize, usize); BLOCK] =
     [(0, 0), (1, 1), (2, 2), (3, 3), (0, 1), (0, 2), (1, 2), (0, 3), (1, 3), (2, 3)];
 
-/// Share of the distance to the boundary by which a step goes.
+/// Largest length of a step, as a share of the distance to the boundary of the cones.
 const TO_BOUNDARY: f64 = 0.99;
 
 /// Gap and residual at which the iteration ends. Better values are below rounding.
@@ -27,8 +28,8 @@ const TARGET: f64 = 1e-13;
 /// Largest number of iterations. Ten to thirty are usual.
 const LIMIT: usize = 100;
 
-/// Added to the diagonal of free entries in the linear equations only, so that an entry that H does not determine stays the
-/// same.
+/// Number that is added to the diagonal of free entries in the linear equations only. An entry that H does not determine then
+/// stays the same.
 const STATIC: f64 = 1e-14;
 
 /// A problem whose entries have sizes near one.
@@ -52,13 +53,13 @@ pub(super) struct Point {
 }
 
 impl Point {
-    /// The larger one of gap and residual, which the iterations decrease.
+    /// The larger of gap and residual, which the iterations decrease.
     fn error(&self) -> f64 {
         self.gap.max(self.residual)
     }
 
-    /// Length of a step, shortened to the least gap if a longer step would increase the gap. It is `Δuᵀ Δz = Δuᵀ H Δu > 0`,
-    /// so that longer steps would circle the solution (Curtis and Nocedal 2007).
+    /// Length of a step. If the gap would increase at the end of the step, the step is shortened to the smallest gap. Because
+    /// of `Δuᵀ Δz = Δuᵀ H Δu > 0`, longer steps would circle the solution (Curtis and Nocedal 2007).
     fn shortened(&self, length: f64, Direction { u, z, .. }: &Direction) -> f64 {
         let (slope, curvature) = (self.u.dot(z) + self.z.dot(u), u.dot(z));
         let raises = slope < 0.0 && slope + length * curvature > 0.0;
@@ -306,7 +307,7 @@ impl Cone<'_> {
         (Point { u, z, gap, residual, iterations }, vector)
     }
 
-    /// The best point within rounding: the one with the smallest [`Point::error`].
+    /// The point with the smallest [`Point::error`] of all iterations.
     pub(super) fn minimize(&self) -> Point {
         let (mut u, mut z) = (DVector::zeros(self.linear.len()), DVector::zeros(self.linear.len()));
         self.set_identity(&mut u, 1.0);

@@ -1,8 +1,9 @@
-//! Inertial parameters π of `W π = M ÿ + k − q_gravity`, with the constraints of physically possible bodies.
+//! Inertial parameters π of `W π = M ÿ + k − q_gravity` with the regressor W, and the constraints of physically possible
+//! bodies.
 //!
 //! π has ten numbers per body in the body's frame: mass m, first moments m cₓ, m c_y, m c_z, then the moments of inertia
 //! Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the frame's origin, in the order of `INERTIAL_PARAMETER_NAMES` of a generated module.
-//! Other parameters (rotor inertias) may follow those of the bodies. A body with these numbers is physically possible if and
+//! Other parameters (rotor inertias) may follow the parameters of the bodies. A body is physically possible if and
 //! only if its pseudo-inertia `[[Σ, m c], [m cᵀ, m]]` with `Σ = ½ tr(I) 1 − I` is positive definite (Wensing, Kim, Slotine
 //! 2017).
 //!

@@ -21,7 +21,7 @@ pub(crate) fn pseudo_inertia(pi: &[f64; PER_BODY]) -> Matrix4<f64> {
     j
 }
 
-/// Ten parameters of a pseudo-inertia. They are linear in it.
+/// Ten parameters of a pseudo-inertia. The parameters are linear functions of its entries.
 pub(crate) fn from_pseudo_inertia(j: &Matrix4<f64>) -> [f64; PER_BODY] {
     let trace = j[(0, 0)] + j[(1, 1)] + j[(2, 2)];
     [
@@ -44,8 +44,8 @@ pub(crate) fn is_physically_consistent(pi: &[f64; PER_BODY]) -> bool {
     pseudo_inertia(pi).cholesky().is_some()
 }
 
-/// Margin of a body from physically impossible ones: the smallest eigenvalue of the pseudo-inertia after its diagonal is
-/// scaled to one.
+/// Returns the margin between a body and physically impossible bodies: the smallest eigenvalue of the pseudo-inertia after
+/// its diagonal is scaled to one. `pi` has the ten parameters of [`crate::inertial`].
 ///
 /// The margin is positive if and only if the body is physically possible, and at most one. If every parameter is rounded
 /// with a relative error well below a quarter of the margin, the body stays possible. The result is `-∞` if a diagonal entry

@@ -1,23 +1,25 @@
-//! The program of physically possible bodies in variables of size one.
+//! The convex program of physically possible bodies, scaled to variables with sizes near one.
 //!
-//! A body's pseudo-inertia is `J = T S T` with a diagonal matrix T of four sizes. They are chosen such that H has a diagonal
-//! near one in the entries of S. This congruence keeps the cone. Other entries are scaled one by one. Then all entries are
-//! scaled together, and so is the objective, by its decrease without cones. Without the scaling a problem with 100 kg and
-//! 10⁻⁶ kg m² loses its smaller digits, and the iteration starts far from its solution.
+//! A body's pseudo-inertia is `J = T S T` with a diagonal matrix T of four sizes. The sizes are chosen such that the Hessian H
+//! has a diagonal near one in the entries of S. This congruence keeps the cone. Other entries are scaled one by one. Then all
+//! entries are multiplied by a common factor, with which the minimum without cones decreases the objective by one. Without the
+//! scaling, a problem with 100 kg and 10⁻⁶ kg m² would lose its smaller digits, and the iteration would start far from its
+//! solution.
 
 use super::consistent::ConsistentProblem;
 use super::interior_point::{BLOCK, PLACES};
 use super::pseudo_inertia::{PER_BODY, from_pseudo_inertia};
 use nalgebra::{DMatrix, DVector, Matrix4, SMatrix, Vector4};
 
-/// A curvature below this share of the largest one is rounding: the data do not determine the direction.
+/// Share of the largest curvature below which a curvature counts as rounding. The data do not determine such a direction.
 const UNSEEN: f64 = 1e-24;
 
 /// Share of the diagonal that is added to a Hessian that rounding made indefinite.
 const ROUNDING: f64 = 1e-9;
 
-/// Weight of the scaled distance from a body of unit sizes in the objective. It has the size of rounding if H determines the
-/// body. If H does not, the multipliers would have no interior without this term, and the iteration would stop early.
+/// Weight of the scaled distance from a body of unit sizes in the objective. If H determines the body, this term has the size
+/// of rounding. If H does not determine the body, the multipliers would have no interior without this term, and the iteration
+/// would stop early.
 const PULL: f64 = 1e-12;
 
 type Block = SMatrix<f64, PER_BODY, BLOCK>;
@@ -120,7 +122,7 @@ impl Scaled {
         scaled
     }
 
-    /// Scales all entries together, and the objective, such that the objective decreases by one without cones.
+    /// Scales all entries by a common factor, such that the minimum without cones decreases the objective by one.
     fn normalize(&mut self) {
         let gain = 0.5 * free_gain(&self.hessian, &self.linear);
         if gain > 0.0 && gain.is_finite() {

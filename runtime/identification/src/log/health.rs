@@ -1,4 +1,4 @@
-//! Checks of the runs of a log: columns that are not velocities, efforts on the other side of a gear, full turns.
+//! Checks of the runs of a log: velocities that do not fit the positions, and jumps of positions by full turns.
 
 use super::super::numeric::statistics::span;
 use super::super::robot::Robot;
@@ -30,24 +30,24 @@ pub(super) fn findings(runs: &[Run], robot: &dyn Robot) -> Vec<Finding> {
     moving.filter_map(disagrees).collect()
 }
 
-/// Whether a joint is at rest in all runs, without outliers.
+/// Returns whether a joint rests in all runs, if outliers are not counted.
 fn stands_still(runs: &[Run], joint: usize, unit: &str) -> bool {
     let least = if unit == "m" { 0.1 * levels::TRAVEL.get() } else { levels::TRAVEL.get() };
     let travel = |run: &Run| span(run.positions[joint].clone()).map_or(0.0, |[low, high]| high - low);
     runs.iter().all(|run| travel(run) < least)
 }
 
-/// Units in which a column of velocities may be instead of rad/s or m/s: factors and names.
+/// Explanations for a column of velocities whose scale differs from rad/s or m/s: factors, and texts for the message.
 const UNITS: [(f64, &str); 5] = [
     (PI / 180.0, "deg/s"),
     (PI / 30.0, "rpm"),
     (TAU, "rev/s"),
-    (1e-3, "thousandths (mm/s, mrad/s), or a time that is in ms"),
-    (1e3, "thousands, or a time that is in s"),
+    (1e-3, "mm/s or mrad/s, or times in ms that were read as s,"),
+    (1e3, "km/s or krad/s, or times in s that were read as ms,"),
 ];
 
-/// Message about a column of velocities that differs from the slope of the positions; `None` if it agrees. They are compared
-/// by windows of a few samples.
+/// Returns the message about a column of velocities that differs from the derivative of the positions; `None` if they
+/// agree. Windows of a few samples are compared.
 fn velocity(runs: &[Run], joint: usize) -> Option<String> {
     let (mut qq, mut qv, mut vv) = (0.0, 0.0, 0.0);
     for run in runs {
@@ -62,30 +62,32 @@ fn velocity(runs: &[Run], joint: usize) -> Option<String> {
         return None;
     }
     if vv <= 0.0 {
-        return Some("its column of velocities is zero while it moves; the column is not needed".into());
+        return Some(
+            "its column of velocities is zero although the joint moves; the column is not needed".into(),
+        );
     }
     let correlation = qv / (qq * vv).sqrt();
     let ratio = qv / vv;
     if correlation.abs() < levels::RELATED.get() {
         return Some(format!(
-            "its velocity column is hardly correlated with its positions ({correlation:.2}): check whether it is \
-             another joint's or commanded"
+            "its column of velocities is hardly correlated with the derivative of its positions ({correlation:.2}): check \
+             whether the column belongs to another joint or has commanded values"
         ));
     }
     let size = ratio.abs();
     if ratio > 0.0 && (size - 1.0).abs() < levels::SAME_VELOCITY.get() {
         return None;
     }
-    let sign = if ratio < 0.0 { "the opposite sign of" } else { "another scale than" };
+    let sign = if ratio < 0.0 { "the opposite sign of" } else { "a different scale from" };
     let unit = UNITS.iter().find(|(factor, _)| (size / factor - 1.0).abs() < 0.1);
     let guess = unit.map_or(String::new(), |(_, name)| format!("; velocities in {name} would explain it"));
     Some(format!(
-        "its column of velocities has {sign} the slope of its positions: the slope is {} times the column{guess}",
+        "its column of velocities has {sign} the derivative of its positions: the derivative is {} times the column{guess}",
         plain(ratio, 4)
     ))
 }
 
-/// Change of the position and integral of the velocity over windows.
+/// Returns the change of the position and the integral of the velocity for each window.
 fn travels<'a>(run: &'a Run, joint: usize, v: &'a [f64]) -> impl Iterator<Item = (f64, f64)> + 'a {
     let window = levels::VELOCITY_WINDOW.get();
     let (t, q) = (&run.times, &run.positions[joint]);
@@ -97,8 +99,8 @@ fn travels<'a>(run: &'a Run, joint: usize, v: &'a [f64]) -> impl Iterator<Item =
     })
 }
 
-/// Removes jumps by a full turn, as of an encoder that counts one turn only, or that was reset. Returns findings about the
-/// jumps.
+/// Removes jumps of positions by a full turn. For example, an encoder jumps if it counts only one turn, or if it is reset.
+/// Returns findings about the jumps.
 pub(super) fn unwrap_turns(run: &mut Run, robot: &dyn Robot, source: &str) -> Vec<Finding> {
     let (names, units) = (robot.joint_names(), robot.position_units());
     let mut findings = Vec::new();
@@ -109,15 +111,17 @@ pub(super) fn unwrap_turns(run: &mut Run, robot: &dyn Robot, source: &str) -> Ve
         let jumps = take_out_turns(q);
         let (Some(first), Some(last)) = (jumps.first(), jumps.last()) else { continue };
         let rows = Some((run.rows[*first], run.rows[*last]));
-        let message = format!("its position jumps by a turn {} times and is unwrapped", jumps.len());
+        let message =
+            format!("its position jumps by a full turn {} times; the jumps are removed", jumps.len());
         findings.push(TURNS.found(message).joint(&names[joint]).log(source, rows));
     }
     findings
 }
 
-/// Adds or subtracts 2π after each jump by 2π (within 0.5 rad) from the last value. Returns the indices of the jumps.
+/// Removes jumps by a full turn: after each jump by ±2π (within 0.5 rad), 2π is subtracted or added. Returns the indices of
+/// the jumps.
 ///
-/// No joint turns by 5.8 rad between two samples, so no other motion is mistaken for a full turn.
+/// No joint moves by 5.8 rad between two samples, so no real motion is mistaken for a jump by a full turn.
 fn take_out_turns(values: &mut [f64]) -> Vec<usize> {
     let (mut offset, mut last, mut turns) = (0.0, f64::NAN, Vec::new());
     for (i, value) in values.iter_mut().enumerate().filter(|(_, value)| value.is_finite()) {
@@ -136,7 +140,7 @@ fn take_out_turns(values: &mut [f64]) -> Vec<usize> {
 mod tests {
     use super::*;
 
-    /// An encoder whose zero lies off the middle, with a missing value where it jumps.
+    /// The encoder's zero is not in the middle of its range, and a value is missing at a jump.
     #[test]
     fn turns_are_taken_out_over_missing_values() {
         let truth: Vec<f64> = (0..1000).map(|i| 0.02 * f64::from(i) - 0.5).collect();

@@ -1,9 +1,9 @@
-//! Joint forces of inputs. Inputs at frames, as cylinders, have levers that depend on the positions.
+//! Conversion of inputs to joint forces. Inputs at frames, such as cylinders, have lever arms that depend on the positions.
 
 use super::super::robot::Robot;
 use super::super::run::{Effort, Run};
 
-/// Replaces the inputs u of a run by the joint forces, if inputs act at frames.
+/// Replaces the inputs u of a run by the joint forces if the robot has inputs at frames.
 pub(super) fn move_to_joints(run: &mut Run, robot: &dyn Robot) {
     if run.effort == Effort::Input && robot.has_inputs_at_frames() {
         run.efforts = forces_of_inputs(&run.positions, &run.efforts, robot);
@@ -11,12 +11,12 @@ pub(super) fn move_to_joints(run: &mut Run, robot: &dyn Robot) {
     }
 }
 
-/// `B(y) u` of all samples, one column for each joint. The column of a joint is NaN if an input acts on it that was not
-/// measured in all samples, or if the joint is moved from outside.
+/// Returns the joint forces `B(y) u` of all samples, one column for each joint. The column of a joint is NaN if an input
+/// that acts on the joint was not measured in all samples, or if the joint is moved from outside.
 ///
-/// The positions are the measured ones, so the levers contain their noise.
+/// The lever arms are computed from the measured positions, so they contain the noise of the positions.
 ///
-/// - `positions`: y, one column for each entry, including those of quaternions
+/// - `positions`: y, one column for each entry, including the entries of quaternions
 /// - `inputs`: u, one column for each input
 pub(super) fn forces_of_inputs(
     positions: &[Vec<f64>],

@@ -1,10 +1,17 @@
-//! Logs of a robot as runs. The columns of the robot are found in tables that other programs wrote.
+//! Reads logs of a robot as runs. The reader finds the robot's columns in tables from other programs.
 //!
-//! Nothing is repaired silently: everything that is suspicious or left out is a finding of the recording. Modules are listed
-//! from the lowest level to the highest one, one paragraph for each. A file imports only from levels below its own. A log
-//! passes these modules: `packed` and `bag` (files that are not text), `sheet` (separators, header, rows), `columns`
-//! (assignment of columns to quantities, units), `runs` (samples, cut into runs), `bursts` (times of arrival), `unroll`
-//! (poses with quaternions), `joint_forces` (inputs at frames), `health` (checks of the runs).
+//! Nothing is repaired silently: everything that is suspicious or left out is a finding of the recording. Modules are
+//! listed from the lowest level to the highest one, one paragraph for each. A file imports only from levels below its own
+//! level. The modules process a log in this order:
+//!
+//! - `packed` and `bag`: files that are not text
+//! - `sheet`: separators, header, rows
+//! - `columns`: assignment of columns to quantities, units
+//! - `runs`: samples, split into runs
+//! - `bursts`: times of arrival
+//! - `unroll`: poses with quaternions
+//! - `joint_forces`: inputs at frames
+//! - `health`: checks of the runs
 
 mod levels;
 

@@ -1,4 +1,4 @@
-//! Numbers as text, and times without a loss of digits.
+//! Conversion of text to numbers, and to times without a loss of digits.
 
 /// Decimal sign of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -10,7 +10,7 @@ pub(super) enum Decimals {
     Comma,
 }
 
-/// A number, or NaN for a word that stands for a missing value; `None` for other text.
+/// Returns a number, or NaN for a word that marks a missing value; `None` for other text.
 pub(super) fn number(field: &[u8], decimals: Decimals) -> Option<f64> {
     let text = std::str::from_utf8(field.trim_ascii()).ok()?;
     if is_missing(text) {
@@ -18,21 +18,22 @@ pub(super) fn number(field: &[u8], decimals: Decimals) -> Option<f64> {
     }
     match decimals {
         Decimals::Point => text.parse().ok(),
-        // A point in a file with decimal commas would be a separator of thousands. No number is better than a wrong one.
+        // In a file with decimal commas, a point would separate thousands. A missing number is better than a wrong one.
         Decimals::Comma if text.contains('.') => None,
         Decimals::Comma => text.replace(',', ".").parse().ok(),
     }
 }
 
-/// Whether a text is a word that programs write for a missing number.
+/// Returns whether a text is a word that programs write for a missing number.
 fn is_missing(text: &str) -> bool {
     const WORDS: [&str; 7] = ["na", "n/a", "null", "none", "-nan", "-nan(ind)", "nan(ind)"];
     WORDS.iter().any(|word| word.eq_ignore_ascii_case(text))
 }
 
-/// A decimal number as a multiple of 10⁻¹², so that epoch times in nanoseconds keep every digit; `None` for other text.
+/// Returns a decimal number as a multiple of 10⁻¹², so that epoch times in nanoseconds keep every digit; `None` for other
+/// text.
 ///
-/// Digits after the twelfth decimal place are dropped. Numbers of 10²⁴ and more give `None`.
+/// Digits after the twelfth decimal place are dropped. The result is `None` for numbers of at least 10²⁴.
 pub(super) fn exact(field: &[u8], decimals: Decimals) -> Option<i128> {
     let text = std::str::from_utf8(field.trim_ascii()).ok()?;
     let (mantissa, exponent) = match text.find(['e', 'E']) {
@@ -53,7 +54,7 @@ pub(super) fn exact(field: &[u8], decimals: Decimals) -> Option<i128> {
     Some(if negative { -count } else { count })
 }
 
-/// `whole.fraction · 10^shift`, cut to an integer; `None` if it is 10³⁶ or more.
+/// Returns `whole.fraction · 10^shift`, truncated to an integer; `None` if the result is 10³⁶ or more.
 fn scaled(whole: &str, fraction: &str, shift: i32) -> Option<i128> {
     let length = i32::try_from(whole.len()).ok()?.checked_add(shift)?;
     let digits = whole.bytes().chain(fraction.bytes()).chain(std::iter::repeat(b'0'));

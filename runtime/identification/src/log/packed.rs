@@ -1,4 +1,4 @@
-//! Compressed files: gzip, zstd and LZ4.
+//! Decompression of files: gzip, zstd and LZ4.
 
 use flate2::bufread::GzDecoder;
 use lz4_flex::frame::FrameDecoder;
@@ -6,10 +6,10 @@ use ruzstd::decoding::StreamingDecoder;
 use std::borrow::Cow;
 use std::io::Read;
 
-/// Largest log that is read [bytes]. A log is in memory as a whole.
+/// Largest size of a log in bytes. The whole log is kept in memory.
 pub(super) const LARGEST: u64 = 8 << 30;
 
-/// Formats of frames. A compressed file is a sequence of frames.
+/// Formats of the frames of a compressed file. Such a file is a sequence of frames.
 #[derive(Clone, Copy)]
 enum Format {
     Gzip,
@@ -30,7 +30,7 @@ impl Format {
         }
     }
 
-    /// Decompresses the frame at the beginning of `rest`, to at most one byte more than `most`.
+    /// Decompresses the frame at the beginning of `rest`, up to `most` + 1 bytes.
     fn frame(self, rest: &mut &[u8], most: u64) -> Result<Vec<u8>, String> {
         let whole = *rest;
         match self {
@@ -38,7 +38,7 @@ impl Format {
             Self::Zstd => read(StreamingDecoder::new(rest).map_err(|error| error.to_string())?, most),
             Self::Lz4 => {
                 let content = read(FrameDecoder::new(&mut *rest), most)?;
-                // The decoder takes the end of the bytes as the end of the frame. A checksum of the content is at the end.
+                // If the bytes end too early, the decoder does not report an error. The checksum of the content comes last.
                 let taken = &whole[..whole.len() - rest.len()];
                 let checksum = if taken.get(4).is_some_and(|flags| flags & 4 != 0) { 4 } else { 0 };
                 let is_whole = taken[..taken.len() - checksum].ends_with(&[0; 4]);
@@ -54,23 +54,28 @@ impl Format {
     }
 }
 
-const CUT: &str = "it ends within a frame";
+const CUT: &str = "the file ends within a frame";
 
-/// The content of compressed bytes. Other bytes are returned unchanged.
+/// Returns the content of compressed bytes. Other bytes are returned unchanged.
 ///
 /// # Errors
-/// A message if frames cannot be decompressed, or if the content has more than `most` bytes.
+/// A message if a frame cannot be decompressed, or if the content has more than `most` bytes
 pub(super) fn unpacked(bytes: &[u8], most: u64) -> Result<Cow<'_, [u8]>, String> {
     let Some((_, name)) = Format::of(bytes) else { return Ok(Cow::Borrowed(bytes)) };
     let (mut rest, mut content) = (bytes, Vec::new());
     while !rest.is_empty() {
-        let frame = Format::of(rest).ok_or_else(|| "other bytes are behind it".to_owned());
+        let frame =
+            Format::of(rest).ok_or_else(|| "there are other bytes after the compressed data".to_owned());
         let frame = frame.and_then(|(format, _)| format.frame(&mut rest, most - content.len() as u64));
         content.extend(frame.map_err(|error| {
-            format!("it begins as a {name} file and cannot be unpacked ({error}): pack it again")
+            format!(
+                "the file begins as a {name} file, but cannot be decompressed ({error}): compress it again"
+            )
         })?);
         if content.len() as u64 > most {
-            return Err(format!("it holds more than a log may have ({most} bytes): split it"));
+            return Err(format!(
+                "the content is larger than the largest size of a log ({most} bytes): split the log"
+            ));
         }
     }
     Ok(Cow::Owned(content))
@@ -107,7 +112,7 @@ mod tests {
             let skipped = if one[0] == 0x1f { Vec::new() } else { b"\x52\x2a\x4d\x18\x03\0\0\0abc".to_vec() };
             let both = [one.as_slice(), &skipped, &two].concat();
             assert_eq!(*unpacked(&both, LARGEST).unwrap(), *[first.as_bytes(), second.as_bytes()].concat());
-            assert!(unpacked(&both, 20_000).unwrap_err().contains("more than a log may have (20000 bytes)"));
+            assert!(unpacked(&both, 20_000).unwrap_err().contains("the largest size of a log (20000 bytes)"));
             for cut in [1, 4, 8, two.len() / 2, two.len() - 2] {
                 assert!(unpacked(&both[..both.len() - cut], LARGEST).is_err(), "{cut} of {}", both.len());
             }

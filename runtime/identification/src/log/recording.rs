@@ -1,4 +1,4 @@
-//! Logs as runs of a robot.
+//! Reads logs as runs of a robot.
 
 use super::super::error::{IdentificationError, Result, at};
 use super::super::robot::Robot;
@@ -27,44 +27,44 @@ const COLUMNS: Rule = Rule::note("columns");
 pub struct Recording {
     /// Runs in the order of the files and rows.
     pub runs: Vec<Run>,
-    /// Kind of the runs' efforts. It is the same in all logs.
+    /// Kind of the efforts of all runs. All logs have the same kind.
     pub effort: Effort,
     /// Findings about values that are suspicious, left out or repaired.
     pub findings: Vec<Finding>,
-    /// Names of the columns in the first log.
+    /// Headers of the columns in the first log.
     pub(crate) labels: Labels,
-    /// The columns that are used: one line for each quantity.
+    /// Columns that are used, one line for each quantity.
     pub columns: Vec<String>,
     /// Headers of columns that are not used.
     pub unused: Vec<String>,
-    /// Path and SHA-256 of each log, in hexadecimal.
+    /// Path of each log, and its SHA-256 in hexadecimal.
     pub hashes: Vec<(String, String)>,
 }
 
-/// Largest number of headers of unused columns in a line.
+/// Largest number of headers in the message about unused columns.
 const MOST_UNUSED: usize = 12;
 
-/// Reads logs as runs of a robot.
+/// Reads logs as runs of a robot. A run is a part of a log without interruption.
 ///
-/// Columns are found by their names or by the user's options ([`ColumnOptions`]). Measured columns are preferred to
-/// commanded ones, names of joints to numbers, and the stamp of a message to the time of its arrival. Times keep every digit
-/// of the file.
+/// Columns are found by their names or by the user's options ([`ColumnOptions`]). The reader prefers measured columns to
+/// commanded ones, names of joints to numbers, and the time stamp of a message to the time of its arrival. Times keep all
+/// digits of the file.
 ///
-/// A run ends if the number of the run changes, if the time goes back, or with the file. Rows without a time, a position or
-/// an effort are left out, and so are samples with the time of the sample before. Jumps of a revolute joint's position by a
-/// full turn are removed. [`Recording::findings`] reports all of this.
+/// A run ends at the end of a file, if the column of the run number changes, or if the time goes back. These rows are left
+/// out: rows without a time, a position or an effort, and rows with the time of the row before. Jumps of a revolute joint's
+/// position by a full turn are removed. [`Recording::findings`] reports all of this.
 ///
 /// # Errors
-/// [`IdentificationError::Empty`] without logs. [`IdentificationError::File`] if a file cannot be read or is not a table, if
-/// columns are missing or ambiguous, if a unit does not fit, if a log does not have two complete rows, or if logs have
-/// efforts of different kinds.
+/// - [`IdentificationError::Empty`]: `paths` is empty
+/// - [`IdentificationError::File`]: a file cannot be read or is not a table, columns are missing or ambiguous, a unit does
+///   not fit, a log has fewer than two complete rows, or logs have efforts of different kinds
 pub fn runs(paths: &[PathBuf], robot: &dyn Robot, columns: &ColumnOptions) -> Result<Recording> {
     runs_noting(paths, robot, columns, &mut Vec::new())
 }
 
-/// Does the work of [`runs`].
+/// Implements [`runs`].
 ///
-/// - `findings`: receives the findings before an error
+/// - `findings`: receives the findings, also those before an error
 pub(crate) fn runs_noting(
     paths: &[PathBuf],
     robot: &dyn Robot,
@@ -103,7 +103,7 @@ pub fn runs_of(bytes: &[u8], source: &str, robot: &dyn Robot, columns: &ColumnOp
 }
 
 impl Recording {
-    /// Adds the findings from the checks of the runs.
+    /// Checks the runs and adds the findings.
     fn look(&mut self, robot: &dyn Robot) {
         self.leave_out_short();
         let columns = &self.labels.efforts.columns;
@@ -127,11 +127,14 @@ impl Recording {
             return;
         }
         self.runs.retain(is_long);
-        let message = format!("{short} runs of fewer than {FEWEST_SAMPLES} samples are left out");
+        let message = format!(
+            "{short} runs with fewer than {FEWEST_SAMPLES} samples are left out, because they are too \
+                               short for a filter"
+        );
         self.findings.push(LEFT_OUT.found(message));
     }
 
-    /// Notes on the columns that are used, one for each quantity, and one note on the columns that are not used.
+    /// Returns one note for each quantity on the columns that are used, and one note on the columns that are not used.
     pub(crate) fn columns_found(&self) -> Vec<Finding> {
         let shown: Vec<String> =
             self.unused.iter().take(MOST_UNUSED).map(|header| format!("`{header}`")).collect();
@@ -141,7 +144,7 @@ impl Recording {
         self.columns.iter().cloned().chain(unused).map(|line| COLUMNS.found(line)).collect()
     }
 
-    /// SHA-256 of the samples. It does not depend on empty lines, comments and unused columns of the log.
+    /// Returns the SHA-256 of the samples. It does not depend on empty lines, comments and unused columns of the log.
     pub(crate) fn content(&self) -> [u8; 32] {
         content(&self.runs)
     }
@@ -157,17 +160,17 @@ fn content(runs: &[Run]) -> [u8; 32] {
     hasher.finalize().into()
 }
 
-/// The columns of a log that are found, as an argument of `--columns`.
+/// Finds the columns of a log, and returns them as an argument of `--columns`.
 ///
 /// # Errors
-/// [`IdentificationError::File`] if a file cannot be read or is not a table, or if the options cannot be read. Columns that
-/// are not found are not an error.
+/// [`IdentificationError::File`] if the file cannot be read or is not a table, or if the options are not valid. A missing
+/// column is not an error.
 pub fn guess_columns(path: &Path, robot: &dyn Robot, columns: &ColumnOptions) -> Result<ColumnGuess> {
     let source = path.display().to_string();
     guess_columns_of(&bytes_of(path)?, &source, robot, columns)
 }
 
-/// Does the work of [`guess_columns`], for bytes in memory.
+/// Implements [`guess_columns`] for bytes in memory.
 pub(super) fn guess_columns_of(
     bytes: &[u8],
     source: &str,
@@ -183,13 +186,14 @@ fn bytes_of(path: &Path) -> Result<Vec<u8>> {
     let fault = |message: String| at(path.display().to_string()).fault(message);
     let size = std::fs::metadata(path).map_err(|e| fault(e.to_string()))?.len();
     if size > LARGEST {
-        return Err(fault(format!("{size} bytes are more than a log may have ({LARGEST}): split it")));
+        return Err(fault(format!(
+            "the file has {size} bytes, but a log may have at most {LARGEST} bytes: split it"
+        )));
     }
     let mut unwritten = path.as_os_str().to_owned();
     unwritten.push("-wal");
     if std::fs::metadata(&unwritten).is_ok_and(|file| file.len() > 0) {
-        let message =
-            "the file with `-wal` behind its name has more rows: write them back (`sqlite3 FILE vacuum`)";
+        let message = "the write-ahead log (the file `FILE-wal`) has further rows: write them back with `sqlite3 FILE vacuum`";
         return Err(fault(message.to_owned()));
     }
     std::fs::read(path).map_err(|e| fault(e.to_string()))
@@ -223,7 +227,7 @@ fn read_bytes(
     })
 }
 
-/// The text of a file. Compressed files are decompressed, bags of ROS 2 are converted to tables.
+/// Returns the text of a file. Compressed files are decompressed, bags of ROS 2 are converted to tables.
 fn text_of<'a>(bytes: &'a [u8], source: &str) -> Result<Cow<'a, [u8]>> {
     let fault = |message: String| at(source).fault(message);
     let content = unpacked(bytes, LARGEST).map_err(fault)?;
@@ -237,7 +241,7 @@ fn sha256(bytes: &[u8]) -> String {
     hexadecimal(&Sha256::digest(bytes))
 }
 
-/// Bytes as hexadecimal digits.
+/// Returns the bytes as hexadecimal digits.
 pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|b| format!("{b:02x}")).collect()
 }
@@ -245,14 +249,14 @@ pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
 fn join(mut before: Recording, one: Recording) -> Result<Recording> {
     if before.effort != one.effort {
         return Err(at(one.hashes.first().map_or(String::new(), |h| h.0.clone())).fault(format!(
-            "its efforts are {}, those of the logs before it are {}: identify from one kind, or say with --columns \
-             which columns are meant",
+            "the efforts of this log are {}, but the efforts of the logs before it are {}: use logs with one kind of \
+             efforts, or name the columns of the efforts with `--columns`",
             one.effort.plural(),
             before.effort.plural()
         )));
     }
     if let Some((known, same)) = twice(&before, &one) {
-        return Err(at(same).fault(format!("it holds the same samples as {known}: give a log once")));
+        return Err(at(same).fault(format!("this log has the same samples as {known}: give each log once")));
     }
     before.runs.extend(one.runs);
     before.hashes.extend(one.hashes);
@@ -267,7 +271,8 @@ fn join(mut before: Recording, one: Recording) -> Result<Recording> {
     Ok(before)
 }
 
-/// Paths of a log that occurs twice; `None` if there is none. Copies may differ in empty lines or comments.
+/// Returns the paths of two logs with the same first run; `None` if there are no such logs. Copies of a log may differ in
+/// empty lines or comments.
 fn twice(before: &Recording, one: &Recording) -> Option<(String, String)> {
     let ((path, _), run) = (one.hashes.first()?, one.runs.first()?);
     let samples = content(slice::from_ref(run));
@@ -280,7 +285,7 @@ fn twice(before: &Recording, one: &Recording) -> Option<(String, String)> {
     Some((log.unwrap_or(&known.name).clone(), path.clone()))
 }
 
-/// Replaces the paths in names of runs and findings by file names, if the file names are distinct.
+/// Replaces the paths in the names of runs and in findings by file names, if all file names differ.
 fn name_by_file(recording: &mut Recording, paths: &[PathBuf]) {
     let name = |path: &PathBuf| path.file_name().map(|n| n.to_string_lossy().into_owned());
     let names: Vec<Option<String>> = paths.iter().map(name).collect();

@@ -1,4 +1,4 @@
-//! Rows of a log as samples, and samples as runs.
+//! Conversion of the rows of a log to samples, and of samples to runs.
 
 use super::super::error::{Result, at};
 use super::super::robot::Robot;
@@ -61,12 +61,12 @@ pub(super) struct Samples {
     values: Vec<Vec<f64>>,
 }
 
-/// Values of one column that are not finite numbers.
+/// Fields of one column that are not finite numbers.
 #[derive(Debug, Default, Clone, PartialEq)]
 struct Gaps {
     count: usize,
     rows: Option<(usize, usize)>,
-    /// The first of these values that is text; `None` if there is none.
+    /// The first of these fields that contains text; `None` if there is no text.
     text: Option<String>,
     /// Number of rows whose field is text but not a number.
     unread: usize,
@@ -93,12 +93,13 @@ impl Gaps {
 
     fn finding(&self, columns: &str, place: &str) -> Finding {
         let rule = if self.text.is_some() { NOT_A_NUMBER } else { MISSING };
-        let text = self.text.as_ref().map_or(String::new(), |text| format!(", the first as `{text}`"));
+        let text =
+            self.text.as_ref().map_or(String::new(), |text| format!(", the first of which is `{text}`"));
         let short = match self.short {
             0 => String::new(),
-            n => format!(", {n} because the row ends before"),
+            n => format!("; {n} of these rows end before the column"),
         };
-        let message = format!("{columns}: no finite number in {} rows{text}{short}", self.count);
+        let message = format!("{columns} has no finite number in {} rows{text}{short}", self.count);
         rule.found(message).log(place, self.rows)
     }
 }
@@ -128,7 +129,7 @@ impl Samples {
         let widest = sheet.width.max(sheet.headers.len());
         sheet.rows(source, |line, record| {
             total += 1;
-            // An additional field has shifted the other fields.
+            // An additional field shifts the fields after it.
             if record.iter().skip(widest).any(|field| !field.trim_ascii().is_empty()) {
                 long.add(line);
                 return Ok(());
@@ -156,14 +157,15 @@ impl Samples {
         let long_rows = long.count;
         findings.extend(long.finding(source, LEFT_OUT, |n| {
             format!(
-                "{n} rows have more fields than the header and are left out: is a separator part of a text?"
+                "{n} rows have more fields than the header and are left out: check whether a text contains the field separator"
             )
         }));
         require_alive(sheet, &sources, &gaps, &efforts, source)?;
         let zeros = samples.leave_out_zeros(joints);
         let zero_rows = zeros.count;
         findings.extend(zeros.finding(source, LEFT_OUT, |n| {
-            format!("{n} rows of zeros, to which positions jump, are left out: nothing was recorded there")
+            format!("{n} rows contain only zeros and positions jump to them: they are left out, because no values were \
+                     recorded there")
         }));
         for i in efforts.clone() {
             let named = (sources[i].map(|column| label(sheet, column.index)), source);
@@ -197,8 +199,8 @@ impl Samples {
         }
     }
 
-    /// Leaves out rows without an effort that most rows have. An effort that most rows lack removes no row, unless all
-    /// efforts are like that.
+    /// Leaves out rows without an effort, if most rows have this effort. An effort that most rows lack removes no rows,
+    /// unless most rows lack all efforts.
     fn leave_out_gaps(&mut self, efforts: Range<usize>) {
         let known = |i: &usize| self.values[*i].iter().filter(|u| u.is_finite()).count();
         let usual = efforts.clone().filter(|i| 2 * known(i) >= self.lines.len());
@@ -212,7 +214,7 @@ impl Samples {
         self.retain(&kept);
     }
 
-    /// Leaves out rows of zeros, in which no values were recorded.
+    /// Leaves out rows of zeros, which were written without recorded values. Returns their number.
     fn leave_out_zeros(&mut self, positions: usize) -> Tally {
         let is_same_run = |row: usize| self.labels[row] == self.labels[row - 1];
         let zeros = zero_rows(&self.values, positions, is_same_run);
@@ -239,14 +241,14 @@ impl Samples {
         }
         if let Some(Gaps { count, text: Some(text), .. }) = gaps.last().filter(|time| time.count == total) {
             return Err(at(source).fault(format!(
-                "the time is not a number in any of {count} rows (the first is `{text}`): export it in seconds, or name \
-                 another column with --columns 'time=…[s]'"
+                "the column of times has no number in any of {count} rows (the first field is `{text}`): export the time \
+                 in seconds, or name another column with --columns 'time=…[s]'"
             )));
         }
         let fullest = gaps.iter().map(|g| total - g.count.min(total)).min().unwrap_or(0);
         Err(at(source).fault(format!(
-            "{} of {total} rows have time, {} positions and efforts together; the emptiest column has {fullest} \
-             values. If positions and efforts are in different rows, export the topic that has both",
+            "only {} of {total} rows have the time, all {} positions and the efforts; the column with the most gaps has \
+             {fullest} values. If positions and efforts are in different rows, export the topic that has both",
             self.lines.len(),
             robot.joints.names.len()
         )))
@@ -258,7 +260,7 @@ fn retain<T>(values: &mut Vec<T>, kept: &[bool]) {
     values.retain(|_| kept.next().copied().unwrap_or(true));
 }
 
-/// The columns of a mapping in the order of [`Samples::values`].
+/// Returns the columns of a mapping in the order of [`Samples::values`].
 fn sources(mapping: &Mapping) -> Vec<Option<&Column>> {
     let positions = &mapping.positions.columns;
     let velocities = mapping.velocities.as_ref().map(|found| &found.columns);
@@ -286,8 +288,8 @@ fn label(sheet: &Sheet, column: usize) -> String {
     sheet.headers.get(column).map_or_else(|| format!("column {}", column + 1), |h| format!("column `{h}`"))
 }
 
-/// Fails if a column has no number. An effort without numbers is accepted if other efforts have numbers, because then only
-/// its joint lacks an effort.
+/// Fails if a column has no number. However, a column of efforts without numbers is accepted if another one has numbers,
+/// because only the effort of one joint is missing then.
 fn require_alive(
     sheet: &Sheet,
     sources: &[Option<&Column>],
@@ -305,7 +307,7 @@ fn require_alive(
             let example =
                 gaps.text.as_ref().map_or(String::new(), |text| format!(" (its first value is `{text}`)"));
             return Err(at(place).fault(format!(
-                "{} has no finite number{example}: name another one with --columns",
+                "{} has no finite number{example}: name another column with --columns",
                 label(sheet, source.index)
             )));
         }
@@ -313,13 +315,13 @@ fn require_alive(
     Ok(())
 }
 
-/// Columns of the file in the order of their gaps: the columns of the samples, then the column of times.
+/// Returns the columns in the order of their gaps: first the columns of the samples, then the column of times.
 fn labels(mapping: &Mapping, sources: &[Option<&Column>]) -> Vec<Option<usize>> {
     sources.iter().map(|s| s.map(|s| s.index)).chain([mapping.time.column]).collect()
 }
 
-/// Fails if most rows of a log cannot be read, because the remaining rows would not be the recorded motion. Empty fields are
-/// accepted, for example if two topics share one table.
+/// Fails if most rows of a log are not readable, because the remaining rows would not represent the recorded motion. Empty
+/// fields are accepted: for example, two topics may share one table.
 fn require_most_readable(
     sheet: &Sheet,
     (columns, gaps): (&[Option<usize>], &[Gaps]),
@@ -333,14 +335,15 @@ fn require_most_readable(
     let worst = all.filter(|(_, gaps)| 2 * gaps.unread > total).max_by_key(|(_, gaps)| gaps.unread);
     let reason = match worst {
         Some((column, gaps)) => format!(
-            "{} has no number in {} of them, the first is `{}`. Thousands separators, a decimal comma next to points, or a unit next to \
-             the number may be the reason: export plain numbers",
+            "{} has no number in {} of these rows; the first field is `{}`. Thousands separators, a mixture of decimal \
+             commas and points, or a unit after the number may be the reason: export plain numbers",
             column.map_or_else(String::new, |column| label(sheet, column)),
             gaps.unread,
             gaps.text.as_deref().unwrap_or("")
         ),
         None if 2 * long > total => {
-            "they have more fields than the header: a separator is part of a text or of a number".to_owned()
+            "they have more fields than the header, because a text or a number contains the field separator"
+                .to_owned()
         }
         None => return Ok(()),
     };
@@ -369,17 +372,17 @@ fn gap_findings(
     let mut findings: Vec<Finding> =
         alike.into_iter().map(|(names, gaps)| gaps.finding(&shortened(&names), place)).collect();
     if left_out > 0 {
-        let message = format!("{left_out} rows are left out because they are not complete");
+        let message = format!("{left_out} incomplete rows are left out");
         findings.push(LEFT_OUT.found(message).log(place, None));
     }
     findings
 }
 
-/// Cuts samples into runs: at changes of the run's number, and where the time goes back. Samples with repeated times are
-/// left out.
+/// Splits samples into runs. A new run begins if the run number changes or the time goes back. Samples with repeated times
+/// are left out.
 ///
 /// # Errors
-/// [`IdentificationError::File`](crate::error::IdentificationError::File) if no run has two samples.
+/// [`IdentificationError::File`](crate::error::IdentificationError::File) if no run has at least two samples
 pub(super) fn split(
     samples: Samples,
     mapping: &Mapping,
@@ -398,13 +401,13 @@ pub(super) fn split(
     require_steady(&parts, &samples.times, unit, source)?;
     let short = parts.iter().filter(|p| p.len() < 2).count();
     if short > 0 {
-        let message = format!("{short} runs of a single sample are left out");
+        let message = format!("{short} runs with a single sample are left out");
         findings.push(LEFT_OUT.found(message).log(source, None));
     }
     let kept: Vec<Vec<usize>> = parts.into_iter().filter(|p| p.len() > 1).collect();
     if kept.is_empty() {
         return Err(
-            at(source).fault("no two samples follow each other in time within a run: check the time column")
+            at(source).fault("no run has two samples with increasing times: check the column of times")
         );
     }
     let named = kept.iter().zip(run_names(&samples, &kept, source));
@@ -422,7 +425,7 @@ pub(super) fn split(
     Ok(runs)
 }
 
-/// Indices of the samples of each run, and the median step between samples.
+/// Returns the indices of the samples of each run, and the median step between samples.
 fn parts(samples: &Samples, source: &str, findings: &mut Vec<Finding>) -> (Vec<Vec<usize>>, i128) {
     let mut parts: Vec<Vec<usize>> = Vec::new();
     let mut steps: Vec<i128> = Vec::new();
@@ -449,10 +452,10 @@ fn parts(samples: &Samples, source: &str, findings: &mut Vec<Finding>) -> (Vec<V
         }
     }
     findings.extend(repeated.finding(source, REPEATED, |n| {
-        format!("{n} samples have the time of the one before and are left out")
+        format!("{n} samples have the same time as the sample before and are left out")
     }));
     findings.extend(back.finding(source, NEW_RUN, |n| {
-        format!("time goes back {n} times: a new run begins at each of these rows")
+        format!("the time goes back {n} times, and a new run begins at each of these rows")
     }));
     let middle = steps.len() / 2;
     let step = if steps.is_empty() { 0 } else { *steps.select_nth_unstable(middle).1 };
@@ -476,7 +479,7 @@ impl Tally {
     }
 }
 
-/// Name of each run: file and run, with a number if several runs have the same name.
+/// Returns the name of each run: the file, the run, and a number if several runs have the same name.
 fn run_names(samples: &Samples, parts: &[Vec<usize>], source: &str) -> Vec<String> {
     let label = |part: &Vec<usize>| samples.labels[part[0]];
     let mut same = vec![0_usize; samples.names.len()];

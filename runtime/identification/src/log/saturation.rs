@@ -1,4 +1,5 @@
-//! Efforts that are at an extreme value for a part of the motion, because a sensor, a drive or a program had a limit there.
+//! Detection of saturated efforts: for a part of the motion they are at an extreme value, which is a limit of a sensor, a
+//! drive or a program.
 
 use super::super::run::Run;
 use super::levels;
@@ -10,10 +11,10 @@ use gelenk_findings::{Finding, Rule};
 /// Fixture: `efforts_that_are_cut_off_are_said_with_their_column_and_share` in `log/saturation.rs`.
 const CUT_OFF: Rule = Rule::note("efforts-cut-off");
 
-/// Findings about efforts that are cut off.
+/// Returns findings about efforts that are cut off at a limit.
 ///
 /// - `names`: names of the joints or inputs
-/// - `columns`: names of the columns of their efforts in the log
+/// - `columns`: headers of the columns of their efforts in the log
 pub(super) fn cut_off(runs: &[Run], names: &[String], columns: &[String]) -> Vec<Finding> {
     let of = |(place, name): (usize, &String)| {
         let values: Vec<f64> = runs.iter().flat_map(|run| moving(run, place)).collect();
@@ -30,27 +31,27 @@ pub(super) fn cut_off(runs: &[Run], names: &[String], columns: &[String]) -> Vec
         let said: Vec<String> = said.collect();
         (!said.is_empty()).then(|| {
             let message = format!(
-                "its effort (column {}) is {} of the samples in motion: it looks cut off by a limit of the sensor or the \
-                 drive, and its model is wrong there",
+                "its effort (column {}) is {} of the samples in motion: probably a limit of the sensor or the drive cuts \
+                 it off, so that the model is wrong for these samples",
                 columns.get(place).map_or("unknown", String::as_str),
                 said.join(" and ")
             );
-            let remedy = "record a slower motion, or empty these fields";
+            let remedy = "record a slower motion, or delete these efforts from the log";
             CUT_OFF.found(message).joint(name).help(remedy)
         })
     };
     names.iter().enumerate().filter_map(of).collect()
 }
 
-/// Efforts of the samples before which a joint moved. At rest, the same effort may last for long.
+/// Returns the efforts of the samples to which a joint has moved. At rest, the same effort may last long.
 fn moving(run: &Run, place: usize) -> Vec<f64> {
     let Some(efforts) = run.efforts.get(place) else { return Vec::new() };
     let moved = |i: &usize| run.positions.iter().any(|q| q[*i] != q[*i - 1]);
     (1..efforts.len()).filter(moved).map(|i| efforts[i]).filter(|x| x.is_finite()).collect()
 }
 
-/// The first value of a sorted list and its count, if the count is too high; otherwise `None`. Zero does not count as a
-/// limit.
+/// Returns the first value of a sorted list and its count if the count is too high for an unlimited signal; otherwise
+/// `None`. Zero does not count as a limit.
 fn crowd(sorted: &[f64]) -> Option<(f64, usize)> {
     let value = *sorted.first().filter(|value| **value != 0.0)?;
     let count = sorted.iter().take_while(|x| **x == value).count();
@@ -66,7 +67,7 @@ mod tests {
     use super::super::super::run::Effort;
     use super::*;
 
-    /// A wave with noise, cut off at `limit` and in steps of `step`.
+    /// Returns a run with a noisy wave, which is cut off at `limit` and rounded to multiples of `step`.
     fn run(limit: f64, step: f64) -> Run {
         let mut random = SplitMix64::new(3);
         let times: Vec<f64> = (0..2000).map(|i| 0.01 * f64::from(i)).collect();
@@ -93,7 +94,7 @@ mod tests {
             found.iter().map(ToString::to_string).collect::<Vec<_>>()
         };
         let one = said(run(6.0, 0.0));
-        // Nothing tells whether the first sample is in motion.
+        // It is unknown whether the first sample is in motion.
         let moving = run(6.0, 0.0).efforts[0].split_off(1);
         let share = 100.0 * moving.iter().filter(|x| **x == 6.0).count() as f64 / moving.len() as f64;
         assert!(
@@ -103,7 +104,7 @@ mod tests {
         );
         let both = said(run(6.0, 0.5));
         assert!(both[0].contains("of 6 in") && both[0].contains("smallest value of -6 in"), "{both:?}");
-        // Neither a whole wave nor a coarse one is cut off.
+        // Neither an unlimited wave nor a wave with coarse steps is cut off.
         assert_eq!(said(run(f64::INFINITY, 0.0)), Vec::<String>::new());
         let mut coarse = run(f64::INFINITY, 0.0);
         coarse.efforts[0].iter_mut().for_each(|x| *x = x.round());

@@ -1,4 +1,4 @@
-//! Conversion of counted times to seconds: the unit if none is named, and the counts.
+//! Conversion of times to seconds. If no unit is named, the unit follows from the time step.
 
 use super::levels;
 use gelenk_findings::{Finding, Rule};
@@ -9,10 +9,10 @@ use gelenk_findings::{Finding, Rule};
 /// Fixture: `epoch_times_keep_their_digits` in `log/tests/styles.rs`.
 pub(super) const UNIT_ASSUMED: Rule = Rule::note("unit-assumed");
 
-/// Seconds of a unit that is not named, by the median step. It is assumed that robots are sampled with 5 Hz to 20 kHz.
-/// Returns the factor, and a message if the factor is not 1.
+/// Returns the value in s of the unit of times whose unit is not named. It assumes a sampling rate of 5 Hz to 20 kHz. If
+/// the unit is not s, it also returns a message.
 ///
-/// - `step`: median step in 10⁻¹² of the unit
+/// - `step`: median time step in 10⁻¹² of the unit
 pub(super) fn assumed_unit(step: i128) -> (f64, Option<String>) {
     let steps = step as f64 / 1e12;
     let (factor, name) = match steps {
@@ -22,39 +22,45 @@ pub(super) fn assumed_unit(step: i128) -> (f64, Option<String>) {
         _ => (1e-9, "ns"),
     };
     let message = format!(
-        "the time has no unit and steps by {steps}: taken as {name} ({:.6} Hz); --columns 'time=…[s]' sets another unit{}",
+        "the time has no unit and its step is {steps}: the unit is assumed to be {name} (rate {:.6} Hz). --columns \
+         'time=…[s]' sets another unit{}",
         1.0 / (steps * factor),
-        if steps == 1.0 { ", and the period of a counter of samples, as in 'time=…[4 ms]'" } else { "" }
+        if steps == 1.0 {
+            ". If the column counts samples, give the period, as in 'time=…[4 ms]'"
+        } else {
+            ""
+        }
     );
     (factor, Some(message))
 }
 
-/// A finding if all steps are exactly one second. Robots are not recorded so slowly, but a counter of samples has steps of
-/// one.
+/// Returns a finding if all time steps are exactly one second. Robots are not recorded at such a low rate, but a counter of
+/// samples has steps of one.
 ///
 /// - `times`: times in 10⁻¹² of the unit
-/// - `unit`: unit of the times [s]
+/// - `unit`: unit of the times in s
 pub(super) fn counter_finding(times: &[i128], unit: f64, place: &str) -> Option<Finding> {
     const ONE: i128 = 1_000_000_000_000;
     let counts = unit == 1.0 && times.len() > 1 && times.windows(2).all(|pair| pair[1] - pair[0] == ONE);
     counts.then(|| {
-        let message = "its times step by exactly 1 s: if they are a counter of samples, name the period, as in --columns \
+        let message = "all time steps are exactly 1 s: if the column counts samples, give the period, as in --columns \
                        'time=…[4 ms]'";
         UNIT_ASSUMED.found(message).log(place, None)
     })
 }
 
-/// Conversion of counts to seconds since the beginning of the log if the times have an epoch, otherwise since 0.
+/// Conversion of times to seconds. The seconds count from the beginning of the log if the times count from an epoch,
+/// otherwise from 0.
 pub(super) struct Clock {
     zero: i128,
     per_second: f64,
 }
 
 impl Clock {
-    /// The clock of times in 10⁻¹² of a unit of `unit` seconds.
+    /// Creates the clock of times in 10⁻¹² of a unit of `unit` seconds.
     pub(super) fn new(times: &[i128], unit: f64) -> Self {
-        // These powers of ten are exact floating-point numbers. A quotient by them is the floating-point number nearest to
-        // the decimal number.
+        // These powers of ten are exact floating-point numbers. Therefore a quotient by them is the floating-point number
+        // that is nearest to the decimal number.
         let exact = [1e12, 1e15, 1e18, 1e21].into_iter().find(|p| (p * unit / 1e12 - 1.0).abs() < 1e-9);
         let per_second = exact.unwrap_or(1e12 / unit);
         let first = times.first().copied().unwrap_or(0);

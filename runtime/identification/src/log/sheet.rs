@@ -1,4 +1,4 @@
-//! A file of numbers: detection of the field separator, the decimal sign, the header, and the first row of numbers.
+//! Detection of the format of a table: field separator, decimal sign, header, and first row of numbers.
 
 use super::super::error::{Result, at};
 use super::number::{Decimals, number};
@@ -9,9 +9,9 @@ use std::io::Read;
 /// Text that was recognized as a table. [`Self::rows`] reads its rows.
 #[derive(Debug)]
 pub(super) struct Sheet<'a> {
-    /// Names of the columns, without the row of their units; empty if the file has no header.
+    /// Headers of the columns, without the row of units; empty if the file has no header.
     pub headers: Vec<String>,
-    /// Units in a row below the header; `None` for a column without a unit there.
+    /// Units in a row below the header; `None` for a column without a unit in this row.
     pub units: Vec<Option<String>>,
     /// Number of fields in a row of numbers.
     pub width: usize,
@@ -19,9 +19,9 @@ pub(super) struct Sheet<'a> {
     pub separator: u8,
     /// Decimal sign.
     pub decimals: Decimals,
-    /// Fields of the first row of numbers, for messages and for names in the rows.
+    /// Fields of the first row of numbers, for messages and for names of joints.
     pub first: Vec<String>,
-    /// Fields of the first rows of numbers.
+    /// Fields of several rows at the beginning of the numbers.
     pub sample: Vec<Vec<String>>,
     body: Cow<'a, [u8]>,
     /// Line of the body's first row, counted from 1.
@@ -36,7 +36,7 @@ struct Lines<'t> {
 }
 
 impl Lines<'_> {
-    /// Line of the first row at or after `byte`. `byte` must increase from call to call.
+    /// Returns the line of the first row at or after `byte`. `byte` must increase from call to call.
     fn line_from(&mut self, byte: u64) -> usize {
         let byte = usize::try_from(byte).unwrap_or(usize::MAX);
         while let Some(&sign) = self.text.get(self.at)
@@ -49,11 +49,11 @@ impl Lines<'_> {
     }
 }
 
-/// Calls `each` with the fields of every row that is not empty, and the index of the byte after the row before.
+/// Calls `each` for every row that is not empty, with the index of the byte after the row before, and with the fields.
 ///
 /// # Errors
 /// The errors of `each`, and [`IdentificationError::File`](crate::error::IdentificationError::File) for bytes that are not
-/// rows.
+/// rows
 fn records(
     reader: impl Read,
     separator: u8,
@@ -74,13 +74,13 @@ fn records(
     Ok(())
 }
 
-/// Largest number of lines of a row. A longer row contains the rows after it by mistake.
+/// Largest number of lines of a row. A row with more lines has a quotation mark that is not closed.
 const MOST_LINES_OF_A_ROW: usize = 50;
 
 /// Largest number of columns. A table with more columns is not a log of a robot.
 const MOST_COLUMNS: usize = 20_000;
 
-/// Number of lines by which the format of a file is detected.
+/// Number of lines from which the format of a file is detected.
 const SAMPLE: usize = 600;
 
 impl<'a> Sheet<'a> {
@@ -98,8 +98,9 @@ impl<'a> Sheet<'a> {
         let text = unify_line_ends(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes));
         let lines = sample(&text);
         let separator = match separator {
-            Some(known) => u8::try_from(known)
-                .map_err(|_| fault(format!("{known:?} cannot separate fields: it is not ASCII")))?,
+            Some(known) => u8::try_from(known).map_err(|_| {
+                fault(format!("{known:?} cannot separate fields, because it is not an ASCII character"))
+            })?,
             None => guess_separator(&lines).ok_or_else(|| fault(nothing(&lines)))?,
         };
         let body_of = |start: usize| match (separator, &text) {
@@ -122,17 +123,19 @@ impl<'a> Sheet<'a> {
             line: lines[data].number,
         };
         if sheet.width.max(sheet.headers.len()) > MOST_COLUMNS {
-            return Err(fault(format!("more than {MOST_COLUMNS} columns: export those of the robot")));
+            return Err(fault(format!(
+                "the table has more than {MOST_COLUMNS} columns: export only the columns of the robot"
+            )));
         }
         sheet.require_alignment().map_err(fault)?;
         Ok(sheet)
     }
 
-    /// Calls `each` with the line (counted from 1, as in an editor) and the fields of every row of numbers.
+    /// Calls `each` for every row of numbers, with its line (counted from 1) and its fields.
     ///
     /// # Errors
     /// The errors of `each`, and [`IdentificationError::File`](crate::error::IdentificationError::File) for bytes that are
-    /// not rows.
+    /// not rows
     pub(super) fn rows(
         &self,
         source: &str,
@@ -160,8 +163,9 @@ impl<'a> Sheet<'a> {
             return Ok(());
         }
         Err(format!(
-            "the header has {} names ({}), but row {} has {} fields: which column has which name is not known. Name \
-             every column in the header, or remove it and give the columns' numbers (`--columns 'time=1,position=2..7,…'`)",
+            "the header has {} names ({}), but row {} has {} fields, so that the names of the columns are not certain. Name \
+             every column in the header, or remove the header and give the columns' numbers (`--columns \
+             'time=1,position=2..7,…'`)",
             self.headers.len(),
             shortened(&self.headers),
             self.line,
@@ -170,7 +174,7 @@ impl<'a> Sheet<'a> {
     }
 }
 
-/// The first names of a list as text, and the number of the other names.
+/// Returns the first names of a list as text, and the number of the other names.
 pub(super) fn shortened(names: &[String]) -> String {
     const SHOWN: usize = 40;
     let shown: Vec<String> = names.iter().take(SHOWN).map(|n| n.chars().take(60).collect()).collect();
@@ -179,7 +183,7 @@ pub(super) fn shortened(names: &[String]) -> String {
     format!("{}{rest}", shown.join(", "))
 }
 
-/// Formats of logs by their first bytes, and the remedy.
+/// First bytes of files that are not text, with their format and a remedy.
 const BINARY: [(&[u8], &str); 6] = [
     (b"PK\x03\x04", "a zip archive or an Excel or NumPy file: export its table as CSV"),
     (
@@ -200,15 +204,15 @@ fn refuse_binary(bytes: &[u8]) -> std::result::Result<(), String> {
         return Err(format!("this is {what}"));
     }
     if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
-        return Err("this is UTF-16: save it as UTF-8".into());
+        return Err("the text is in UTF-16: save it as UTF-8".into());
     }
     if bytes.trim_ascii().is_empty() {
-        return Err("the file is empty: there is nothing to identify from".into());
+        return Err("the file is empty, so that nothing can be identified".into());
     }
     Ok(())
 }
 
-/// Text with line feeds instead of carriage returns, if its lines end with carriage returns only.
+/// Replaces carriage returns by line feeds if the text has no line feeds.
 fn unify_line_ends(bytes: &[u8]) -> Cow<'_, [u8]> {
     if bytes.contains(&b'\n') || !bytes.contains(&b'\r') {
         return Cow::Borrowed(bytes);
@@ -216,7 +220,7 @@ fn unify_line_ends(bytes: &[u8]) -> Cow<'_, [u8]> {
     Cow::Owned(bytes.iter().map(|b| if *b == b'\r' { b'\n' } else { *b }).collect())
 }
 
-/// Text with one tab instead of blanks and tabs between fields, and without blanks at the ends of lines.
+/// Returns the text with one tab instead of blanks and tabs between fields, and without blanks at the ends of lines.
 fn collapse_blanks(bytes: &[u8]) -> Vec<u8> {
     let lines = bytes.split(|b| *b == b'\n').map(|line| {
         let words: Vec<&[u8]> =
@@ -232,7 +236,7 @@ struct Line<'t> {
     number: usize,
     /// Index of the line's first byte.
     start: usize,
-    /// Text without the signs that make the line a comment.
+    /// Text without the characters that mark a comment.
     text: &'t [u8],
     is_comment: bool,
 }
@@ -259,14 +263,14 @@ fn sample(text: &[u8]) -> Vec<Line<'_>> {
     lines
 }
 
-/// Text after the signs of a comment; `None` if the line is not a comment.
+/// Returns the text after the characters that mark a comment; `None` if the line is not a comment.
 fn comment(line: &[u8]) -> Option<&[u8]> {
     let trimmed = line.trim_ascii_start();
     let signs = [&b"#"[..], b"%", b"//"];
     signs.iter().find_map(|sign| trimmed.strip_prefix(*sign))
 }
 
-/// Fields of a line, without surrounding blanks and quotation marks.
+/// Returns the fields of a line, without surrounding blanks and quotation marks.
 fn fields(line: &[u8], separator: u8) -> Vec<String> {
     if separator == b' ' {
         let words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
@@ -281,15 +285,15 @@ fn fields(line: &[u8], separator: u8) -> Vec<String> {
     let mut record = csv::ByteRecord::new();
     let _ = csv.read_byte_record(&mut record); // a line that is no record has no fields
     let mut fields: Vec<String> = record.iter().map(decoded).collect();
-    // A separator at the end of a line begins no field.
+    // A separator at the end of a line does not begin a field.
     if fields.len() > 1 && fields.last().is_some_and(String::is_empty) {
         fields.pop();
     }
     fields
 }
 
-/// Text of a field. Bytes that are not UTF-8 are decoded as in the western European code page of Windows, in which letters
-/// have the numbers of Unicode.
+/// Returns the text of a field. If the bytes are not UTF-8, they are decoded as Windows-1252, whose letters have the
+/// numbers of Unicode.
 fn decoded(field: &[u8]) -> String {
     let letter = |byte: &u8| match byte {
         0..=0x7f | 0xc0..=0xff => char::from(*byte),
@@ -299,13 +303,13 @@ fn decoded(field: &[u8]) -> String {
     text.unwrap_or_else(|_| field.iter().map(letter).collect())
 }
 
-/// A line without blanks at its beginning. A blank before a quotation mark would make the mark part of the field.
+/// Returns a line without blanks at its beginning. A blank before a quotation mark would make the mark part of the field.
 fn trim_start_but(line: &[u8], separator: u8) -> &[u8] {
     let start = line.iter().position(|b| !b.is_ascii_whitespace() || *b == separator);
     start.map_or(&[], |start| &line[start..])
 }
 
-/// Number of fields that are not empty, and number of those that are numbers.
+/// Returns the number of fields that are not empty, and how many of them are numbers.
 fn count(fields: &[String]) -> (usize, usize) {
     let filled = fields.iter().filter(|f| !f.is_empty());
     let numbers = filled.clone().filter(|f| {
@@ -315,8 +319,8 @@ fn count(fields: &[String]) -> (usize, usize) {
     (filled.count(), numbers.count())
 }
 
-/// The separator with the largest share of numbers in the last sampled lines, which contain numbers; `None` if no separator
-/// fits.
+/// Returns the separator that gives the largest share of numbers in the last sampled lines, which contain numbers; `None`
+/// if no separator fits.
 fn guess_separator(lines: &[Line]) -> Option<u8> {
     let plain: Vec<&Line> = lines.iter().filter(|l| !l.is_comment).collect();
     let last = &plain[plain.len().saturating_sub(50).max(plain.len() / 3)..];
@@ -339,8 +343,8 @@ fn guess_separator(lines: &[Line]) -> Option<u8> {
     best.map(|(separator, _)| separator)
 }
 
-/// Index of the first line of numbers: at least half of its fields are numbers, and it has at least half of the usual number
-/// of fields.
+/// Returns the index of the first line of numbers. At least half of its fields are numbers, and it has at least half of the
+/// usual number of fields.
 fn first_data(lines: &[Line], split: &[Vec<String>]) -> Option<usize> {
     let is_row = |i: &usize| {
         let (filled, numbers) = count(&split[*i]);
@@ -352,7 +356,7 @@ fn first_data(lines: &[Line], split: &[Vec<String>]) -> Option<usize> {
     (0..lines.len()).find(|i| is_row(i) && 2 * split[*i].len() >= usual)
 }
 
-/// Names of the columns, and the row of their units.
+/// Returns the headers of the columns, and the row of units.
 fn header(lines: &[Line], split: &[Vec<String>], data: usize) -> (Vec<String>, Vec<String>) {
     let width = split[data].len();
     let is_header = |i: &usize| {
@@ -372,20 +376,21 @@ fn header(lines: &[Line], split: &[Vec<String>], data: usize) -> (Vec<String>, V
     }
 }
 
-/// A header with another separator than the numbers, as `# t,q1,q2` above `0 0.1 0.2`; `None` if there is none.
+/// Returns the fields of a header whose separator differs from the separator of the numbers, for example `# t,q1,q2` above
+/// `0 0.1 0.2`; `None` if there is no such header.
 fn otherwise_separated(before: &[Line], width: usize) -> Option<Vec<String>> {
     let last = before.last()?;
     let mut split = [b',', b';', b'\t', b' '].into_iter().map(|separator| fields(last.text, separator));
     split.find(|names| names.len() == width && width > 1 && count(names) == (width, 0))
 }
 
-/// A unit in a row of units, with or without brackets; `None` for other text.
+/// Returns a unit from a row of units, with or without brackets; `None` for other text.
 fn unit_field(field: &str) -> Option<String> {
     let inner = field.trim().trim_start_matches(['[', '(']).trim_end_matches([']', ')']);
     units::find(inner).map(|_| inner.to_owned())
 }
 
-/// Decimal sign of most numbers. If commas separate fields, a comma in a field needs quotation marks.
+/// Returns the decimal sign of most numbers. If commas separate fields, a field with a comma needs quotation marks.
 fn decimals(lines: &[Line], split: &[Vec<String>]) -> Decimals {
     let rows = lines.iter().zip(split).filter(|(line, _)| !line.is_comment);
     let (mut points, mut commas) = (0_usize, 0_usize);
@@ -401,7 +406,7 @@ fn nothing(lines: &[Line]) -> String {
     let shown =
         lines.first().map_or(String::new(), |l| String::from_utf8_lossy(l.text).chars().take(80).collect());
     format!(
-        "no rows of numbers are found; the file begins with `{shown}`. Columns are separated by commas, semicolons, \
-         tabs or blanks (`--separator` names another one), below a header with their names"
+        "the file has no rows of numbers; it begins with `{shown}`. Columns must be separated by commas, semicolons, \
+         tabs or blanks (`--separator` sets another character), below a header with their names"
     )
 }

@@ -1,4 +1,4 @@
-//! Single efforts far beyond all others: values that a driver writes if it has no value, and bit errors.
+//! Removal of single efforts far beyond all others: bit errors, and values that a driver writes instead of a missing value.
 
 use super::super::numeric::statistics::quantile;
 use super::levels;
@@ -11,10 +11,10 @@ use gelenk_findings::{Finding, Rule};
 /// Fixture: `spikes` in `codegen/tests/findings/arm.rs`.
 const OUTLIER: Rule = Rule::note("outliers");
 
-/// Replaces the spikes of a column by NaN, with a finding; `None` if there are none.
+/// Replaces the spikes of a column by NaN, and returns a finding; `None` if there are no spikes.
 ///
 /// - `lines`: lines of the samples in the file
-/// - `label`, `place`: name of the column, and of the file
+/// - `label`, `place`: name of the column, name of the file
 pub(super) fn leave_out_spikes(
     column: &mut [f64],
     lines: &[usize],
@@ -24,14 +24,16 @@ pub(super) fn leave_out_spikes(
     let (first, last) = (*rows.first()?, *rows.last()?);
     let (label, value) = (label?, plain(column[first], 6));
     let message = match rows.len() {
-        1 => format!("{label}: 1 effort is far beyond all others and left out, {value}"),
-        n => format!("{label}: {n} efforts are far beyond all others and left out, the first is {value}"),
+        1 => format!("{label} has 1 effort far beyond all others, {value}; it is left out"),
+        n => format!(
+            "{label} has {n} efforts far beyond all others, the first of which is {value}; they are left out"
+        ),
     };
     rows.iter().for_each(|row| column[*row] = f64::NAN);
     Some(OUTLIER.found(message).log(place, Some((lines[first], lines[last]))))
 }
 
-/// Rows of the spikes of a column.
+/// Returns the indices of the spikes of a column.
 fn spikes(column: &[f64]) -> Vec<usize> {
     let mut sorted: Vec<f64> = column.iter().copied().filter(|x| x.is_finite()).collect();
     if sorted.is_empty() {

@@ -1,4 +1,4 @@
-//! Units in headers of logs, and their values in SI units.
+//! Units in the headers of logs, with their values in SI units.
 
 use super::levels;
 use std::f64::consts::PI;
@@ -13,8 +13,8 @@ pub(super) struct Unit {
 
 const DEGREE: f64 = PI / 180.0;
 
-/// Units by the SI unit of their kind: the value in the SI unit, and spellings without blanks and multiplication signs.
-/// Messages have the first spelling.
+/// Units, grouped by the SI unit of their kind. Each unit has its value in the SI unit, and its spellings without blanks
+/// and multiplication signs. Messages use the first spelling.
 #[rustfmt::skip]
 const UNITS: [(&str, &[(f64, &str)]); 12] = [
     ("s", &[
@@ -49,10 +49,10 @@ const UNITS: [(&str, &[(f64, &str)]); 12] = [
     ("1", &[(1.0, "1")]),
 ];
 
-/// `Grad` in headers that are not German: a degree, or a gon (a hundredth of a right angle).
+/// `Grad` in headers that are not German. It can be a degree, or a gon (a hundredth of a right angle).
 pub(super) const GRAD: &str = "grad";
 
-/// All units with their spellings.
+/// Returns all units with their spellings.
 fn units() -> impl Iterator<Item = (&'static str, Unit)> {
     let of = |(si, units): &(&'static str, &'static [(f64, &'static str)])| {
         let si = *si;
@@ -61,19 +61,20 @@ fn units() -> impl Iterator<Item = (&'static str, Unit)> {
     UNITS.iter().flat_map(of)
 }
 
-/// The value of a unit in the SI unit of its kind; `None` for unknown units.
+/// Returns the value of a unit in the SI unit of its kind; `None` for unknown units.
 pub(crate) fn unit_value(unit: &str) -> Option<f64> {
     named(unit).map(|unit| unit.factor)
 }
 
-/// Whether values may be in the right unit, by their share of a limit: they are within the limit, and use a noticeable part
-/// of it.
+/// Returns whether values may be in the right unit: they are within their limit and use a noticeable part of it.
+///
+/// - `share`: ratio of the values to their limit
 pub(crate) fn is_seen(share: f64) -> bool {
     let [least, most] = levels::SEEN.get();
     (least..=most).contains(&share)
 }
 
-/// Whether speeds may be per minute: divided by 60 they are within their limit and use a noticeable part of it.
+/// Returns whether speeds may be per minute: divided by 60, they are within their limit and use a noticeable part of it.
 ///
 /// - `times`: ratio of the speeds to their limit
 pub(crate) fn are_minutes(times: f64) -> bool {
@@ -81,7 +82,7 @@ pub(crate) fn are_minutes(times: f64) -> bool {
 }
 
 impl Unit {
-    /// The unit in a spelling that [`find`] reads.
+    /// Returns the unit in a spelling that [`find`] can read.
     pub(super) fn text(&self) -> String {
         let known = units().find(|(_, unit)| unit == self);
         let name = known.and_then(|(spellings, _)| spellings.split(' ').next());
@@ -89,7 +90,8 @@ impl Unit {
     }
 }
 
-/// The unit of a spelling; `None` for unknown units. A number before the unit is a factor, as in `0.0879 deg`.
+/// Returns the unit with a spelling; `None` for unknown units. A number before the unit is a factor, for example `0.0879
+/// deg`.
 pub(super) fn find(text: &str) -> Option<Unit> {
     let text = text.trim();
     if let Some(unit) = named(text) {
@@ -101,7 +103,7 @@ pub(super) fn find(text: &str) -> Option<Unit> {
     Some(Unit { factor: factor * unit.factor, ..unit })
 }
 
-/// The unit in a header. In headers of a language in which `Grad` is a degree, it is read as a degree.
+/// Returns the unit in a header. `Grad` is a degree if the header is in a language in which the word means a degree.
 pub(super) fn in_header(text: &str, is_translated: bool) -> Option<Unit> {
     let grad = || {
         let lower = text.trim().to_lowercase();
@@ -118,21 +120,21 @@ fn named(text: &str) -> Option<Unit> {
         .map(|c| match c {
             'µ' | 'μ' => 'u',
             '²' => '2',
-            // This is a degree sign in a file that is not UTF-8.
+            // This character is a degree sign in a file that is not UTF-8.
             'º' | char::REPLACEMENT_CHARACTER => '°',
             c => c,
         })
         .collect();
     let plain = plain.replace("s2", "s^2").replace("s^^2", "s^2").replace("s**2", "s^2");
     let spelled = |is_same: &dyn Fn(&str) -> bool| units().find(|(names, _)| names.split(' ').any(is_same));
-    // `nm` and `NM` are newton metres, because no joint moves by nanometres. `MA`, `MNm` and `MN` are not `mA`, `mNm` and
-    // `mN`.
+    // `nm` and `NM` are newton metres, because no joint moves by nanometres. `MA`, `MNm` and `MN` are not read as `mA`,
+    // `mNm` and `mN`.
     let is_mega = ["MA", "MNm", "MN"].contains(&plain.as_str());
     let loose = || spelled(&|name| !is_mega && name.to_lowercase() == plain.to_lowercase());
     spelled(&|name| name == plain).or_else(loose).map(|(_, unit)| unit)
 }
 
-/// Names of all units, for messages.
+/// Returns the names of all units, for messages.
 pub(super) fn known_units() -> String {
     units().filter_map(|(spellings, _)| spellings.split(' ').next()).collect::<Vec<_>>().join(", ")
 }

@@ -1,4 +1,5 @@
-//! Recorded poses as paths that can be filtered, and inputs as forces in the rows of a robot with quaternions.
+//! Conversion of recorded poses to displacements that can be filtered, and of inputs to forces, for robots with
+//! quaternions.
 
 use super::super::error::{Result, at};
 use super::super::pose::QuaternionJoint;
@@ -7,12 +8,12 @@ use super::super::run::{Effort, Run};
 use super::joint_forces::forces_of_inputs;
 use super::levels;
 
-/// Completes a run of a robot with quaternions. The run was read with the joints without a quaternion and with the poses of
-/// the joints with a quaternion.
+/// Completes a run of a robot with quaternions. The given run has the positions of the joints without a quaternion, and the
+/// poses of the joints with a quaternion.
 ///
 /// # Errors
 /// [`IdentificationError::File`](crate::error::IdentificationError::File) if a quaternion is zero or far from unit length,
-/// or if no force that acts on the robot is known in the run.
+/// or if no known force acts on the robot in the run
 pub(super) fn unrolled(read: &Run, robot: &dyn Robot, source: &str) -> Result<Run> {
     let joints = robot.quaternion_joints();
     let n = robot.joint_names().len();
@@ -44,7 +45,7 @@ pub(super) fn unrolled(read: &Run, robot: &dyn Robot, source: &str) -> Result<Ru
     Ok(run)
 }
 
-/// Sums of the displacements from sample to sample.
+/// Returns the sums of the displacements from sample to sample.
 fn ways(joint: &QuaternionJoint, poses: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let pose = |i: usize| poses.iter().map(|column| column[i]).collect::<Vec<f64>>();
     let samples = poses.first().map_or(0, Vec::len);
@@ -56,7 +57,8 @@ fn ways(joint: &QuaternionJoint, poses: &[Vec<f64>]) -> Vec<Vec<f64>> {
     ways
 }
 
-/// Scales all quaternions to unit length, and gives each the sign that is nearer to the quaternion before.
+/// Scales all quaternions to unit length. Of the two signs of each quaternion, it takes the one that is nearer to the
+/// quaternion before.
 fn normalize(run: &mut Run, joints: &[QuaternionJoint], source: &str) -> Result<()> {
     let mut first = 0;
     for joint in joints {
@@ -82,11 +84,11 @@ fn require_unit(q: &[f64; 4], length: f64, joint: &QuaternionJoint, row: usize, 
     }
     let [x, y, z, w] = q;
     let why = if length == 0.0 {
-        "is zero, which is not an attitude: leave out the rows in which the attitude was lost".to_owned()
+        "is zero, so that it is not an orientation: remove the rows without an orientation".to_owned()
     } else {
         format!(
-            "has the length {length:.4}, and an attitude has length 1. Are these angles, or other columns? --columns \
-             'xyzw=…' or 'wxyz=…' names the right ones"
+            "has the length {length:.4} instead of 1. The columns may be angles or other quantities: name the right \
+             columns with --columns 'xyzw=…' or 'wxyz=…'"
         )
     };
     Err(at(source)
@@ -94,8 +96,8 @@ fn require_unit(q: &[f64; 4], length: f64, joint: &QuaternionJoint, row: usize, 
         .fault(format!("the quaternion of `{}`, x {x} y {y} z {z} w {w}, {why}", joint.name)))
 }
 
-/// Forces in each row: measured forces of joints without a quaternion, or forces of the inputs. NaN if an input acts that
-/// the log does not have.
+/// Returns the forces in each row of the equations of motion: measured forces of joints without a quaternion, or forces of
+/// the inputs. A force is NaN if it depends on an input that the log does not have.
 fn forces(run: &Run, read: Run, robot: &dyn Robot) -> Vec<Vec<f64>> {
     if read.effort != Effort::Joint {
         return forces_of_inputs(&run.poses, &read.efforts, robot);
@@ -108,15 +110,15 @@ fn forces(run: &Run, read: Run, robot: &dyn Robot) -> Vec<Vec<f64>> {
     forces
 }
 
-/// Fails if no force acts. Rows without a force determine only ratios of the parameters: a robot without mass would explain
-/// them best.
+/// Fails if no force acts. Without a force, the equations determine only ratios of the parameters, and a robot without mass
+/// would fulfil them exactly.
 fn require_some_force(run: &Run, source: &str) -> Result<()> {
     if run.efforts.iter().flatten().any(|force| force.is_finite() && *force != 0.0) {
         return Ok(());
     }
     Err(at(source).fault(
-        "no known force acts on the robot: without one, motions determine only ratios of its masses and inertias. Record the inputs \
-         or the torques of the joints, or add the forces on the base as inputs at frames to the description (`[[inputs]]` with \
-         `frame` and `wrench`) and to the log",
+        "no known force acts on the robot, and without a force the motion determines only ratios of masses and inertias. \
+         Record the inputs or the torques of the joints, or add the forces on the base as inputs at frames to the \
+         description (`[[inputs]]` with `frame` and `wrench`) and to the log",
     ))
 }

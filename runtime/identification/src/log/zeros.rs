@@ -1,11 +1,12 @@
-//! Rows of zeros, which programs write if they have no values.
+//! Detection of rows of zeros, which programs write if they have no values.
 
 use std::ops::Range;
 
-/// Indices of rows that contain only zeros and to which positions jump: by more than between any two neighbouring rows with
-/// values. A robot that starts or rests at zero does not jump.
+/// Returns the indices of rows that contain only zeros, if positions jump at the beginning and at the end of each block of
+/// such rows. A jump is larger than the largest step between any two neighbouring rows with values. A robot that starts or
+/// rests at zero does not jump.
 ///
-/// - `columns`: all values, with those of positions first; NaN is a missing value
+/// - `columns`: all columns, first those of positions; NaN is a missing value
 /// - `is_same_run`: whether a row belongs to the run of the row before
 pub(super) fn zero_rows(
     columns: &[Vec<f64>],
@@ -59,7 +60,7 @@ mod tests {
     fn robots_at_rest_at_zero_have_values() {
         let mut start = swing(0.0);
         start.splice(0..0, [0.0; 5]);
-        // A second run begins at zero, where the first did not end.
+        // The second run begins at zero, but the first run did not end there.
         let mut second = swing(0.0);
         second[50..].copy_from_slice(&swing(0.0)[..50]);
         assert!(found(&[start.clone(), start], 200).is_empty());

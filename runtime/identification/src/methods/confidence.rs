@@ -1,22 +1,22 @@
-//! Standard errors for samples whose errors are correlated with those of their neighbours.
+//! Standard errors for samples whose errors are correlated with the errors of neighbouring samples.
 //!
-//! Residuals of a smoothed log are correlated over tenths of a second. Standard errors for independent errors would be
-//! several times too small. Here the variance of a sum is estimated from the sums over overlapping blocks (Meketon,
-//! Schmeiser 1984; asymptotically the estimator of Newey and West, 1987, with a lag of the block's length). The length is
-//! doubled from one sample to a twelfth of the data, and the largest variance is taken (blocking; Flyvbjerg, Petersen 1989).
-//! A lag from the first autocorrelation (Andrews 1991) is too short if white noise hides a slow error, as it does in logs of
-//! robots.
+//! Residuals of a smoothed log are correlated over tenths of a second, so that standard errors for independent errors would
+//! be several times too small. Here the variance of a sum is estimated from sums over overlapping blocks (Meketon,
+//! Schmeiser 1984). Asymptotically this is the estimator of Newey and West (1987) whose lag is the length of a block. The
+//! length is doubled from one sample up to a twelfth of the data, and the largest variance is used (blocking; Flyvbjerg,
+//! Petersen 1989). A lag from the first autocorrelation (Andrews 1991) is too short if white noise hides a slow error,
+//! which is often so in logs of robots.
 
 use super::super::error::{Result, require_setting};
 use nalgebra::DMatrix;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 use std::ops::Range;
 
-/// Degrees of freedom from which the first term of the expansion about the normal quantile (Abramowitz and Stegun 26.7.5)
-/// has an error below 1e-11. statrs does not return for 1e9 degrees of freedom.
+/// Degrees of freedom above which an expansion about the normal quantile is used. Its first term (Abramowitz and Stegun
+/// 26.7.5) has an error below 1e-11 there. statrs does not return for 1e9 degrees of freedom.
 const NEARLY_NORMAL: f64 = 1e6;
 
-/// Fewest blocks from which a variance is estimated.
+/// Smallest number of blocks from which a variance is estimated.
 const FEWEST_BLOCKS: usize = 12;
 
 /// Statistics of the sum of a correlated series.
@@ -24,16 +24,16 @@ const FEWEST_BLOCKS: usize = 12;
 pub(crate) struct LongRun {
     /// Variance of the sum.
     pub variance: f64,
-    /// Length of the blocks from which the variance follows [samples]. Samples at a larger distance are hardly correlated.
+    /// Length of the blocks, in samples, that give the variance. Samples at a larger distance are hardly correlated.
     pub block: usize,
     /// Degrees of freedom of the variance.
     pub freedom: f64,
 }
 
 impl LongRun {
-    /// Variance of the sum of `series`, whose expectation is zero.
+    /// Estimates the variance of the sum of `series`, whose expectation is zero.
     ///
-    /// - `runs`: ranges of samples that were recorded without interruption. Samples of different runs count as uncorrelated.
+    /// - `runs`: ranges of samples without interruption. Samples of different runs count as uncorrelated.
     pub(crate) fn of_sum(series: &[f64], runs: &[Range<usize>]) -> Self {
         let samples: usize = runs.iter().map(ExactSizeIterator::len).sum();
         let mut best = Self { variance: 0.0, block: 1, freedom: samples as f64 };
@@ -53,17 +53,17 @@ impl LongRun {
         best
     }
 
-    /// Standard error of the sum.
+    /// Returns the standard error of the sum.
     pub(crate) fn standard_error(&self) -> f64 {
         self.variance.sqrt()
     }
 }
 
-/// Student's two-sided quantile.
+/// Returns the two-sided quantile of Student's t distribution for a confidence level.
 ///
 /// # Errors
-/// [`IdentificationError::Setting`](super::super::error::IdentificationError::Setting) if the level is outside (0, 1) or if
-/// there is no degree of freedom.
+/// [`IdentificationError::Setting`](super::super::error::IdentificationError::Setting) if the level is outside (0, 1), or
+/// if the degrees of freedom are not positive.
 pub(crate) fn quantile(level: f64, freedom: f64) -> Result<f64> {
     require_setting("level", level, level > 0.0 && level < 1.0, "it must lie between 0 and 1")?;
     if freedom >= NEARLY_NORMAL {
@@ -79,7 +79,7 @@ pub(crate) fn quantile(level: f64, freedom: f64) -> Result<f64> {
     Ok(distribution.inverse_cdf(0.5 * (1.0 + level)))
 }
 
-/// Covariance of the sums of several series, from blocks of one length.
+/// Returns the covariance of the sums of several series, from blocks of one length.
 pub(crate) fn covariance_of_sums(series: &[Vec<f64>], runs: &[Range<usize>], block: usize) -> DMatrix<f64> {
     let p = series.len();
     let mut covariance = DMatrix::zeros(p, p);
@@ -97,7 +97,8 @@ pub(crate) fn covariance_of_sums(series: &[Vec<f64>], runs: &[Range<usize>], blo
     covariance
 }
 
-/// Variance of the sum of one run from its overlapping blocks. A run that is shorter than a block is one block.
+/// Returns the variance of the sum of one run, from its overlapping blocks. A run that is shorter than a block is one
+/// block.
 fn overlapping(run: &[f64], block: usize) -> f64 {
     let block = block.min(run.len()).max(1);
     let sums = block_sums(run, block);

@@ -1,7 +1,7 @@
-//! Least squares with linear inequalities, e.g. nonnegative viscous friction and passivity τ·v ≥ 0.
+//! Least squares with linear inequalities, for example nonnegative viscous friction or passivity τ·v ≥ 0.
 //!
-//! `min ‖y − Θ ξ‖²` subject to `A ξ ≥ 0` is transformed to a least-distance problem, and this to a nonnegative least-squares
-//! problem (Lawson and Hanson 1974, ch. 23). ξ = 0 is always feasible.
+//! The problem `min ‖y − Θ ξ‖²` subject to `A ξ ≥ 0` is transformed to a least-distance problem, which is transformed to a
+//! nonnegative least-squares problem (Lawson and Hanson 1974, ch. 23). ξ = 0 is always feasible.
 
 use super::super::error::{IdentificationError, Result, require_length};
 use super::super::numeric::spectrum;
@@ -10,16 +10,17 @@ use super::library::Library;
 use super::moments::Moments;
 use nalgebra::{DMatrix, DVector};
 
-/// Rows of `A` that keep the coefficients of `terms` nonnegative.
+/// Returns rows of `A` for the condition that the coefficients of `terms` are nonnegative.
 ///
 /// - `count`: number of all terms
 pub(crate) fn nonnegative_rows(terms: &[usize], count: usize) -> DMatrix<f64> {
     DMatrix::from_fn(terms.len(), count, |i, j| if terms[i] == j { 1.0 } else { 0.0 })
 }
 
-/// Rows of `A` that make friction dissipate at given velocities: `sign(vₖ) θ(vₖ) ξ ≥ 0`.
+/// Returns rows of `A` for the condition that friction dissipates at the given velocities: `sign(vₖ) θ(vₖ) ξ ≥ 0`.
 ///
-/// The law may drive the joint between the velocities, which must be as dense as the steepest term requires.
+/// Between these velocities the law may still drive the joint. Therefore their distance must be small enough for the
+/// steepest term.
 ///
 /// # Errors
 /// [`IdentificationError::Shape`] if the library has other channels than one velocity.
@@ -27,19 +28,21 @@ pub(crate) fn passivity_rows(library: &Library, velocities: &[f64]) -> Result<DM
     require_length("channels of a friction library (the velocity alone)", 1, library.channels().len())?;
     let mut theta = library.matrix(&[velocities])?;
     for (mut row, v) in theta.row_iter_mut().zip(velocities) {
-        // Rows that are scaled by |v| would lose their weight near zero, where the sign matters as much.
+        // Rows that are scaled by |v| would be almost zero at small velocities, but the sign of the friction matters there,
+        // too.
         row *= super::expression::sign(*v);
     }
     Ok(theta)
 }
 
-/// Least squares on the terms `active` subject to `A ξ ≥ 0`. Returns all p coefficients.
+/// Solves least squares on the terms `active` subject to `A ξ ≥ 0`. Returns all p coefficients.
 ///
-/// - `rows`: A `[inequalities × p]`
+/// - `rows`: matrix A, one row for each inequality and one column for each term
 ///
 /// # Errors
-/// [`IdentificationError::Shape`] if A has a wrong width, [`IdentificationError::Collinear`] if terms are collinear, and
-/// [`IdentificationError::NotConverged`] if the iteration does not end.
+/// - [`IdentificationError::Shape`]: A has the wrong number of columns
+/// - [`IdentificationError::Collinear`]: terms are collinear
+/// - [`IdentificationError::NotConverged`]: the iteration does not end
 pub(crate) fn constrained_fit(
     reduced: &Reduced,
     target: usize,
@@ -50,19 +53,20 @@ pub(crate) fn constrained_fit(
     constrained(reduced.moments(), reduced.solve(target, active, 0.0)?, active, rows)
 }
 
-/// Share of the largest coefficient by which `A ξ ≥ 0` may be violated.
+/// Largest violation of `A ξ ≥ 0` that counts as rounding, as a share of the largest coefficient.
 const ROUNDING: f64 = 1e-9;
 
-/// Whether coefficients violate `A ξ ≥ 0`.
+/// Returns whether coefficients violate `A ξ ≥ 0`.
 pub(crate) fn breaks(rows: &DMatrix<f64>, coefficients: &DVector<f64>) -> bool {
     (rows * coefficients).min() < -ROUNDING * coefficients.amax()
 }
 
-/// Least squares subject to `A ξ ≥ 0`, from the unconstrained solution: the nearest feasible point in the metric of `ΘᵀΘ`.
+/// Computes the constrained solution from the unconstrained one. The result is the feasible point that is nearest to the
+/// unconstrained solution in the metric of `ΘᵀΘ`.
 ///
 /// # Errors
-/// [`IdentificationError::Collinear`] if terms are collinear, and [`IdentificationError::NotConverged`] if the iteration
-/// does not end.
+/// [`IdentificationError::Collinear`] if terms are collinear, [`IdentificationError::NotConverged`] if the iteration does
+/// not end.
 pub(crate) fn constrained(
     moments: &Moments,
     free: DVector<f64>,
@@ -89,7 +93,7 @@ pub(crate) fn constrained(
     Ok(coefficients)
 }
 
-/// Rows of `A` that are active at ξ, `aᵢ ξ = 0` within rounding.
+/// Returns the rows of `A` that are active at ξ: `aᵢ ξ = 0` up to rounding.
 pub(crate) fn face(rows: &DMatrix<f64>, coefficients: &DVector<f64>) -> DMatrix<f64> {
     let binds = |i: &usize| {
         let terms = rows.row(*i).transpose().component_mul(coefficients);
@@ -99,13 +103,14 @@ pub(crate) fn face(rows: &DMatrix<f64>, coefficients: &DVector<f64>) -> DMatrix<
     rows.select_rows(&(0..rows.nrows()).filter(|i| binds(i) && !all_zero(i)).collect::<Vec<_>>())
 }
 
-/// `min ‖z‖` subject to `E z ≥ f`. It must be feasible.
+/// Minimizes `‖z‖` subject to `E z ≥ f`. The problem must be feasible.
 fn least_distance(e: &DMatrix<f64>, f: &DVector<f64>) -> Result<DVector<f64>> {
     let (rows, n) = e.shape();
     if f.iter().all(|f| *f <= 0.0) {
         return Ok(DVector::zeros(n));
     }
-    // Unit rows, and f with the largest entry 1, keep the numbers of the inner problem near one.
+    // The rows are scaled to unit length, and f to a largest entry of 1, so that the values of the inner problem are near
+    // one.
     let scale = f.amax();
     let norms: Vec<f64> = (0..rows).map(|i| e.row(i).norm().max(f64::MIN_POSITIVE)).collect();
     let matrix =
@@ -117,10 +122,10 @@ fn least_distance(e: &DMatrix<f64>, f: &DVector<f64>) -> Result<DVector<f64>> {
     Ok(DVector::from_fn(n, |i, _| -r[i] / r[n] * scale))
 }
 
-/// `min ‖M u − b‖` subject to `u ≥ 0` (Lawson and Hanson 1974, ch. 23, algorithm NNLS).
+/// Minimizes `‖M u − b‖` subject to `u ≥ 0` (Lawson and Hanson 1974, ch. 23, algorithm NNLS).
 ///
 /// # Errors
-/// [`IdentificationError::NotConverged`] after 10 exchanges per column.
+/// [`IdentificationError::NotConverged`] after 10 exchanges per column
 pub(crate) fn nonnegative_least_squares(matrix: &DMatrix<f64>, b: &DVector<f64>) -> Result<DVector<f64>> {
     let n = matrix.ncols();
     let mut u = DVector::<f64>::zeros(n);
@@ -153,11 +158,12 @@ pub(crate) fn nonnegative_least_squares(matrix: &DMatrix<f64>, b: &DVector<f64>)
     Err(IdentificationError::NotConverged {
         what: "non-negative least squares".into(),
         iterations: limit,
-        detail: format!("{} of {n} columns are in use", passive.len()),
+        detail: format!("{} of {n} columns are in the solution", passive.len()),
     })
 }
 
-/// Moves from u towards s until the first component is zero, and removes the components that are zero from the passive set.
+/// Moves from u towards s until the first component becomes zero, and removes the components that are zero from the passive
+/// set.
 fn step_to_boundary(u: &mut DVector<f64>, passive: &mut Vec<usize>, s: &DVector<f64>) {
     let mut fraction = 1.0_f64;
     for (&i, &s) in passive.iter().zip(s.iter()) {

@@ -1,7 +1,7 @@
 //! Choice of the LASSO's λ by k-fold cross-validation on contiguous blocks.
 //!
-//! Folds are contiguous blocks because samples of a log are correlated in time. With random folds, samples of the test set
-//! would have neighbours in the training set.
+//! Folds are contiguous blocks, because neighbouring samples of a log are correlated. With random folds, samples of the
+//! test set would have neighbours in the training set.
 
 use super::super::error::{Result, everything_removed, require_length, require_setting};
 use super::super::numeric::statistics::{mean_with_error, simplest};
@@ -9,31 +9,31 @@ use super::lasso::{Lasso, LassoPath, active_terms};
 use super::least_squares::{Reduced, Solution};
 use super::moments::{Moments, splits};
 
-/// Cross-validated LASSO path.
+/// LASSO path with its cross-validation errors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CrossValidation {
-    /// Path on all samples. Its λ follow the convention of [`super::lasso`].
+    /// Path for all samples. Its λ follow the convention of [`super::lasso`].
     pub path: LassoPath,
     /// Mean squared error on the held-out block, averaged over the folds, for each λ.
     pub mean_error: Vec<f64>,
     /// Standard error of [`Self::mean_error`] over the folds, for each λ.
     pub standard_error: Vec<f64>,
-    /// Index of the λ with the least error.
+    /// Index of the λ with the smallest error.
     pub minimum: usize,
-    /// Index of the largest λ whose error exceeds the least one by at most one standard error.
+    /// Index of the largest λ whose error exceeds the smallest error by at most one standard error.
     pub one_standard_error: usize,
 }
 
 impl CrossValidation {
-    /// Computes the path without each fold in turn, and on all samples.
+    /// Computes the path on all samples, and for each fold on the samples outside this fold.
     ///
     /// - `folds`: moments of contiguous blocks, see [`Moments::blocks`]
     /// - `target`: index of the target column
     /// - `lambdas`: values of λ, descending
     ///
     /// # Errors
-    /// `Setting` if there are fewer than two folds or if the values of λ do not descend, and the errors of the LASSO for a λ
-    /// without a solution.
+    /// - `Setting`: there are fewer than two folds, or the values of λ do not descend
+    /// - The errors of the LASSO for a λ without a solution
     pub fn new(lasso: &Lasso, folds: &[Moments], target: usize, lambdas: &[f64]) -> Result<Self> {
         require_setting("number of folds", folds.len() as f64, folds.len() >= 2, "at least two are needed")?;
         require_setting("number of λ", lambdas.len() as f64, !lambdas.is_empty(), "at least one is needed")?;
@@ -42,7 +42,7 @@ impl CrossValidation {
             "first λ",
             lambdas[0],
             descending,
-            "λ must descend, so that the first models are the simplest",
+            "the values of λ must descend, so that the first models are the simplest",
         )?;
         let mut errors = vec![Vec::with_capacity(folds.len()); lambdas.len()];
         for split in splits(folds) {
@@ -61,7 +61,7 @@ impl CrossValidation {
     }
 }
 
-/// Least squares on the terms that the path chose at the λ with this index.
+/// Computes the least-squares solution on the terms that the path chose at the λ with this index.
 ///
 /// # Errors
 /// [`EverythingRemoved`](crate::IdentificationError::EverythingRemoved) if the path has no term there.

@@ -1,4 +1,4 @@
-//! The filter that positions, efforts and columns of the regressor pass.
+//! Low-pass filter for positions, efforts and columns of the regressor.
 
 use super::super::error::{IdentificationError, Result, require_setting};
 use super::super::numeric::kernel::dot;
@@ -6,23 +6,27 @@ use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::PI;
 use std::ops::Range;
 
-/// Width s of the Gaussian that rounds the edge of the transfer function, as a share of the bandwidth.
+/// Width s of the Gaussian that smooths the edge of the transfer function, as a share of the bandwidth.
 const EDGE: f64 = 0.25;
 
-/// Half length of the kernel in standard deviations of its Gaussian envelope, which has fallen to `exp(−8) = 3e-4` there.
+/// Half length of the kernel, in standard deviations of its Gaussian envelope. At this distance the envelope is `exp(−8) =
+/// 3e-4`.
 const ENVELOPE: f64 = 4.0;
 
 /// A zero-phase low-pass filter with a finite kernel. All signals of a run pass the same filter.
 ///
-/// The kernel is `h(t) = 2 f_c sinc(2 f_c t) exp(−t²/(2 σ²))` with `σ = 2/(π f_c)`, a sinc with a Gaussian envelope. Its
-/// transfer function is a rectangle that is rounded by a Gaussian of width `s = f_c/4`, `H(f) = ½ [erf((f_c + f)/(√2 s)) +
-/// erf((f_c − f)/(√2 s))]`. H is 0.98 at `f_c/2`, one half at the bandwidth `f_c`, and 3e-5 at `2 f_c`. The half-power
-/// frequency is `0.864 f_c`. Filtered derivatives use the derivatives of the kernel, so they are exactly the derivatives of
-/// the filtered signal. Constants, slopes and parabolas pass unchanged. For this purpose the kernel is corrected by less
-/// than 1e-3 of H.
+/// The kernel is a sinc with a Gaussian envelope: `h(t) = 2 f_c sinc(2 f_c t) exp(−t²/(2 σ²))` with the bandwidth `f_c` and
+/// `σ = 2/(π f_c)`. Its transfer function is a rectangle whose edges are smoothed by a Gaussian of width `s = f_c/4`: `H(f)
+/// = ½ [erf((f_c + f)/(√2 s)) + erf((f_c − f)/(√2 s))]`. H is 0.98 at `f_c/2`, one half at `f_c`, and 3e-5 at `2 f_c`. The
+/// half-power frequency is `0.864 f_c`.
 ///
-/// Least squares stays consistent if all columns pass the same linear filter (Gautier 1997, parallel filtering). The filter
-/// rounds the steps of a friction column as `sign ẏ`, so this column passes it by `Filter::apply`.
+/// Filtered derivatives are computed with the derivatives of the kernel, so they are exactly the derivatives of the
+/// filtered signal. A correction of the kernel, which changes H by less than 1e-3, makes constants, slopes and parabolas
+/// pass unchanged.
+///
+/// Least squares stays consistent if all columns pass the same linear filter (parallel filtering, Gautier 1997). The filter
+/// smooths the steps in measured efforts. Therefore a friction column such as `sign ẏ`, with the velocity ẏ, must also pass
+/// the filter (`Filter::apply`).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Filter {
     bandwidth: f64,
@@ -32,11 +36,11 @@ pub struct Filter {
 }
 
 impl Filter {
-    /// The filter of `bandwidth` \[Hz\] for samples with the distance `step` \[s\].
+    /// Creates the filter with `bandwidth` in Hz for samples at equal steps of `step` in s.
     ///
     /// # Errors
-    /// [`IdentificationError::Setting`] if a bandwidth or a step is not positive, or if the bandwidth exceeds a quarter of
-    /// the sample rate, above which the sampled kernel no longer has the stated transfer function.
+    /// [`IdentificationError::Setting`] if the bandwidth or the step is not positive, or if the bandwidth exceeds a quarter
+    /// of the sample rate. Above this limit the sampled kernel does not have the stated transfer function.
     pub(crate) fn new(bandwidth: f64, step: f64) -> Result<Self> {
         require_setting("step", step, step > 0.0, "it must be positive")?;
         let most = 0.25 / step;
@@ -46,63 +50,64 @@ impl Filter {
         Ok(Self { bandwidth, step, taps, band: None })
     }
 
-    /// This filter in series with the filter `band`.
+    /// Returns this filter in series with the filter `band`.
     pub(crate) fn behind(self, band: Option<Band>) -> Self {
         let Some(band) = band else { return self };
         Self { taps: convolved(&self.taps, &band.taps(self.step)), band: Some(band), ..self }
     }
 
-    /// The low-pass filter of the efforts that is part of this filter; `None` if there is none.
+    /// Returns the low-pass filter of the efforts that is part of this filter; `None` if there is no such part.
     pub(crate) fn band(&self) -> Option<Band> {
         self.band
     }
 
-    /// The filter `band` alone, for the same samples.
+    /// Returns only the filter `band`, for samples at the same steps.
     pub(crate) fn alone(&self, band: Band) -> Self {
         Self { bandwidth: band.frequency, step: self.step, taps: band.taps(self.step), band: Some(band) }
     }
 
-    /// Half-amplitude frequency f_c \[Hz\].
+    /// Returns the half-amplitude frequency f_c in Hz.
     pub(crate) fn bandwidth(&self) -> f64 {
         self.bandwidth
     }
 
-    /// The filtered signal, of the same length.
+    /// Returns the filtered signal, which has the length of the signal.
     ///
-    /// Beyond its ends the signal is continued by point reflection. Results within half the length of the kernel from an end
-    /// depend on this continuation.
+    /// Beyond its ends, the signal is continued by point reflection. Results that are nearer to an end than half the length
+    /// of the kernel depend on this continuation.
     pub(crate) fn apply(&self, signal: &[f64]) -> Vec<f64> {
         self.apply_at(signal, 0..signal.len())
     }
 
-    /// Some samples of the filtered signal.
+    /// Returns the filtered signal at the given samples.
     pub(crate) fn apply_at(&self, signal: &[f64], samples: impl Iterator<Item = usize> + Clone) -> Vec<f64> {
         weighted(signal, &self.taps, samples.map(|i| i as isize))
     }
 
-    /// Number of samples on either side that influence a filtered sample.
+    /// Returns the number of samples on each side that influence a filtered sample.
     pub(crate) fn half_length(&self) -> usize {
         self.taps.len() / 2
     }
 }
 
-/// A zero-phase low-pass filter `H(f) = 1/(1 + (f/f_0)^(2n))`: a Butterworth filter of order n, applied forwards and
-/// backwards.
+/// A zero-phase low-pass filter `H(f) = 1/(1 + (f/f_0)^(2n))`. It is a Butterworth filter of order n that is applied
+/// forwards and backwards.
 ///
-/// To second order in f, n = 1 represents every filter whose gain first falls with f², as a mean over the last samples or
-/// one pass of a first-order filter. To fourth order in f, n = 2 represents one pass of a Butterworth filter of second
-/// order.
+/// For n = 1 and up to second order in f, this filter represents every filter whose gain first falls with f², for example a
+/// mean over the last samples or one pass of a first-order filter. For n = 2 and up to fourth order in f, it represents one
+/// pass of a second-order Butterworth filter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Band {
-    /// Half-amplitude frequency f_0 \[Hz\].
+    /// Half-amplitude frequency f_0 in Hz.
     pub(crate) frequency: f64,
-    /// Order n.
+    /// Order n of the Butterworth filter.
     pub(crate) order: u32,
 }
 
 impl Band {
-    /// Kernel `h(t) = ω_0/(2n) Σ_k exp(−ω_0 |t| s_k) (s_k cos ω_0 c_k t + c_k sin ω_0 c_k |t|)` at multiples of `step`
-    /// \[s\], with `ω_0 = 2π f_0` and the sine s_k and cosine c_k of the angles `π (2k + 1)/(2n)`. Constants pass unchanged.
+    /// Returns the kernel `h(t) = ω_0/(2n) Σ_k exp(−ω_0 |t| s_k) (s_k cos ω_0 c_k t + c_k sin ω_0 c_k |t|)` at multiples of
+    /// `step` in s. Here `ω_0 = 2π f_0`, and s_k and c_k are the sine and cosine of the angles `π (2k + 1)/(2n)`. Constants
+    /// pass unchanged.
     pub(crate) fn taps(&self, step: f64) -> Vec<f64> {
         let (omega, n) = (2.0 * PI * self.frequency, f64::from(self.order));
         let parts: Vec<(f64, f64)> =
@@ -119,7 +124,7 @@ impl Band {
     }
 }
 
-/// The kernel of two filters in series.
+/// Returns the kernel of two filters in series.
 pub(crate) fn convolved(a: &[f64], b: &[f64]) -> Vec<f64> {
     let mut all = vec![0.0; a.len() + b.len() - 1];
     for (i, x) in a.iter().enumerate() {
@@ -128,28 +133,29 @@ pub(crate) fn convolved(a: &[f64], b: &[f64]) -> Vec<f64> {
     all
 }
 
-/// Half the length of the kernel of `bandwidth` \[s\].
+/// Returns half the length of the kernel in s.
 pub(crate) fn reach(bandwidth: f64) -> f64 {
     ENVELOPE * envelope(bandwidth)
 }
 
-/// Gain `H(f)` of the filter with `bandwidth` at `frequency` \[Hz\].
+/// Returns the gain `H(f)` of the filter with `bandwidth` at `frequency`, both in Hz.
 pub(crate) fn gain(bandwidth: f64, frequency: f64) -> f64 {
     let edge = |x: f64| statrs::function::erf::erf(x / (2.0_f64.sqrt() * EDGE * bandwidth));
     0.5 * (edge(bandwidth + frequency) + edge(bandwidth - frequency))
 }
 
-/// Standard deviation of the Gaussian envelope \[s\].
+/// Returns the standard deviation of the Gaussian envelope in s.
 fn envelope(bandwidth: f64) -> f64 {
     1.0 / (2.0 * PI * EDGE * bandwidth)
 }
 
-/// Taps of the kernel's derivative of `order` 0, 1 or 2, for samples at `k·step` and a result at `shift` \[s\].
+/// Returns the taps of the kernel's derivative of `order` 0, 1 or 2. Samples are at `k·step`, and the result is at `shift`,
+/// in s.
 ///
-/// Tap `k` belongs to the sample that is `k − half` steps after the result, reversed as in a convolution.
+/// Tap `k` belongs to the sample that is `k − half` steps after the result. The taps are reversed as in a convolution.
 ///
 /// # Errors
-/// [`IdentificationError::TooFewSamples`] if there are fewer taps than moments that are corrected.
+/// [`IdentificationError::TooFewSamples`] if there are fewer taps than corrected moments.
 pub(crate) fn kernel(bandwidth: f64, step: f64, order: usize, shift: f64) -> Result<Vec<f64>> {
     let half = (reach(bandwidth) / step).ceil() as usize;
     let times: Vec<f64> = (0..=2 * half).map(|k| (k as f64 - half as f64) * step + shift).collect();
@@ -159,7 +165,7 @@ pub(crate) fn kernel(bandwidth: f64, step: f64, order: usize, shift: f64) -> Res
     Ok(taps)
 }
 
-/// Derivative of order 0, 1 or 2 of `s(t) g(t)`, with `s = sin(w t)/(π t)` and `g = exp(−t²/(2 σ²))`.
+/// Returns the derivative of order 0, 1 or 2 of `s(t) g(t)`, with `s = sin(w t)/(π t)` and `g = exp(−t²/(2 σ²))`.
 fn impulse(bandwidth: f64, deviation: f64, order: usize, t: f64) -> f64 {
     let [s0, s1, s2] = sinc(2.0 * PI * bandwidth, t);
     let variance = deviation * deviation;
@@ -173,7 +179,8 @@ fn impulse(bandwidth: f64, deviation: f64, order: usize, t: f64) -> f64 {
     }
 }
 
-/// `sin(w t)/(π t)` with two derivatives, near zero by its series, because the fractions cancel there.
+/// Returns `sin(w t)/(π t)` and its first two derivatives. Near zero they are computed from the series, because the
+/// fractions cancel.
 fn sinc(w: f64, t: f64) -> [f64; 3] {
     let x = w * t;
     if x.abs() < 1e-2 {
@@ -190,7 +197,8 @@ fn sinc(w: f64, t: f64) -> [f64; 3] {
     [value, first, second]
 }
 
-/// Adds a small parabola times the envelope, so that the kernel maps 1, t and t² exactly to their derivatives of this order.
+/// Adds a small parabola times the envelope to the taps. After that the kernel maps 1, t and t² exactly to their
+/// derivatives of this order.
 fn correct_moments(taps: &mut [f64], times: &[f64], deviation: f64, order: usize) -> Result<()> {
     let weight = |t: f64| (-0.5 * t * t / (deviation * deviation)).exp();
     let powers = |t: f64| Vector3::new(1.0, t / deviation, (t / deviation).powi(2));
@@ -199,7 +207,7 @@ fn correct_moments(taps: &mut [f64], times: &[f64], deviation: f64, order: usize
         gram += weight(*t) * powers(*t) * powers(*t).transpose();
         moments += *tap * powers(*t);
     }
-    // A result at 0 has the weight h(t) for the sample at −t: ∫ h⁽ᵏ⁾(t) (−t)ᵏ dt = k!.
+    // For a result at 0, the weight of the sample at −t is h(t). Hence ∫ h⁽ᵏ⁾(t) (−t)ᵏ dt = k!.
     let wanted = [1.0, -1.0 / deviation, 2.0 / (deviation * deviation)][order];
     moments[order] -= wanted;
     let correction = gram.cholesky().ok_or_else(|| IdentificationError::TooFewSamples {
@@ -214,9 +222,10 @@ fn correct_moments(taps: &mut [f64], times: &[f64], deviation: f64, order: usize
     Ok(())
 }
 
-/// `Σ taps[k] · signal[centre + half − k]` at each centre.
+/// Returns `Σ taps[k] · signal[centre + half − k]` at each centre.
 ///
-/// Beyond its ends the signal is continued by point reflection. Farther outside, the last reflected value is repeated.
+/// Beyond its ends, the signal is continued by point reflection. Still farther outside, the last reflected value is
+/// repeated.
 pub(crate) fn weighted(
     signal: &[f64],
     taps: &[f64],
@@ -229,7 +238,7 @@ pub(crate) fn weighted(
     centres.map(|centre| dot(&signal[(centre - least) as usize..][..taps.len()], &taps)).collect()
 }
 
-/// Samples of a signal that is continued beyond its ends.
+/// Returns samples of a signal that is continued beyond its ends.
 fn continued(signal: &[f64], samples: Range<isize>) -> Vec<f64> {
     let last = signal.len() as isize - 1;
     let value = |k: isize| signal[k.clamp(0, last) as usize];
@@ -243,14 +252,14 @@ fn continued(signal: &[f64], samples: Range<isize>) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// `Σ taps cos(ω t)`-like response of a derivative's kernel at a frequency, by brute force.
+    /// Computes the response of a derivative's kernel at a frequency by direct summation.
     fn response(bandwidth: f64, step: f64, order: usize, shift: f64, frequency: f64) -> f64 {
         let taps = kernel(bandwidth, step, order, shift).unwrap();
         let half = (taps.len() / 2) as f64;
         let w = 2.0 * PI * frequency;
         let wave = |k: usize| {
             let t = -(k as f64 - half) * step - shift;
-            // The derivative's own phase: cos, sin, −cos.
+            // The phase of the derivative: cos, sin, −cos.
             if order == 1 { (w * t).sin() } else { (w * t).cos() }
         };
         taps.iter().enumerate().map(|(k, tap)| tap * wave(k)).sum()

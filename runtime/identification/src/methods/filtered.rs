@@ -1,14 +1,14 @@
-//! Columns of the friction regression after the filter of the torques.
+//! Filtered columns of the friction regression.
 //!
-//! Friction jumps when a joint reverses, and the filter has rounded this jump in the torques. Least squares stays consistent
-//! if the terms pass the same filter (Gautier 1997, parallel filtering).
+//! Friction jumps when a joint reverses, and the filter has smoothed this jump in the torques. Least squares stays
+//! consistent if the terms pass the same filter (parallel filtering, Gautier 1997).
 
 use super::super::error::Result;
 use super::filter::Filter;
 use super::margin::near;
 use nalgebra::DMatrix;
 
-/// The filter of the torques, and the complete runs from which the samples were taken.
+/// Filter of the torques, and the complete runs from which the samples were taken.
 #[derive(Debug, Clone)]
 pub(crate) struct Filtered<'a> {
     /// Filter of the torques.
@@ -20,14 +20,15 @@ pub(crate) struct Filtered<'a> {
 /// A run from which samples were taken.
 #[derive(Debug, Clone)]
 pub(crate) struct FilteredRun<'a> {
-    /// ẏ at all times of the run, with equal steps.
+    /// Velocities ẏ at all times of the run, with equal time steps.
     pub(crate) velocities: &'a [f64],
-    /// Indices of the samples among these times, ascending.
+    /// Indices of the samples among these times, in ascending order.
     pub(crate) kept: Vec<usize>,
 }
 
 impl Filtered<'_> {
-    /// For each sample, whether a rest or a reversal is within the reach of the filter. Rests are not samples.
+    /// Returns for each sample whether a rest or a reversal is within the reach of the filter. Times at rest are not
+    /// samples.
     pub(crate) fn near(&self) -> Vec<bool> {
         let of_run = |run: &FilteredRun| {
             let mut rests = vec![true; run.velocities.len()];
@@ -38,7 +39,9 @@ impl Filtered<'_> {
         self.runs.iter().flat_map(of_run).collect()
     }
 
-    /// Columns of a matrix over the velocities of each run, filtered, at the samples.
+    /// Returns the filtered columns of a matrix at the samples. The matrix is computed from the velocities of each run.
+    ///
+    /// - `of`: function that returns the matrix for given velocities
     pub(crate) fn columns(&self, of: impl Fn(&[f64]) -> Result<DMatrix<f64>>) -> Result<Vec<Vec<f64>>> {
         let mut all: Vec<Vec<f64>> = Vec::new();
         for run in &self.runs {
@@ -51,9 +54,9 @@ impl Filtered<'_> {
         Ok(all)
     }
 
-    /// A column over the times of a run, filtered, at its samples.
+    /// Filters a column over the times of a run, and returns its values at the samples.
     pub(crate) fn pass(&self, run: &FilteredRun, column: &[f64]) -> Vec<f64> {
-        // Derivatives of a law with respect to parameters on which it does not depend are zero.
+        // Derivatives with respect to parameters without influence are zero.
         if column.iter().all(|value| *value == 0.0) {
             return vec![0.0; run.kept.len()];
         }

@@ -1,4 +1,4 @@
-//! Linear least squares on subsets of the terms, with protection against ill-conditioned libraries.
+//! Linear least squares on subsets of the terms, with a check for ill-conditioned libraries.
 
 use super::super::error::{IdentificationError, Result, require_length, require_samples};
 use super::super::numeric::spectrum::{svd, symmetric_eigen};
@@ -6,13 +6,13 @@ use super::moments::{Moments, Samples};
 use nalgebra::{DMatrix, DVector};
 
 /// Condition number of the library above which the samples are factored orthogonally. The normal equations square the
-/// condition number, so six digits are lost at this limit.
+/// condition number, so they lose six digits at this limit.
 const NORMAL_EQUATIONS_LIMIT: f64 = 1e3;
 
 /// Condition number above which a library counts as collinear.
 pub(crate) const COLLINEAR_LIMIT: f64 = 1e10;
 
-/// Method by which the equations are solved.
+/// Method that solves the equations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Solver {
     /// Cholesky factorization of the Gram matrix with scaled columns.
@@ -21,42 +21,45 @@ pub(crate) enum Solver {
     Orthogonal,
 }
 
-/// The data of a regression, reduced to the sums that are needed for its solution.
+/// Data of a regression, reduced to the sums that its solution needs.
 #[derive(Debug, Clone)]
 pub struct Reduced {
     moments: Moments,
-    /// Upper triangular R of `[Θ | Y] = Q R`; `None` if the condition number is small enough for the normal equations.
+    /// Upper triangular factor R of `[Θ | Y] = Q R`; `None` if the condition number is small enough for the normal
+    /// equations.
     triangle: Option<DMatrix<f64>>,
     condition: f64,
 }
 
-/// A least-squares solution on chosen terms.
+/// Least-squares solution on chosen terms.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solution {
-    /// All p coefficients, zero if a term is not chosen.
+    /// Coefficients of all p terms. The coefficients of terms that were not chosen are zero.
     pub coefficients: DVector<f64>,
-    /// Indices of the chosen terms, ascending.
+    /// Indices of the chosen terms in ascending order.
     pub active: Vec<usize>,
-    /// Residual sum of squares RSS.
+    /// Residual sum of squares, RSS.
     pub residual: f64,
-    /// Residual variance `RSS / (m − |active|)` for m samples; 0 if m = |active|.
+    /// Residual variance `RSS / (m − |active|)` for m samples and |active| chosen terms; 0 if the denominator is zero.
     pub variance: f64,
-    /// Standard errors of the chosen coefficients, for independent errors of equal variance.
+    /// Standard error of each chosen coefficient, in the order of [`Self::active`], for independent errors of equal
+    /// variance.
     pub standard_errors: Vec<f64>,
-    /// `1 − RSS / Σ y²`: share of the target's energy that the terms explain. The target y is not centred, because a model
-    /// need not have a constant.
+    /// Share `1 − RSS / Σ y²` of the target's energy that the terms explain. The mean of the target y is not subtracted,
+    /// because a model need not have a constant.
     pub r_squared: f64,
 }
 
 impl Reduced {
-    /// Reduces the samples in one pass. A second, orthogonal pass follows if the library is ill-conditioned.
+    /// Reduces the samples to their sums in one pass. If the library is ill-conditioned, an orthogonal factorization
+    /// follows in a second pass.
     ///
     /// # Errors
-    /// - [`NotFinite`](IdentificationError::NotFinite), [`Overflow`](IdentificationError::Overflow):
-    ///   values that are not finite, or too large
-    /// - [`ZeroColumn`](IdentificationError::ZeroColumn): a term that is zero everywhere
-    /// - [`Collinear`](IdentificationError::Collinear): collinear terms
-    /// - [`TooFewSamples`](IdentificationError::TooFewSamples): fewer samples than terms
+    /// - [`NotFinite`](IdentificationError::NotFinite): a value is not finite
+    /// - [`Overflow`](IdentificationError::Overflow): squares of the values overflow
+    /// - [`ZeroColumn`](IdentificationError::ZeroColumn): a term is zero in all samples
+    /// - [`Collinear`](IdentificationError::Collinear): terms are collinear
+    /// - [`TooFewSamples`](IdentificationError::TooFewSamples): there are fewer samples than terms
     pub fn new(samples: &Samples) -> Result<Self> {
         let moments = Moments::new(samples)?;
         require_samples("least squares with this library", moments.terms(), moments.samples())?;
@@ -70,11 +73,11 @@ impl Reduced {
         Ok(Self { moments, triangle: Some(triangle), condition })
     }
 
-    /// Makes the data from sums alone, if the samples are not available.
+    /// Creates the data from given sums, if the samples are not available.
     ///
     /// # Errors
-    /// The errors are those of [`Self::new`]. Terms already count as collinear above a condition number of 1e7, because the
-    /// sums do not resolve them.
+    /// The errors are those of [`Self::new`]. However, terms count as collinear already above a condition number of 1e7,
+    /// because the sums are not accurate enough.
     pub fn from_moments(moments: Moments) -> Result<Self> {
         require_samples("least squares with this library", moments.terms(), moments.samples())?;
         moments.require_no_zero_column()?;
@@ -85,17 +88,17 @@ impl Reduced {
         Ok(Self { moments, triangle: None, condition })
     }
 
-    /// The sums of products.
+    /// Returns the sums of products.
     pub fn moments(&self) -> &Moments {
         &self.moments
     }
 
-    /// Condition number of Θ with columns scaled to unit length.
+    /// Returns the condition number of Θ with columns scaled to unit length.
     pub fn condition(&self) -> f64 {
         self.condition
     }
 
-    /// Method by which the equations of these data are solved.
+    /// Returns the method that solves the equations of these data.
     pub(crate) fn solver(&self) -> Solver {
         if self.triangle.is_some() { Solver::Orthogonal } else { Solver::NormalEquations }
     }
@@ -103,7 +106,7 @@ impl Reduced {
     /// Minimizes `‖y − Θ ξ‖² + ridge ‖ξ‖²` over the terms `active`.
     ///
     /// # Errors
-    /// [`IdentificationError::Shape`] if a term or the target is out of range, and [`IdentificationError::Collinear`] if the
+    /// [`IdentificationError::Shape`] if a term or the target is out of range, [`IdentificationError::Collinear`] if the
     /// factorization fails.
     pub(crate) fn solve(&self, target: usize, active: &[usize], ridge: f64) -> Result<DVector<f64>> {
         self.check(target, active)?;
@@ -122,12 +125,13 @@ impl Reduced {
         Ok(coefficients)
     }
 
-    /// Least squares on the terms `active` with standard errors.
+    /// Solves least squares on the terms `active`, with standard errors.
     ///
     /// - `target`: index of the target column
+    /// - `active`: indices of the terms in ascending order
     ///
     /// # Errors
-    /// [`IdentificationError::Shape`] if a term or the target is out of range, and [`IdentificationError::Collinear`] if the
+    /// [`IdentificationError::Shape`] if a term or the target is out of range, [`IdentificationError::Collinear`] if the
     /// terms are collinear.
     pub fn fit(&self, target: usize, active: &[usize]) -> Result<Solution> {
         let coefficients = self.solve(target, active, 0.0)?;
@@ -145,7 +149,7 @@ impl Reduced {
         })
     }
 
-    /// Residual sum of squares of given coefficients.
+    /// Returns the residual sum of squares for given coefficients.
     pub(crate) fn residual(&self, target: usize, coefficients: &DVector<f64>) -> f64 {
         let Some(triangle) = &self.triangle else {
             return self.moments.residual(target, coefficients);
@@ -169,7 +173,7 @@ impl Reduced {
         solve_scaled(&gram, &b, active, ridge)
     }
 
-    /// Diagonal of `(ΘₐᵀΘₐ)⁻¹`.
+    /// Returns the diagonal of `(ΘₐᵀΘₐ)⁻¹` for the columns Θₐ of the active terms.
     fn inverse_diagonal(&self, active: &[usize]) -> Vec<f64> {
         let r = match &self.triangle {
             Some(triangle) => triangle.select_columns(active).qr().r(),
@@ -189,7 +193,8 @@ impl Reduced {
     }
 }
 
-/// Solves the normal equations on the terms `active` with columns scaled to unit length; `None` if they are singular.
+/// Solves the normal equations on the terms `active` with columns scaled to unit length; `None` if the equations are
+/// singular.
 pub(crate) fn solve_scaled(
     gram: &DMatrix<f64>,
     b: &DVector<f64>,
@@ -230,7 +235,8 @@ fn solve_triangular(
     qr.r().solve_upper_triangular(&right.rows(0, n).into_owned())
 }
 
-/// R of the Householder factorization of `[Θ | Y]` `[q × q]`, computed block by block.
+/// Returns the factor R of the Householder factorization of `[Θ | Y]`, a q × q matrix for q columns. It is computed block
+/// by block.
 pub(crate) fn triangular_factor(samples: &Samples) -> DMatrix<f64> {
     let q = samples.names().len() + samples.targets();
     let mut r = DMatrix::<f64>::zeros(q, q);
@@ -242,7 +248,7 @@ pub(crate) fn triangular_factor(samples: &Samples) -> DMatrix<f64> {
     r
 }
 
-/// Condition number of the first columns of R, scaled. It fails above [`COLLINEAR_LIMIT`].
+/// Returns the condition number of the first columns of R, scaled to unit length. Fails above [`COLLINEAR_LIMIT`].
 fn require_independent(triangle: &DMatrix<f64>, names: &[String]) -> Result<f64> {
     let p = names.len();
     let mut scaled = triangle.view((0, 0), (p, p)).into_owned();
@@ -275,7 +281,7 @@ fn collinear(
     IdentificationError::Collinear { terms: taking_part(&direction, names), condition, limit }
 }
 
-/// Terms with a noticeable share in a null direction.
+/// Returns the terms with a noticeable share in a null direction.
 fn taking_part(direction: &DVector<f64>, names: &[String]) -> Vec<String> {
     let bound = 0.1 * direction.amax();
     (0..names.len()).filter(|&i| direction[i].abs() >= bound).map(|i| names[i].clone()).collect()
@@ -312,7 +318,8 @@ mod tests {
 
     #[test]
     fn ill_conditioned_libraries_are_solved_orthogonally() {
-        // Monomials up to degree 9 on [0, 1]: condition about 1e7, where the normal equations keep no digit.
+        // Monomials up to degree 9 on [0, 1] have a condition number of about 1e7, at which the normal equations keep no
+        // digit.
         let (x, _) = line(2000);
         let terms: Vec<String> = (0..10).map(|i| format!("powi(x, {i})")).collect();
         let library = Library::new(&terms, &["x"]).unwrap();
@@ -345,7 +352,7 @@ mod tests {
         let library = Library::new(&["1", "x", "x*x"], &["x"]).unwrap();
         let samples = Samples::from_library(&library, vec![&x[..2]], vec![&y[..2]]).unwrap();
         let message = Reduced::new(&samples).unwrap_err().to_string();
-        assert!(message.contains("at least 3 samples, there are 2"));
+        assert!(message.contains("at least 3 samples, but there are 2"));
     }
 
     #[test]

@@ -1,12 +1,12 @@
-//! The library Θ: candidate terms as in a description, evaluated on channels.
+//! Library Θ of candidate terms. The terms are expressions in the language of descriptions, evaluated on channels.
 
 use super::super::error::{IdentificationError, Result, require_length};
 use super::expression::{Kind, Program, Workspace, fault};
 use gelenk_findings::digits::two_digits;
 use nalgebra::DMatrix;
 
-/// Library of candidate terms `θᵢ`. Each term is an expression over named channels (`v`, `y`, a load torque, states and
-/// inputs).
+/// Library of candidate terms `θᵢ`. Each term is an expression over named channels, for example a velocity `v`, a position
+/// `y`, a load torque, states or inputs.
 #[derive(Debug, Clone)]
 pub struct Library {
     terms: Vec<String>,
@@ -18,8 +18,9 @@ impl Library {
     /// Compiles `terms` over `channels`.
     ///
     /// # Errors
-    /// [`IdentificationError::Empty`] if there is no term, [`IdentificationError::Expression`] if a term occurs twice, is a
-    /// truth value, or is not a valid expression, and [`IdentificationError::UnknownChannel`] if a term has an unknown name.
+    /// - [`IdentificationError::Empty`]: there are no terms
+    /// - [`IdentificationError::Expression`]: a term occurs twice, is a truth value, or is not a valid expression
+    /// - [`IdentificationError::UnknownChannel`]: a term has an unknown name
     pub fn new<S: AsRef<str>, C: AsRef<str>>(terms: &[S], channels: &[C]) -> Result<Self> {
         let terms: Vec<String> = terms.iter().map(|t| t.as_ref().to_string()).collect();
         let channels: Vec<String> = channels.iter().map(|t| t.as_ref().to_string()).collect();
@@ -38,29 +39,32 @@ impl Library {
         Ok(Self { terms, channels, program })
     }
 
-    /// The friction library of the reference robot: `[1, v, sign v, tanh 5v, tanh 10v, tanh 20v, tanh 100v]`.
+    /// Creates the friction library of the reference robot: `[1, v, sign v, tanh 5v, tanh 10v, tanh 20v, tanh 100v]`, with
+    /// v in rad/s or m/s.
     ///
     /// # Errors
-    /// An error of [`Self::new`], which does not occur.
+    /// The errors are those of [`Self::new`]. They cannot occur, because the terms are valid.
     pub fn friction() -> Result<Self> {
         Self::new(&["1", "v", "sign(v)", "tanh(5*v)", "tanh(10*v)", "tanh(20*v)", "tanh(100*v)"], &["v"])
     }
 
-    /// Friction terms of a joint with unknown friction: the terms of [`Self::friction`] and the terms `|v|` and `|tanh
-    /// 20v|`, which make friction depend on the direction.
+    /// Creates the library for a joint with unknown friction: the terms of [`Self::friction`], `|v|` and `|tanh 20v|`. The
+    /// last two terms make friction depend on the direction.
     ///
-    /// Viscous friction `a v + b |v|` is `a + b` forwards and `a − b` backwards, and likewise Coulomb friction `a tanh 20v +
-    /// b |tanh 20v|`. Unlike a constant, both are zero at rest.
+    /// Viscous friction `a v + b |v|` has the coefficient `a + b` forwards and `a − b` backwards. Coulomb friction `a tanh
+    /// 20v + b |tanh 20v|` depends on the direction in the same way. Unlike a constant, both terms are zero at rest.
     ///
     /// # Errors
-    /// An error of [`Self::new`], which does not occur.
+    /// The errors are those of [`Self::new`]. They cannot occur, because the terms are valid.
     pub(crate) fn joint_friction() -> Result<Self> {
         let asymmetric = ["abs(v)", "abs(tanh(20*v))"].map(String::from);
         let terms: Vec<String> = Self::friction()?.terms.into_iter().chain(asymmetric).collect();
         Self::new(&terms, &["v"])
     }
 
-    /// A library with some of the terms.
+    /// Creates a library with some of the terms.
+    ///
+    /// - `terms`: indices of these terms
     ///
     /// # Errors
     /// [`IdentificationError::Empty`] if `terms` is empty.
@@ -69,11 +73,11 @@ impl Library {
         Self::new(&terms, &self.channels)
     }
 
-    /// The library for speeds that are `scale` times as high: the factor k of terms tanh(k v) is divided by `scale`. Other
-    /// terms stay the same.
+    /// Creates the library for speeds that are `scale` times as high. In terms tanh(k v), the factor k is divided by
+    /// `scale`. Other terms do not change.
     ///
     /// # Errors
-    /// The errors are those of [`Self::new`], as if two factors become equal by rounding.
+    /// The errors are those of [`Self::new`], for example if two factors become equal by rounding.
     pub(crate) fn scaled(&self, scale: f64) -> Result<Self> {
         if scale == 1.0 {
             return Ok(self.clone());
@@ -82,17 +86,17 @@ impl Library {
         Self::new(&terms, &self.channels)
     }
 
-    /// Texts of the terms.
+    /// Returns the texts of the terms.
     pub fn terms(&self) -> &[String] {
         &self.terms
     }
 
-    /// Names of the channels.
+    /// Returns the names of the channels.
     pub(crate) fn channels(&self) -> &[String] {
         &self.channels
     }
 
-    /// Number of terms p.
+    /// Returns the number of terms p.
     pub(crate) fn len(&self) -> usize {
         self.terms.len()
     }
@@ -101,12 +105,14 @@ impl Library {
         &self.program
     }
 
-    /// Buffers for the evaluation of the terms.
+    /// Returns buffers for the evaluation of the terms.
     pub(crate) fn workspace(&self) -> Workspace {
         self.program.workspace()
     }
 
-    /// The matrix Θ `[samples × terms]`.
+    /// Returns the matrix Θ, with one row for each sample and one column for each term.
+    ///
+    /// - `channels`: samples of each channel, in the order of the library's channels
     ///
     /// # Errors
     /// [`IdentificationError::Shape`] if the number of channels is wrong or their lengths differ.
@@ -118,12 +124,13 @@ impl Library {
     }
 }
 
-/// Text of a smooth sign of the velocity, `tanh(k v)`.
+/// Returns the text of a smooth sign of the velocity, `tanh(k v)`.
 pub(crate) fn smooth_sign(factor: f64) -> String {
     format!("tanh({factor}*v)")
 }
 
-/// Factor k of a term tanh(k v) for a joint whose v is `scale` times as high, with two digits.
+/// Returns the factor k of a term tanh(k v) for a joint whose speed v is `scale` times as high. The factor is rounded to
+/// two digits.
 pub(crate) fn slope(factor: f64, scale: f64) -> f64 {
     if scale == 1.0 { factor } else { two_digits(factor / scale) }
 }

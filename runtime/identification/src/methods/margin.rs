@@ -1,24 +1,25 @@
-//! Change of an estimate if samples that may be biased are left out.
+//! Change of an estimate if samples with a possible bias are left out.
 //!
-//! Dry friction jumps when a joint starts, stops or reverses, and no smooth term has this jump. The error near these times
-//! is the same in all blocks of the samples, so that no variance over blocks shows it. The change of the estimate without
-//! these samples does. This change includes chance. It is added to the half width of intervals.
+//! Dry friction jumps when a joint starts, stops or reverses, but smooth terms cannot jump. The error near these times is
+//! the same in all blocks of the samples, so a variance over blocks does not show it. The change of the estimate without
+//! these samples shows the error, although the change also has a random part. The change is added to the half width of
+//! intervals.
 
 use super::super::numeric::spectrum::symmetric_eigen;
 use nalgebra::{DMatrix, DVector};
 
-/// Least share of the curvature in a direction that must remain for a change in this direction to be counted. With a smaller
-/// share the change is mostly noise. In simulated arms that stick, the coverage of intervals changes by at most 2 % for
-/// values from 0.005 to 0.05. It is lower by 3 % for 0.1 and by 10 % for 0.2.
+/// Smallest share of the curvature in a direction that must remain, so that a change in this direction counts. With a
+/// smaller share the change is mostly noise. In simulated arms with stiction, the coverage of intervals changes by at most
+/// 2 % for shares from 0.005 to 0.05. The coverage is lower by 3 % for a share of 0.1, and by 10 % for 0.2.
 pub(crate) const LEAST_SHARE: f64 = 0.02;
 
 /// Share of the largest eigenvalue below which an eigenvalue belongs to a direction that the data do not determine.
 const NEGLIGIBLE: f64 = 1e-12;
 
-/// For each sample, whether a rest or a change of the velocity's sign is within the reach of the filter.
+/// Returns for each sample whether a rest or a change of the velocity's sign is within the reach of the filter.
 ///
-/// - `rests`: whether a sample belongs to a rest
-/// - `reach`: number of samples on either side that the filter uses
+/// - `rests`: function that returns whether a sample belongs to a rest
+/// - `reach`: number of samples on each side that the filter uses
 pub(crate) fn near(velocities: &[f64], rests: impl Fn(usize) -> bool, reach: usize) -> Vec<bool> {
     let reverses = |i: usize| i > 0 && velocities[i - 1] * velocities[i] <= 0.0;
     let mut near = vec![false; velocities.len()];
@@ -29,10 +30,11 @@ pub(crate) fn near(velocities: &[f64], rests: impl Fn(usize) -> bool, reach: usi
     near
 }
 
-/// Change from the solution of `A x = b` to that of `A' x' = b'`, in the directions in which A' has a sufficient share of A.
+/// Returns the change from the solution of `A x = b` to the solution of `A' x' = b'`. Only directions in which A' keeps a
+/// sufficient share of A count.
 ///
 /// - `all`: A
-/// - `left`: A' ≤ A, of the samples that are kept
+/// - `left`: A' ≤ A, computed from the samples that are kept
 /// - `score`: `b' − A' x`
 pub(crate) fn change(all: &DMatrix<f64>, left: &DMatrix<f64>, score: &DVector<f64>) -> DVector<f64> {
     let scale = all.diagonal().map(|own| if own > 0.0 { own.sqrt().recip() } else { 0.0 });
@@ -73,7 +75,7 @@ mod tests {
         let (x, other) = (DVector::from_vec(vec![1.0, 2.0]), DVector::from_vec(vec![1.5, 1.9]));
         let found = change(&all, &left, &(&left * (&other - &x)));
         assert!((found - (&other - &x)).amax() < 1e-12);
-        // Of the second unknown nothing is left that tells it.
+        // The remaining samples do not determine the second unknown.
         let left = DMatrix::from_row_slice(2, 2, &[4.0, 1.0, 1.0, 0.26]);
         let found = change(&all, &left, &DVector::from_vec(vec![0.0, 1.0]));
         assert!(found.amax() < 1e-4, "{found}");

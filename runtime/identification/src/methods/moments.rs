@@ -1,8 +1,8 @@
-//! Moments: sums of products of all columns of `[Θ | Y]`, in one pass over the data, in total or for contiguous blocks.
+//! Sums of products ("moments") of all columns of `[Θ | Y]`, in one pass over the samples, for all samples or for blocks.
 //!
 //! Sparse regression and cross-validation need only these sums, so the samples are read once for any number of models. ΘᵀΘ
-//! has the square of Θ's condition number. [`super::least_squares`] checks the condition number and factors the samples
-//! orthogonally if it is too large.
+//! has the squared condition number of Θ. If this number is too large, [`super::least_squares`] factors the samples
+//! orthogonally instead.
 
 use super::super::error::{IdentificationError, Result, require_finite, require_length, require_samples};
 use super::super::numeric::kernel::{BLOCK, add_products};
@@ -11,7 +11,7 @@ use super::library::Library;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
-/// For each fold, the sum of all other folds, and the fold itself.
+/// Returns for each fold the sum of all other folds, and the fold itself.
 pub(crate) fn splits(folds: &[Moments]) -> impl Iterator<Item = Result<(Moments, &Moments)>> {
     folds.iter().enumerate().map(|(k, fold)| {
         let others = folds.iter().enumerate().filter(|(i, _)| *i != k).map(|(_, fold)| fold);
@@ -19,7 +19,7 @@ pub(crate) fn splits(folds: &[Moments]) -> impl Iterator<Item = Result<(Moments,
     })
 }
 
-/// Samples of the library columns and targets `[Θ | Y]`, read block by block.
+/// Samples of the library's columns and of the targets `[Θ | Y]`. They are read block by block.
 #[derive(Debug, Clone)]
 pub struct Samples<'a> {
     names: Vec<String>,
@@ -35,20 +35,20 @@ enum Regressors<'a> {
 }
 
 impl<'a> Samples<'a> {
-    /// Samples with stored columns.
+    /// Creates samples from stored columns.
     ///
     /// - `names`: names of the columns of Θ
     /// - `columns`: columns of Θ
     /// - `targets`: columns of Y
     ///
     /// # Errors
-    /// [`IdentificationError::Empty`] if there are no samples, and [`IdentificationError::Shape`] if lengths differ.
+    /// [`IdentificationError::Empty`] if there are no samples, [`IdentificationError::Shape`] if lengths differ.
     pub fn from_columns(names: &[String], columns: Vec<&'a [f64]>, targets: Vec<&'a [f64]>) -> Result<Self> {
         require_length("names of the columns", columns.len(), names.len())?;
         Self::new(names.to_vec(), Regressors::Columns(columns), targets)
     }
 
-    /// Samples with a matrix Θ `[samples × terms]`.
+    /// Creates samples from a matrix Θ with one row for each sample and one column for each term.
     #[cfg(test)]
     pub(crate) fn from_matrix(
         names: &[String],
@@ -59,11 +59,15 @@ impl<'a> Samples<'a> {
         Self::from_columns(names, columns, targets)
     }
 
-    /// Samples of channels. The library is evaluated when the sums are formed, and Θ is not stored.
+    /// Creates samples from channels. The terms of the library are evaluated when the sums are computed, so Θ is not
+    /// stored.
+    ///
+    /// - `channels`: one column for each channel of `library`, in its order
+    /// - `targets`: columns of Y
     ///
     /// # Errors
-    /// [`IdentificationError::Empty`] if there are no samples, and [`IdentificationError::Shape`] if the number of channels
-    /// is wrong or lengths differ.
+    /// [`IdentificationError::Empty`] if there are no samples, [`IdentificationError::Shape`] if the number of channels is
+    /// wrong or lengths differ.
     pub fn from_library(
         library: &'a Library,
         channels: Vec<&'a [f64]>,
@@ -83,7 +87,7 @@ impl<'a> Samples<'a> {
         Ok(Self { names, regressors, targets, samples })
     }
 
-    /// Texts of the terms.
+    /// Returns the texts of the terms.
     pub(crate) fn names(&self) -> &[String] {
         &self.names
     }
@@ -98,7 +102,8 @@ impl<'a> Samples<'a> {
         self.targets.len()
     }
 
-    /// Calls `visit` for blocks of at most 256 samples of `rows`, with the columns of Θ followed by the targets.
+    /// Calls `visit` for blocks of at most 256 samples within `rows`. The arguments are the columns of Θ, followed by the
+    /// targets.
     pub(crate) fn visit(&self, rows: Range<usize>, visit: &mut dyn FnMut(&[&[f64]])) {
         let mut workspace = match &self.regressors {
             Regressors::Library(library, _) => Some(library.workspace()),
@@ -124,7 +129,7 @@ impl<'a> Samples<'a> {
         }
     }
 
-    /// The error about the first value that is not finite, or about an overflow if all values are finite.
+    /// Returns the error about the first value that is not finite. If all values are finite, the error is an overflow.
     fn explain_not_finite(&self) -> IdentificationError {
         let mut values = vec![Vec::with_capacity(self.samples); self.names.len() + self.targets.len()];
         self.visit(0..self.samples, &mut |columns| {
@@ -149,7 +154,7 @@ impl<'a> Samples<'a> {
     }
 }
 
-/// Sums of products `[Θ | Y]ᵀ [Θ | Y]` over some samples.
+/// Sums of products `[Θ | Y]ᵀ [Θ | Y]` over a set of samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Moments {
     names: Vec<String>,
@@ -158,30 +163,33 @@ pub struct Moments {
 }
 
 impl Moments {
-    /// Sums over all samples.
+    /// Computes the sums over all samples.
     ///
     /// # Errors
-    /// [`IdentificationError::NotFinite`] with column and row if a value is not finite, and
-    /// [`IdentificationError::Overflow`] if squares overflow.
+    /// - [`IdentificationError::NotFinite`]: a value is not finite; the error names its column and row
+    /// - [`IdentificationError::Overflow`]: squares overflow
     pub fn new(samples: &Samples) -> Result<Self> {
         Ok(Self::blocks(samples, 1)?.remove(0))
     }
 
-    /// Sums over `count` contiguous blocks of nearly equal size. The first blocks have one more sample if the division has a
-    /// remainder.
+    /// Computes the sums over `count` contiguous blocks of nearly equal size. If the division has a remainder, the first
+    /// blocks have one sample more.
     ///
     /// # Errors
-    /// [`IdentificationError::TooFewSamples`] if there are fewer samples than blocks, and the errors of [`Self::new`].
+    /// - [`IdentificationError::TooFewSamples`]: there are fewer samples than blocks
+    /// - The errors of [`Self::new`]
     pub fn blocks(samples: &Samples, count: usize) -> Result<Vec<Self>> {
         require_samples(&format!("a division into {count} blocks"), count.max(1), samples.len())?;
         let ranges: Vec<_> = contiguous_blocks(samples.len(), count.max(1)).collect();
         Self::ranges(samples, &ranges)
     }
 
-    /// Sums over given ranges of samples, e.g. the runs of a log, or groups of runs that repeat one motion.
+    /// Computes the sums over given ranges of samples, for example the runs of a log.
     ///
     /// # Errors
-    /// `Empty` if a range is empty, `Shape` if it ends after the last sample, and the errors of [`Self::new`].
+    /// - `Empty`: a range is empty
+    /// - `Shape`: a range ends after the last sample
+    /// - The errors of [`Self::new`]
     pub(crate) fn ranges(samples: &Samples, ranges: &[Range<usize>]) -> Result<Vec<Self>> {
         let mut blocks = Vec::with_capacity(ranges.len());
         for rows in ranges.iter().cloned() {
@@ -198,10 +206,10 @@ impl Moments {
         Ok(blocks)
     }
 
-    /// Sums over folds. Each fold has several ranges of samples.
+    /// Computes the sums over folds. Each fold consists of several ranges of samples.
     ///
     /// # Errors
-    /// The errors are those of [`Self::ranges`], and `Empty` if a fold has no ranges.
+    /// The errors of [`Self::ranges`], and `Empty` if a fold has no ranges
     pub(crate) fn folds(samples: &Samples, folds: &[Vec<Range<usize>>]) -> Result<Vec<Self>> {
         folds.iter().map(|ranges| Self::sum(&Self::ranges(samples, ranges)?)).collect()
     }
@@ -215,15 +223,16 @@ impl Moments {
         Self { names: samples.names.clone(), samples: count, products }
     }
 
-    /// Moments from a matrix of products of the terms' columns and one target column.
+    /// Creates moments from the matrix of products of the terms' columns and one target column.
     pub(crate) fn of_products(names: Vec<String>, samples: usize, products: DMatrix<f64>) -> Self {
         Self { names, samples, products }
     }
 
-    /// Sum of several moments of the same columns.
+    /// Adds several moments of the same columns.
     ///
     /// # Errors
-    /// [`IdentificationError::Empty`] without parts, and [`IdentificationError::Shape`] if parts have different widths.
+    /// [`IdentificationError::Empty`] if there are no parts, [`IdentificationError::Shape`] if parts have different numbers
+    /// of columns.
     pub fn sum<'m>(parts: impl IntoIterator<Item = &'m Self>) -> Result<Self> {
         let mut parts = parts.into_iter();
         let Some(first) = parts.next() else {
@@ -238,55 +247,57 @@ impl Moments {
         Ok(total)
     }
 
-    /// Texts of the terms.
+    /// Returns the texts of the terms.
     pub(crate) fn names(&self) -> &[String] {
         &self.names
     }
 
-    /// Number of terms p.
+    /// Returns the number of terms p.
     pub(crate) fn terms(&self) -> usize {
         self.names.len()
     }
 
-    /// Number of samples m.
+    /// Returns the number of samples m.
     pub fn samples(&self) -> usize {
         self.samples
     }
 
-    /// Number of target columns.
+    /// Returns the number of target columns.
     pub(crate) fn targets(&self) -> usize {
         self.products.ncols() - self.names.len()
     }
 
-    /// Gram matrix ΘᵀΘ `[p × p]`.
+    /// Returns the Gram matrix ΘᵀΘ, which is p × p.
     pub(crate) fn gram(&self) -> DMatrix<f64> {
         let p = self.terms();
         self.products.view((0, 0), (p, p)).into_owned()
     }
 
-    /// Projection Θᵀy of one target `[p]`.
+    /// Returns the projection Θᵀy of one target y.
     pub(crate) fn projection(&self, target: usize) -> DVector<f64> {
         let p = self.terms();
         self.products.view((0, p + target), (p, 1)).column(0).into_owned()
     }
 
-    /// Energy yᵀy of one target.
+    /// Returns the energy yᵀy of one target y.
     pub(crate) fn energy(&self, target: usize) -> f64 {
         let i = self.terms() + target;
         self.products[(i, i)]
     }
 
-    /// Residual sum of squares `‖y − Θ ξ‖²` from the sums alone. Cancellation limits its accuracy to about 1e-14 of yᵀy.
+    /// Returns the residual sum of squares `‖y − Θ ξ‖²`, computed from the sums. Cancellation limits its accuracy to about
+    /// 1e-14 of yᵀy.
     ///
     /// - `target`: index of the target column y
-    /// - `coefficients`: ξ
+    /// - `coefficients`: coefficients ξ of all terms
     pub fn residual(&self, target: usize, coefficients: &DVector<f64>) -> f64 {
         let b = self.projection(target);
         let quadratic = (self.gram() * coefficients).dot(coefficients);
         (self.energy(target) - 2.0 * b.dot(coefficients) + quadratic).max(0.0)
     }
 
-    /// Correlation matrix of the terms `[p × p]`, not centred: cosines of the angles between the columns.
+    /// Returns the p × p matrix of cosines of the angles between the terms' columns. It is the correlation matrix of the
+    /// terms if their means are not subtracted.
     pub fn correlation(&self) -> DMatrix<f64> {
         let p = self.terms();
         let norm = |i: usize| self.products[(i, i)].sqrt();
@@ -296,8 +307,8 @@ impl Moments {
         })
     }
 
-    /// Condition number of the library with its columns scaled to unit length; ∞ if a column is zero. It is computed from
-    /// the Gram matrix, so that values above 1e7 are only lower bounds.
+    /// Returns the condition number of the library with its columns scaled to unit length; ∞ if a column is zero. Values
+    /// above 1e7 are only lower bounds, because the number is computed from the Gram matrix.
     pub(crate) fn condition(&self) -> f64 {
         let eigenvalues = symmetric_eigenvalues(&self.correlation());
         let (least, largest) = (eigenvalues.min(), eigenvalues.max());
@@ -314,7 +325,7 @@ impl Moments {
     }
 }
 
-/// Divides 0..samples into `count` contiguous ranges. The first `samples mod count` ranges are longer by one.
+/// Divides 0..samples into `count` contiguous ranges. The first `samples mod count` ranges have one sample more.
 pub(crate) fn contiguous_blocks(samples: usize, count: usize) -> impl Iterator<Item = Range<usize>> {
     let (size, longer) = (samples / count, samples % count);
     (0..count).map(move |k| {
@@ -349,7 +360,7 @@ mod tests {
             let runs = Moments::ranges(&samples, &[range]);
             runs.unwrap_err().to_string()
         };
-        assert!(message(900..1002).contains("1002 expected, 1001 given"));
+        assert!(message(900..1002).contains("1002 are expected, but 1001 are given"));
         assert!(message(5..5).starts_with("a range of samples is empty"));
     }
 
@@ -372,11 +383,9 @@ mod tests {
         let y = vec![1.0; 600];
         let samples = Samples::from_library(&library, vec![&v], vec![&y]).unwrap();
         let message = Moments::new(&samples).unwrap_err().to_string();
-        assert!(
-            message.starts_with(
-                "the term v is not finite (NaN) at row 321 (counted from 0), 2 such values of 600"
-            )
-        );
+        assert!(message.starts_with(
+            "the term v is not finite (NaN) at row 321 (counted from 0), and 2 of 600 values are not finite"
+        ));
         let huge = vec![1e200; 600];
         let samples = Samples::from_library(&library, vec![&y], vec![&huge]).unwrap();
         assert!(Moments::new(&samples).unwrap_err().to_string().contains("target 0 has values up to 1e200"));

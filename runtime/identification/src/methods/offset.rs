@@ -1,19 +1,19 @@
-//! Constant torques in measurements, and columns without them.
+//! Constant torques in measurements, and their elimination from columns.
 
 use std::ops::Range;
 
-/// A constant torque of one run, in addition to the friction law.
+/// Constant torque of one run, in addition to the friction law.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Offset {
     /// Indices of the run's samples among the samples of all runs.
     pub samples: Range<usize>,
-    /// Mean of torque minus law [N·m or N].
+    /// Mean of the torque minus the law, in N·m or N.
     pub value: f64,
-    /// Standard error for correlated residuals [N·m or N]; `None` if the run is too short for an estimate.
+    /// Standard error for correlated residuals, in N·m or N; `None` if the run is too short for an estimate.
     pub standard_error: Option<f64>,
 }
 
-/// Subtracts its mean from each run of a column.
+/// Subtracts from each run of a column the mean of the run.
 pub(crate) fn centre(column: &mut [f64], runs: &[Range<usize>]) {
     for rows in runs {
         let mean = mean(&column[rows.clone()]);

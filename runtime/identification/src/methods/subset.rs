@@ -1,7 +1,7 @@
-//! Best subset of a small library: every subset is fitted on all folds except one and tested on this one.
+//! Best subset of a small library. Every subset is fitted to all folds except one and tested on this fold.
 //!
-//! With p terms and k folds these are k·2ᵖ solutions of at most p × p normal equations. They need no λ and do not have the
-//! bias of the LASSO (Hocking and Leslie 1967; one-standard-error rule: Breiman 1984).
+//! With p terms and k folds, these are k·2ᵖ solutions of at most p × p normal equations. The method needs no λ and does not
+//! have the bias of the LASSO (Hocking and Leslie 1967; one-standard-error rule: Breiman 1984).
 
 use super::super::error::{IdentificationError, Result, require_length, require_setting};
 use super::super::numeric::statistics::{mean_with_error, simplest};
@@ -10,13 +10,13 @@ use super::least_squares::solve_scaled;
 use super::moments::{Moments, splits};
 use nalgebra::{DMatrix, DVector};
 
-/// Largest number of terms of a library, with 4095 subsets.
+/// Largest number of terms of a library. Twelve terms have 4095 subsets with at least one term.
 pub(crate) const MOST_TERMS: usize = 12;
 
-/// A subset of the terms with its error on held-out folds.
+/// Subset of the terms, with its error on held-out folds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ValidatedSubset {
-    /// Indices of the terms, ascending.
+    /// Indices of the terms in ascending order.
     pub active: Vec<usize>,
     /// Mean squared error on the held-out fold, averaged over the folds.
     pub mean_error: f64,
@@ -24,32 +24,32 @@ pub struct ValidatedSubset {
     pub standard_error: f64,
 }
 
-/// Pareto table of a choice of terms: sets of terms with their errors on held-out folds, including the chosen set.
+/// Pareto table for a choice of terms: sets of terms with their errors on held-out folds. The chosen set is one of them.
 ///
-/// For the best subset the table has the best set of each size. For STLS and LASSO it has the sets along a decreasing
-/// threshold or penalty.
+/// For the best subset, the table contains the best set of each size. For STLS and LASSO, it contains the sets along a
+/// decreasing threshold or penalty.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SubsetValidation {
-    /// The sets, from few terms to many. Sets whose equations cannot be solved are left out.
+    /// Sets in the order of their number of terms, from few to many. Sets whose equations cannot be solved are left out.
     pub best: Vec<ValidatedSubset>,
-    /// Index of the set with the least error.
+    /// Index of the set with the smallest error.
     pub minimum: usize,
-    /// Index of the chosen set. For the best subset it is the set with the fewest terms whose error exceeds the least one by
-    /// at most one standard error.
+    /// Index of the chosen set. For the best subset, it is the set with the fewest terms whose error exceeds the smallest
+    /// error by at most one standard error.
     pub chosen: usize,
 }
 
-/// A term that needs another term: an asymmetry `|f(v)|` needs `f(v)`. Without `f` it would act as `f` in a motion in one
-/// direction, and drive the joint in the other direction.
+/// Dependence of a term on another term: an asymmetry `|f(v)|` needs `f(v)`. Without `f(v)`, the asymmetry would replace
+/// `f(v)` if the motion has only one direction, and would drive the joint in the other direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Requirement {
     /// Index of the term.
     pub term: usize,
-    /// Index of the term that it needs.
+    /// Index of the term that the first term needs.
     pub needs: usize,
 }
 
-/// A requirement for each term `abs(f)` of a library that also has `f`.
+/// Returns a requirement for each term `abs(f)` of a library that also has the term `f`.
 pub(crate) fn requirements(terms: &[String]) -> Vec<Requirement> {
     let partner = |(term, text): (usize, &String)| {
         let inner = text.strip_prefix("abs(")?.strip_suffix(')')?;
@@ -59,23 +59,23 @@ pub(crate) fn requirements(terms: &[String]) -> Vec<Requirement> {
     terms.iter().enumerate().filter_map(partner).collect()
 }
 
-/// Conditions that the law of a subset has to meet.
+/// Conditions on the friction law of a subset.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Conditions {
     /// Terms that need other terms.
     pub requirements: Vec<Requirement>,
     /// Matrix A of the constraints `A ξ ≥ 0` on the coefficients ξ of all terms; `None` for fits without constraints.
     pub rows: Option<DMatrix<f64>>,
-    /// Values of all terms, one row for each speed; `None` if they are not checked. The terms of a law must not cancel each
-    /// other at any of these speeds.
+    /// Values of all terms, one row for each speed. The terms of a law must not cancel each other at any of these speeds.
+    /// `None` if this is not checked.
     pub values: Option<DMatrix<f64>>,
 }
 
-/// Largest ratio of Σ |terms| to |law| at a speed. A joint whose friction in one direction is up to three times that in the
-/// other is within this limit.
+/// Largest ratio of Σ |terms| to |law| at a speed. The ratio is within this limit if the friction in one direction is up to
+/// three times the friction in the other direction.
 const MOST_CANCELLED: f64 = 3.0;
 
-/// Whether the terms of a law cancel each other at some speed.
+/// Returns whether the terms of a law cancel each other at some speed.
 fn cancels(values: &DMatrix<f64>, coefficients: &DVector<f64>) -> bool {
     let cancels_at = |speed: usize| {
         let terms = (0..coefficients.len()).map(|term| values[(speed, term)] * coefficients[term]);
@@ -86,12 +86,13 @@ fn cancels(values: &DMatrix<f64>, coefficients: &DVector<f64>) -> bool {
 }
 
 impl Conditions {
-    /// Least squares on a subset with the constraints; `None` if it cannot be solved or if its terms cancel each other.
+    /// Solves least squares on a subset with the constraints; `None` if there is no solution or if the terms of the
+    /// solution cancel each other.
     fn fit(&self, moments: &Moments, target: usize, active: &[usize]) -> Option<DVector<f64>> {
         self.met(moments, fit(moments, target, active)?, active)
     }
 
-    /// The solution with the constraints from the solution without them; `None` as in [`Self::fit`].
+    /// Returns the solution with the constraints, computed from the solution without them; `None` as in [`Self::fit`].
     fn met(&self, moments: &Moments, free: DVector<f64>, active: &[usize]) -> Option<DVector<f64>> {
         let met = match &self.rows {
             Some(rows) if breaks(rows, &free) => constrained(moments, free, active, rows).ok()?,
@@ -102,15 +103,15 @@ impl Conditions {
     }
 }
 
-/// Cosine between f and |f| above which an asymmetry is not distinguished from f: nine tenths of the energy of f are in one
-/// direction.
+/// Cosine between f and |f| above which an asymmetry cannot be distinguished from f. At this value nine tenths of the
+/// energy of f are in one direction.
 pub(crate) const MOST_ALIKE: f64 = 0.8;
 
-/// Indices of the terms without asymmetries `|f(v)|` that the motion does not show because it is nearly all in one
-/// direction, where `|f(v)|` is `f(v)` or its negative. The second value is a sentence about the terms that were left out;
-/// `None` if there are none.
+/// Returns the indices of the terms that the motion can distinguish. An asymmetry `|f(v)|` is left out if nearly all of the
+/// motion is in one direction, in which `|f(v)|` is `f(v)` or its negative. The second value is a sentence about the terms
+/// that are left out; `None` if all terms are kept.
 ///
-/// - `energies`: gives Σ f² forwards and backwards of a term f
+/// - `energies`: function that returns Σ f² of a term f, forwards and backwards
 pub(crate) fn seen_both_ways(
     terms: &[String],
     energies: impl Fn(usize) -> [f64; 2],
@@ -121,12 +122,13 @@ pub(crate) fn seen_both_ways(
     };
     let out: Vec<usize> = requirements(terms).iter().filter(|r| unseen(r)).map(|r| r.term).collect();
     let texts: Vec<&str> = out.iter().map(|&i| terms[i].as_str()).collect();
-    let note = (!out.is_empty())
-        .then(|| format!("{} left out: nine tenths of the motion are in one direction", texts.join(", ")));
+    let note = (!out.is_empty()).then(|| {
+        format!("{} left out, because nine tenths of the motion are in one direction", texts.join(", "))
+    });
     ((0..terms.len()).filter(|i| !out.contains(i)).collect(), note)
 }
 
-/// All subsets of p terms that meet the requirements. The empty subset is the first one.
+/// Returns all subsets of p terms that meet the requirements. The empty subset is the first one.
 fn subsets(p: usize, requirements: &[Requirement]) -> impl Iterator<Item = Vec<usize>> {
     let has = |bits: u32, i: usize| bits >> i & 1 == 1;
     let meets = move |bits: &u32| requirements.iter().all(|r| !has(*bits, r.term) || has(*bits, r.needs));
@@ -138,11 +140,11 @@ fn subsets(p: usize, requirements: &[Requirement]) -> impl Iterator<Item = Vec<u
 impl SubsetValidation {
     /// Tests all subsets that meet the conditions.
     ///
-    /// - `folds`: moments of contiguous blocks, [`Moments::blocks`]
+    /// - `folds`: moments of contiguous blocks, see [`Moments::blocks`]
     ///
     /// # Errors
-    /// `Setting` if there are fewer than two folds or more than [`MOST_TERMS`] terms, and `Collinear` if no subset can be
-    /// solved.
+    /// - `Setting`: there are fewer than two folds or more than [`MOST_TERMS`] terms
+    /// - `Collinear`: no subset can be solved
     pub(crate) fn new(folds: &[Moments], target: usize, conditions: &Conditions) -> Result<Self> {
         let p = folds.first().map_or(0, Moments::terms);
         let count = folds.len() as f64;
@@ -151,7 +153,7 @@ impl SubsetValidation {
             "number of terms",
             p as f64,
             (1..=MOST_TERMS).contains(&p),
-            "all subsets are tried for one to twelve terms; use the LASSO for larger libraries",
+            "the method tries all subsets of one to twelve terms; use the LASSO for larger libraries",
         )?;
         if target >= folds[0].targets() {
             require_length("targets", target + 1, folds[0].targets())?;
@@ -182,7 +184,7 @@ impl SubsetValidation {
         Ok(Self { best, minimum, chosen })
     }
 
-    /// The table of given sets; `None` if the chosen set cannot be fitted without each fold.
+    /// Creates the table of given sets; `None` if the chosen set has no solution on the folds.
     ///
     /// - `sets`: sets of terms, from few terms to many
     pub(crate) fn along(
@@ -202,16 +204,16 @@ impl SubsetValidation {
     }
 }
 
-/// Probability of each term: the weight of all subsets of a library that contain the term, relative to the weight of all
-/// subsets including the empty one.
+/// Returns the probability of each term. It is the total weight of the subsets that contain the term, divided by the total
+/// weight of all subsets including the empty one.
 ///
-/// The weights are `exp(−BIC/2)` with `BIC = n ln(RSS/n) + k ln n` for k terms (Schwarz 1978; Raftery 1995).
+/// The weight of a subset with k terms is `exp(−BIC/2)` with `BIC = n ln(RSS/n) + k ln n` (Schwarz 1978; Raftery 1995).
 ///
-/// - `n`: number of samples with independent errors that would give the same information
+/// - `n`: effective number of samples: the number of samples with independent errors that would give the same information
 ///
 /// # Errors
-/// `Setting` if there are more than [`MOST_TERMS`] terms or fewer than two effective samples, and `Shape` if there is no
-/// such target.
+/// - `Setting`: there are more than [`MOST_TERMS`] terms, or `n` is smaller than two
+/// - `Shape`: there is no such target
 pub(crate) fn probabilities(
     moments: &Moments,
     target: usize,
@@ -219,13 +221,13 @@ pub(crate) fn probabilities(
     requirements: &[Requirement],
 ) -> Result<Vec<f64>> {
     let p = moments.terms();
-    let requirement = "all subsets are weighed for one to twelve terms";
+    let requirement = "probabilities are computed from all subsets, for one to twelve terms";
     require_setting("number of terms", p as f64, (1..=MOST_TERMS).contains(&p), requirement)?;
     require_setting("effective samples", n, n >= 2.0, "at least two are needed")?;
     if target >= moments.targets() {
         require_length("targets", target + 1, moments.targets())?;
     }
-    // An exact fit has the residual zero. The least residual is the rounding of the energy.
+    // An exact fit has a residual of zero. Its residual is replaced by the rounding error of the energy.
     let floor = 1e-14 * moments.energy(target).max(f64::MIN_POSITIVE);
     let models = subsets(p, requirements).filter_map(|active| {
         let residual = moments.residual(target, &fit(moments, target, &active)?).max(floor);
@@ -243,7 +245,7 @@ pub(crate) fn probabilities(
     Ok(inclusion.into_iter().map(|weight| (weight / total).min(1.0)).collect())
 }
 
-/// Returns `None` if the normal equations of a fold are singular.
+/// Computes the errors of a subset on held-out folds; `None` if the normal equations of a fold are singular.
 fn validate(
     active: Vec<usize>,
     splits: &[(Moments, &Moments)],
@@ -268,7 +270,7 @@ fn fit(moments: &Moments, target: usize, active: &[usize]) -> Option<DVector<f64
     coefficients.iter().all(|x| x.is_finite()).then_some(coefficients)
 }
 
-/// The subset of `size` terms with the least residual.
+/// Returns the subset of `size` terms with the smallest residual.
 ///
 /// # Errors
 /// [`IdentificationError::Collinear`] if no subset of this size can be solved.
@@ -280,7 +282,7 @@ pub(crate) fn best_of_size(
 ) -> Result<DVector<f64>> {
     let mut best: Option<(f64, DVector<f64>)> = None;
     for active in subsets(moments.terms(), &conditions.requirements).filter(|a| a.len() == size && size > 0) {
-        // Conditions only increase the residual.
+        // Conditions can only increase the residual.
         let free = fit(moments, target, &active);
         let bound = best.as_ref().map_or(f64::INFINITY, |(residual, _)| *residual);
         let Some(free) = free.filter(|free| moments.residual(target, free) < bound) else { continue };
@@ -385,7 +387,7 @@ mod tests {
         let found = requirements(library.terms());
         assert_eq!(found, [Requirement { term: 7, needs: 1 }, Requirement { term: 8, needs: 5 }]);
         assert_eq!(subsets(9, &found).count(), 128 * 9 / 4);
-        // Motion in one direction: |v| is as good as v, and may not be alone.
+        // For a motion in one direction, |v| fits as well as v, but |v| without v is not allowed.
         let v: Vec<f64> = (0..2000).map(|i| -0.6 + 0.5 * (0.01 * f64::from(i)).sin()).collect();
         let y: Vec<f64> = v.iter().map(|v| 4.0 * v).collect();
         let library = Library::new(&["abs(v)", "v"], &["v"]).unwrap();

@@ -1,8 +1,8 @@
 //! Sequentially thresholded least squares (STLS; Brunton, Proctor, Kutz 2016).
 //!
-//! SINDy in its general form, `ẋ ≈ Θ(x, u) Ξ` or `x⁺ ≈ Θ(x, u) Ξ`, is one such fit for each column of Ξ: the library is one
-//! over states and inputs, and the targets are the derivatives of the states ([`super::differentiation`]) or their next
-//! samples.
+//! SINDy in its general form, `ẋ ≈ Θ(x, u) Ξ` or `x⁺ ≈ Θ(x, u) Ξ`, consists of one such fit for each column of Ξ. The
+//! channels of the library are the states x and the inputs u. The targets are the derivatives of the states
+//! ([`super::differentiation`]) or their next samples x⁺.
 //!
 //! ```
 //! use gelenk_identification::methods::least_squares::Reduced;
@@ -35,10 +35,11 @@ use super::least_squares::{Reduced, Solution};
 pub struct Thresholding {
     /// Magnitude below which a coefficient is removed, in the unit of the coefficient.
     pub threshold: f64,
-    /// Ridge α ≥ 0 of the solutions between the removals: `‖y − Θ ξ‖² + α ‖ξ‖²`. The final solution has no ridge.
+    /// Ridge parameter α ≥ 0 of the intermediate solutions, which minimize `‖y − Θ ξ‖² + α ‖ξ‖²`. The final solution is
+    /// computed without a ridge.
     pub ridge: f64,
-    /// Largest number of iterations. Each iteration removes a term or is the last one, so p iterations are enough for p
-    /// terms.
+    /// Largest number of iterations. Each iteration except the last one removes a term. Therefore p iterations are enough
+    /// for p terms.
     pub max_iterations: usize,
 }
 
@@ -49,8 +50,8 @@ impl Default for Thresholding {
 }
 
 impl Thresholding {
-    /// Solves least squares, removes every coefficient below the threshold, and repeats until no coefficient is removed.
-    /// Returns the least-squares solution on the remaining terms.
+    /// Solves least squares and removes every coefficient below the threshold. This is repeated until no coefficient is
+    /// removed. Returns the least-squares solution on the remaining terms.
     ///
     /// - `reduced`: data of the regression
     /// - `target`: index of the target column
@@ -112,7 +113,7 @@ mod tests {
         assert!((fit.variance.sqrt() - 0.05).abs() < 0.003);
     }
 
-    /// The states of the Lorenz system with noise: all seven of its terms and no other (Brunton, Proctor, Kutz 2016).
+    /// The states of the Lorenz system with noise give exactly its seven terms (Brunton, Proctor, Kutz 2016).
     #[test]
     fn lorenz_from_noisy_states() {
         let rate =
@@ -125,7 +126,7 @@ mod tests {
             for (column, x) in noisy.iter_mut().zip(x) {
                 column.push(x + 0.01 * random.normal());
             }
-            // The midpoint rule errs by 1e-5 in a second.
+            // The midpoint rule has an error of 1e-5 after one second.
             x = plus(x, rate(plus(x, rate(x), step / 2.0)), step);
         }
         let times: Vec<f64> = (0..20_000).map(|i| f64::from(i) * step).collect();

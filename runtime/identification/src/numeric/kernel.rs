@@ -16,9 +16,9 @@ const LANES: usize = 8;
 
 /// Adds the products of all pairs of columns over one block: `sums[j·q + k] += Σ aⱼ aₖ` for k ≤ j.
 ///
-/// Columns are taken in tiles of `ROWS` by four columns, so that the partial sums of each product stay in registers. Two
-/// rows fit the 32 registers of AVX-512, one row fits the 16 registers of AVX2. The tile does not change the order of a
-/// product's additions.
+/// Columns are processed in tiles of `ROWS` by four columns, so that the partial sums of each product stay in registers.
+/// Two rows fit into the 32 registers of AVX-512, one row fits into the 16 registers of AVX2. The tile size does not change
+/// the order in which a product's terms are added.
 ///
 /// - `columns`: q slices of the same length, at most [`BLOCK`]
 /// - `sums`: q × q, row by row, lower triangle
@@ -64,7 +64,7 @@ fn tile<const ROWS: usize>(a: [&[f64]; ROWS], b: [&[f64]; 4]) -> [[f64; 4]; ROWS
     let mut lanes = [[[0.0; LANES]; 4]; ROWS];
     for i in 0..count {
         let b = [b0[i], b1[i], b2[i], b3[i]];
-        // The loop is over indices, because LLVM keeps the sums in memory if it is over iterators.
+        // The loop runs over indices, because LLVM keeps the sums in memory if the loop runs over iterators.
         for r in 0..ROWS {
             let row = rows[r][i];
             for c in 0..4 {
@@ -96,8 +96,8 @@ fn add_rest<const ROWS: usize>(
     }
 }
 
-/// This function is not inlined. Otherwise its order of additions makes LLVM combine lanes of different sums in the loop
-/// above.
+/// This function must not be inlined. Otherwise its order of additions makes LLVM combine lanes of different sums in the
+/// loop above.
 #[inline(never)]
 fn horizontal_sums(lanes: &[[f64; LANES]; 4]) -> [f64; 4] {
     lanes.map(|[p, q, r, s, t, u, v, x]| ((p + q) + (r + s)) + ((t + u) + (v + x)))

@@ -1,10 +1,10 @@
-//! Levels: numbers that decide about a choice or a finding. Each stage has its levels in a file `levels.rs`, with the reason
-//! for their size. The tests in `estimation/tests/levels.rs` halve and double them. Bounds of rounding errors are where they
-//! are used.
+//! Levels: thresholds that decide on a choice or a finding. Each stage has its levels in a file `levels.rs`, with the
+//! reason for their size. The tests in `estimation/tests/levels.rs` halve and double each level. Bounds of rounding errors
+//! are defined next to the code that uses them.
 
-/// A level: a number that decides about a choice or a finding.
+/// A level: a threshold that decides on a choice or a finding.
 pub(crate) struct Level<T> {
-    /// Path of the level's name.
+    /// Full path of the level's item.
     #[cfg(test)]
     pub(crate) name: &'static str,
     pub(crate) value: T,
@@ -17,7 +17,7 @@ impl<T: Copy> Level<T> {
     }
 }
 
-/// Levels, as `NAME: TYPE = VALUE;` with their documentation.
+/// Defines levels, each as `NAME: TYPE = VALUE;` with its documentation.
 macro_rules! levels {
     ($($(#[$documentation:meta])* $name:ident: $kind:ty = $value:expr;)*) => {
         $($(#[$documentation])* pub(crate) static $name: $crate::numeric::levels::Level<$kind> = $crate::numeric::levels::Level {

@@ -1,16 +1,16 @@
 //! Random numbers from a seed: SplitMix64 (Steele, Lea, Flood 2014), with uniform and normal (Box–Muller) distributions.
 //!
-//! Random starts and synthetic data must have the same numbers in every language and release. The default generator of a
-//! library does not guarantee this.
+//! Random starts and synthetic data must be the same in every language and release. The default generator of a library does
+//! not guarantee this.
 
-/// Generator with 64 bits of state. `state += 0x9E3779B97F4A7C15` is computed before each output.
+/// SplitMix64 generator with 64 bits of state. It computes `state += 0x9E3779B97F4A7C15` before each output.
 #[derive(Debug, Clone)]
 pub(crate) struct SplitMix64 {
     state: u64,
 }
 
 impl SplitMix64 {
-    /// Starts the sequence of `seed`.
+    /// Starts the sequence that belongs to `seed`.
     pub(crate) fn new(seed: u64) -> Self {
         Self { state: seed }
     }
@@ -29,7 +29,7 @@ impl SplitMix64 {
         self.bits53() / TWO_53
     }
 
-    /// Standard normal number `√(−2 ln u₁) cos 2π u₂` from two outputs of the sequence.
+    /// Returns a standard normal number `√(−2 ln u₁) cos 2π u₂` from two uniform numbers of the sequence.
     pub(crate) fn normal(&mut self) -> f64 {
         let u1 = (self.bits53() + 1.0) / TWO_53;
         let u2 = self.bits53() / TWO_53;

@@ -1,6 +1,6 @@
-//! Interpolation of a signal with equal steps between its samples.
+//! Interpolation of signals with equally spaced samples.
 
-/// Value and slope (per sample) at a fractional index, by the cubic through the four nearest samples.
+/// Returns the value and the slope (per sample) at a fractional index, from the cubic through the four nearest samples.
 pub(crate) fn shifted(signal: &[f64], index: f64) -> (f64, f64) {
     let i = (index.floor() as usize).clamp(1, signal.len().saturating_sub(3).max(1));
     let x = index - i as f64;
@@ -10,7 +10,8 @@ pub(crate) fn shifted(signal: &[f64], index: f64) -> (f64, f64) {
     (b + x * (c1 + x * (c2 + x * c3)), c1 + x * (2.0 * c2 + 3.0 * c3 * x))
 }
 
-/// Slope (per sample) at a sample, by the quartic through its neighbours, and near the ends by the parabola.
+/// Returns the slope (per sample) at a sample, from the quartic through the sample and its four neighbours. Next to the
+/// ends it is the slope of a parabola, at the ends that of the chord to the neighbour.
 pub(crate) fn slope(signal: &[f64], sample: usize) -> f64 {
     let last = signal.len().saturating_sub(1);
     let over = |reach: usize| {
@@ -36,7 +37,7 @@ mod tests {
         for i in 2..8 {
             assert!((slope(&signal, i) - rate(i as f64)).abs() < 1e-12, "{i}");
         }
-        // At the ends the chord to the neighbour is left.
+        // At the ends only the chord to the neighbour is available.
         assert!((slope(&signal, 0) - (signal[1] - signal[0])).abs() < 1e-12);
         assert_eq!(slope(&[3.0], 0), 0.0);
     }

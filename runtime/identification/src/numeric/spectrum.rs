@@ -1,6 +1,9 @@
-//! Eigenvalues and singular values. nalgebra panics on empty matrices, and does not return or panics on NaN and infinity,
-//! which logs and descriptions may cause. For these matrices all results here are NaN.
-#![allow(clippy::disallowed_methods, reason = "what other modules may not call is guarded here")]
+//! Eigenvalues and singular values. nalgebra panics on empty matrices. On matrices with NaN or infinity, which logs and
+//! descriptions may cause, it panics or does not return. For all these matrices the functions of this module return NaN.
+#![allow(
+    clippy::disallowed_methods,
+    reason = "this module guards the functions that other modules must not call"
+)]
 
 use nalgebra::allocator::Allocator;
 use nalgebra::{Const, DefaultAllocator, Dim, DimDiff, DimMin, DimMinimum, DimSub, OMatrix, OVector};

@@ -1,6 +1,6 @@
 //! Order statistics.
 
-/// Quantile of sorted values, with linear interpolation between the values.
+/// Returns the quantile of sorted values, with linear interpolation between the values.
 pub(crate) fn quantile(sorted: &[f64], share: f64) -> f64 {
     let position = share * (sorted.len() - 1) as f64;
     let (low, fraction) = (position.floor() as usize, position.fract());
@@ -8,7 +8,7 @@ pub(crate) fn quantile(sorted: &[f64], share: f64) -> f64 {
     sorted[low] + fraction * (sorted[high] - sorted[low])
 }
 
-/// Median of the finite values; the upper one of two middle values. `None` if there are no finite values.
+/// Returns the median of the finite values, or the upper one of two middle values; `None` if there are no finite values.
 pub(crate) fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     let mut values: Vec<f64> = values.into_iter().filter(|x| x.is_finite()).collect();
     if values.is_empty() {
@@ -18,17 +18,17 @@ pub(crate) fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     Some(*values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
-/// One value in this number may be an outlier at each end.
+/// At each end, one value out of this number may be an outlier.
 const OUTLIERS: usize = 200;
 
-/// The smallest and the largest value without the outermost 0.5 % at both ends; `None` without values.
+/// Returns the smallest and the largest value without the outermost 0.5 % at both ends; `None` if there are no values.
 pub(crate) fn span(mut values: Vec<f64>) -> Option<[f64; 2]> {
     let last = values.len().checked_sub(1)?;
     let cut = values.len() / OUTLIERS;
     Some([cut, last - cut].map(|at| *values.select_nth_unstable_by(at, f64::total_cmp).1))
 }
 
-/// Mean of numbers, and its standard error for independent numbers.
+/// Returns the mean of the values, and its standard error if the values are independent.
 pub(crate) fn mean_with_error(values: &[f64]) -> [f64; 2] {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
@@ -36,10 +36,11 @@ pub(crate) fn mean_with_error(values: &[f64]) -> [f64; 2] {
     [mean, (variance / n).sqrt()]
 }
 
-/// Index of the model with the least error, and index of the simplest model whose error exceeds the least one by at most its
-/// standard error (Breiman 1984). Models are in the order from the simplest to the most complex. `None` without models.
+/// Returns the index of the model with the smallest error, and the index of the simplest model whose error exceeds the
+/// smallest error by at most one standard error (Breiman 1984). Models are ordered from the simplest to the most complex.
+/// The result is `None` if there are no models.
 ///
-/// - `errors`: error and standard error of each model
+/// - `errors`: error of each model, and the standard error of this error
 pub(crate) fn simplest(errors: &[[f64; 2]]) -> Option<[usize; 2]> {
     let least = (0..errors.len()).min_by(|&i, &j| errors[i][0].total_cmp(&errors[j][0]))?;
     let bound = errors[least][0] + errors[least][1];

@@ -10,14 +10,14 @@ use crate::robot::Robot;
 use crate::run::{Effort, PreparedRun};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-/// Widths of smoothed Coulomb friction, as shares of the joint's largest speed. Together they approximate any friction curve
-/// with a steep start.
+/// Widths of smoothed Coulomb friction, as shares of the joint's largest speed. Terms of these widths approximate any
+/// friction curve with a steep start.
 const WIDTHS: [f64; 3] = [0.005, 0.03, 0.15];
 
 /// Number of friction columns of a joint: constant, viscous, and the smoothed signs.
 const TERMS: usize = 2 + WIDTHS.len();
 
-/// Least standard deviation of a residual, as a share of the effort. Simulated logs have no noise.
+/// Smallest assumed standard deviation of a residual, as a share of the effort. It is needed for simulated logs without noise.
 const QUIETEST: f64 = 1e-9;
 
 /// Change of a held parameter that counts as the distance one [kg, kg m, kg m²].
@@ -107,7 +107,8 @@ impl Equations {
         total
     }
 
-    /// Weights 1/σ² of each joint, iterated: σ is that of the weighted fit's residuals. Zero for a joint at rest.
+    /// Weights 1/σ² of the joints; zero for a joint at rest. σ is the standard deviation of the residuals of the weighted fit,
+    /// which is found by iteration.
     pub(super) fn weights(&self) -> Result<Vec<f64>> {
         let all: Vec<Sums> = (0..self.joints).map(|j| self.joint(j)).collect();
         require_samples("a payload, samples of moving joints", 1, all.iter().map(|s| s.rows).sum())?;
@@ -132,8 +133,8 @@ impl Equations {
         Ok(weights)
     }
 
-    /// `(δ, friction, load, −1)`. A Gram matrix times this vector is the product of its columns with prediction minus
-    /// target.
+    /// The vector `(δ, friction, load, −1)`. A Gram matrix of the columns times this vector gives the products of the columns
+    /// with the prediction minus the target.
     fn homogeneous(&self, reduced: &Reduced, load: &DVector<f64>) -> DVector<f64> {
         let nuisance = reduced.factor.solve(&(&reduced.right - &reduced.coupling * load));
         let mut x = DVector::zeros(self.nuisance + PER_BODY + 1);
@@ -162,8 +163,9 @@ impl Equations {
         Ok(Reduced { hessian: (&hessian + hessian.transpose()) * 0.5, linear, factor, coupling, right })
     }
 
-    /// Covariance of the load, for errors that are correlated within blocks of time. It is the sandwich form with the scores
-    /// of the blocks, plus errors of the description and of the reference ball with a distance of one.
+    /// Covariance of the load's parameters, for errors that are correlated within blocks of time. It is the sandwich
+    /// covariance with the scores of the blocks, plus the effect of errors of the description and of the reference ball with a
+    /// distance of one.
     pub(super) fn covariance(
         &self,
         weights: &[f64],
@@ -191,8 +193,8 @@ impl Equations {
         Ok(&bread * meat * &bread)
     }
 
-    /// For each joint, the share of the residual sum of squares of the log with the load that the load removes, with
-    /// unchanged friction.
+    /// For each joint, the share of the residual sum of squares of the log with the load that the load removes, if friction is
+    /// unchanged; `None` for a joint at rest.
     pub(super) fn explained(&self, reduced: &Reduced, load: &DVector<f64>) -> Vec<Option<f64>> {
         let with = self.homogeneous(reduced, load);
         let mut without = with.clone();
@@ -272,7 +274,7 @@ impl<'a> Columns<'a> {
         Ok(Self { robot, joints, parameters, nuisance, body, to_joints, speeds, exact, known })
     }
 
-    /// Adds sums of products of blocks of at least `length` samples, if there are enough samples. Short runs share a block.
+    /// Adds sums of products of blocks of about `length` samples. Short runs share a block.
     fn add_blocks(&self, runs: &[PreparedRun], loaded: bool, length: usize, blocks: &mut Vec<Vec<Sums>>) {
         let mut filled = length;
         for run in runs {
@@ -319,8 +321,8 @@ impl<'a> Columns<'a> {
         rows.iter().zip(counts).map(|(m, rows)| Sums { gram: m.tr_mul(m), rows }).collect()
     }
 
-    /// Whether a sample of a joint contains information on the load: the joint moves so that static friction does not hold
-    /// it.
+    /// Whether a sample of a joint contains information on the load: the force is known, and the joint moves fast enough that
+    /// static friction does not hold it.
     fn tells(&self, joint: usize, velocity: f64) -> bool {
         let slides =
             !self.stands_still(joint) && velocity.abs() > levels::STICKING.get() * self.speeds[joint];
@@ -361,13 +363,13 @@ impl<'a> Columns<'a> {
         }
     }
 
-    /// Holds δ near zero: bodies by their metric, rotors by their size.
+    /// Writes the prior that holds δ near zero: the metric of bodies, and relative changes of rotor inertias.
     fn hold(&self, weight: f64, prior: &mut DMatrix<f64>) -> Result<()> {
         let described = self.robot.parameters();
         let bodies = PER_BODY * self.robot.bodies();
         require_length("inertial parameters of the bodies", bodies, described.len().min(bodies))?;
         let (metric, held) = distance(&described, self.robot.bodies());
-        // The objective has half of the sums of squares, so the distance has the factor two.
+        // The objective is half of the sum of squares, so the distance has the factor two.
         let mut own = metric * (2.0 * weight);
         // Bodies without mass and rotors without inertia stay the same.
         (0..held.len()).filter(|i| held[*i]).for_each(|i| own[(i, i)] = weight / HELD.powi(2));
@@ -391,5 +393,9 @@ fn to_joints(robot: &dyn Robot, effort: Effort) -> Result<DMatrix<f64>> {
 }
 
 fn singular(what: &str) -> IdentificationError {
-    IdentificationError::NoSolution { reason: format!("the equations of {what} are singular up to rounding") }
+    IdentificationError::NoSolution {
+        reason: format!(
+            "the equations of {what} are singular up to rounding; record a longer motion in which more joints move"
+        ),
+    }
 }

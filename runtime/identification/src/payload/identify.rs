@@ -29,10 +29,15 @@ pub struct CarriedLoad {
 /// - `progress`: receives a sentence at each step
 ///
 /// # Errors
-/// The call fails if logs cannot be read or do not match the robot's joints, if signals are too short, if there are no runs
-/// of one kind, if efforts are currents without described motor constants, if a setting is out of its range, or if no
-/// minimum is found. Unless poor results are accepted, it also fails if values are far beyond the described limits, or if
-/// the described bodies would have to be more than ten times as heavy or as light for the efforts.
+/// The call fails if
+/// - logs cannot be read or do not match the robot's joints,
+/// - there are no runs with the load or no runs without it, or signals are too short,
+/// - efforts are currents without described motor constants,
+/// - a setting is out of its range, or
+/// - no minimum is found.
+///
+/// Unless poor results are accepted, the call also fails if values are far beyond the described limits, or if the forces in
+/// the efforts differ from those of the described bodies by more than a factor of ten.
 pub fn identify_load(
     robot: &dyn Robot,
     without: &[PathBuf],
@@ -47,9 +52,9 @@ pub fn identify_load(
     }
 }
 
-/// Does the work of [`identify_load`].
+/// Identifies the load as [`identify_load`] does, but without adding the earlier findings to errors.
 ///
-/// - `noted`: takes the findings
+/// - `noted`: receives the findings
 fn compared(
     robot: &dyn Robot,
     (without, with): (&[PathBuf], &[PathBuf]),
@@ -70,8 +75,8 @@ fn compared(
     Ok((payload, [empty, loaded]))
 }
 
-/// Doubts about the unit of the efforts, by the logs without the load. The logs with the load are only refused, because a
-/// load changes the forces, but less than another unit does.
+/// The doubt about the unit of the efforts in the logs without the load. The logs with the load can only be refused: they
+/// give no warning, because a load also changes the forces, although less than another unit does.
 fn unit_doubts(
     robot: &dyn Robot,
     [without, with]: [&[PreparedRun]; 2],

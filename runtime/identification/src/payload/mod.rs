@@ -1,16 +1,17 @@
 //! Identification of a load at a robot's hand, from logs without and logs with the load.
 //!
-//! Both logs obey `W(y, ẏ, ÿ) (π + δ) + F φ = B u` with the error δ of the described parameters π, and friction and an
-//! offset of each joint F φ. The log with the load has the additional term `W_b π_L`, with the columns W_b of the body that
-//! carries the load and the parameters π_L of the load. All unknowns are fitted together. The weight of each joint follows
-//! from its noise. δ is held near zero where the logs do not determine it, so that for equal motions π_L explains the
-//! difference of the efforts, `W_b π_L = Δτ`. The load must be a physically possible body (pseudo-inertia ⪰ 0).
+//! Both logs satisfy `W(y, ẏ, ÿ) (π + δ) + F φ = B u` with the regressor W and the error δ of the described parameters π. F φ
+//! is friction and an offset of each joint, and B u are the forces of the inputs. The log with the load has the additional
+//! term `W_b π_L`, with the columns W_b of the body that carries the load and the parameters π_L of the load. All unknowns are
+//! fitted together. The weight of each joint follows from its noise. If the logs do not determine δ, it stays near zero. For
+//! equal motions π_L then explains the difference of the efforts, `W_b π_L = Δτ`. The load must be a physically possible body
+//! (pseudo-inertia ⪰ 0).
 //!
 //! The rows of joints with a quaternion have neither friction nor an offset, and all their samples are used. In the rows of
 //! other joints, samples at which the joint is at rest are left out, because its dry friction then holds a part of the load.
 //!
-//! Friction and offset are assumed to be the same in both logs. So gears whose friction grows with their load make the
-//! estimated load heavier.
+//! Friction and offset are assumed to be the same in both logs. Therefore load-dependent friction makes the estimated load too
+//! heavy.
 
 mod equations;
 mod identify;
@@ -40,9 +41,12 @@ use nalgebra::{DMatrix, DVector, Matrix4};
 ///   is useful.
 ///
 /// # Errors
-/// The call fails without runs of one kind, if shapes do not match the robot, if a joint is moved from outside, if efforts
-/// are of different kinds or currents without described motor constants, if a setting is out of its range, if there are too
-/// few samples, or if no minimum is found.
+/// The call fails if
+/// - there are no runs with the load or no runs without it,
+/// - shapes do not match the robot, or a joint is moved from outside,
+/// - efforts are of different kinds, or currents without described motor constants,
+/// - a setting is out of its range, or there are too few samples, or
+/// - no minimum is found.
 pub(crate) fn estimate(
     robot: &dyn Robot,
     without: &[PreparedRun],
@@ -54,9 +58,8 @@ pub(crate) fn estimate(
     let weights = equations.weights()?;
     let reduced = equations.reduced(&weights)?;
     let degrees = equations.blocks() - 1;
-    // The first reference is a load of about the robot's size. If the motion determines the mass, the estimated centre gives
-    // the place of a ball, which is the reference for the other parameters. Without a determined mass there is no such
-    // place.
+    // The first reference is a load of about the robot's size. If the motion determines the mass, the second reference is a
+    // ball at the estimated centre. If the motion does not determine the mass, it does not determine a centre either.
     let mut found = Found::near(anything(robot), &equations, &weights, &reduced, settings)?;
     let half = quantile(settings.confidence, degrees.max(1) as f64)? * found.covariance[(0, 0)].sqrt();
     if found.load.parameters[0] > half {
@@ -94,7 +97,7 @@ fn check(robot: &dyn Robot, settings: &PayloadSettings) -> Result<usize> {
     Ok(body)
 }
 
-/// A load near a reference.
+/// An estimated load that stays near a reference in directions that the motion does not determine.
 struct Found {
     load: ConsistentSolution,
     covariance: DMatrix<f64>,
@@ -111,7 +114,7 @@ impl Found {
         settings: &PayloadSettings,
     ) -> Result<Self> {
         let weight = levels::BALL.get() * settings.weight;
-        // The objective of the program has half of the squares, so the distance has the factor two.
+        // The objective of the program is half of the sum of squares, so the distance has the factor two.
         let held = distance(&reference, 1).0 * (2.0 * weight);
         let load = solve(&ConsistentProblem {
             hessian: &reduced.hessian + &held,
@@ -124,7 +127,7 @@ impl Found {
     }
 }
 
-/// A load of the robot's own size: the median mass of its bodies, spread around the frame's origin.
+/// A load with the median mass of the robot's bodies, which is spread around the frame's origin.
 fn anything(robot: &dyn Robot) -> [f64; PER_BODY] {
     let parameters = robot.parameters();
     let bodies = parameters.chunks_exact(PER_BODY).take(robot.bodies());

@@ -17,13 +17,13 @@ use nalgebra::{DMatrix, RowDVector};
 const NO_LOAD: Rule = Rule::warning("no-load");
 
 /// Sees: values of the load that the motion does not excite.
-/// Matters: they are set to those of a ball.
+/// Matters: these values are set to those of a ball of the load's mass.
 /// Example: moments of a load that never turned.
 /// Fixture: `payload/tests.rs`.
 const HIDDEN: Rule = Rule::warning("load-hidden");
 
-/// Sees: efforts whose best fit is a load that is not physical.
-/// Matters: the nearest possible one is stated.
+/// Sees: efforts whose best fit is a load that is not physically possible.
+/// Matters: the nearest possible load is reported.
 /// Example: a mass below 0.
 /// Fixture: `payload/tests.rs`.
 const IMPOSSIBLE: Rule = Rule::warning("load-impossible");
@@ -46,7 +46,7 @@ pub(super) struct Parts<'a> {
     pub body: usize,
     pub load: &'a ConsistentSolution,
     pub covariance: &'a DMatrix<f64>,
-    /// For each parameter, its spread among bodies of this mass.
+    /// For each parameter, its range among bodies of this mass.
     pub sizes: &'a [f64],
     pub degrees: usize,
     pub confidence: f64,
@@ -116,7 +116,7 @@ fn findings(payload: &Payload, load: &ConsistentSolution, names: &[String]) -> V
     let [low, high] = payload.mass.interval;
     let none = (low <= 0.0).then(|| {
         NO_LOAD.found(format!(
-            "no load is seen: the interval of its mass, {} to {} kg, contains zero",
+            "the logs show no load: the interval of its mass, {} to {} kg, contains zero",
             plain(low, 3),
             plain(high, 3)
         ))
@@ -129,8 +129,8 @@ fn findings(payload: &Payload, load: &ConsistentSolution, names: &[String]) -> V
     });
     let bound = (!load.on_boundary.is_empty()).then(|| {
         IMPOSSIBLE.found(
-            "the efforts lead to a load that is not physical; the nearest physical load is reported, and the intervals ignore this \
-             constraint",
+            "the efforts lead to a load that is not physically possible. The nearest possible load is reported, and the intervals \
+             ignore this constraint",
         )
     });
     let of = |is_meant: &dyn Fn(usize) -> bool| -> Vec<&str> {
@@ -144,12 +144,13 @@ fn findings(payload: &Payload, load: &ConsistentSolution, names: &[String]) -> V
     let still = of(&|joint| payload.residuals[joint].is_none());
     let still = (!still.is_empty()).then(|| {
         let message =
-            "dry friction holds a part of the load if a joint does not move, so these efforts were not used";
+            "these joints do not move, so dry friction may hold a part of the load, and their efforts were not used";
         NOT_USED.found(format!("{}: {message}", still.join(", ")))
     });
     let worse = of(&|joint| payload.explained[joint].is_some_and(|share| share < -0.05));
     let worse = (!worse.is_empty()).then(|| {
-        let message = "the load makes their residuals larger: friction or offset differ between the logs";
+        let message =
+            "the load makes the residuals of these joints larger: friction or offset differ between the logs";
         WORSE.found(format!("{}: {message}", worse.join(", ")))
     });
     [none, hidden, bound, still, worse].into_iter().flatten().collect()

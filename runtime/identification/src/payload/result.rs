@@ -8,9 +8,10 @@ use gelenk_findings::Finding;
 pub(crate) const NAMES: [&str; PER_BODY] =
     ["m", "m cx", "m cy", "m cz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz"];
 
-/// A load, in the frame of the body that carries it. Its intervals take residuals into account that are correlated over
-/// time. They also include an error of the description and of the reference ball by their own size, for parameters that the
-/// motion does not determine.
+/// A load, in the frame of the body that carries it.
+///
+/// The intervals take correlated residuals into account. For parameters that the motion does not determine, they also include
+/// the possible errors of the description and of the reference ball, a ball of 1500 kg/m³ with the load's mass.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Payload {
     /// Index of the body that carries the load, from 0.
@@ -19,20 +20,20 @@ pub struct Payload {
     pub mass: Uncertain,
     /// Centre of mass \[m\].
     pub centre_of_mass: [Uncertain; 3],
-    /// Moments of inertia Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the centre of mass, with axes parallel to the body's frame [kg
-    /// m²].
+    /// Moments of inertia Ixx, Ixy, Iyy, Ixz, Iyz, Izz in kg m² about the centre of mass, with axes parallel to the body's
+    /// frame.
     pub moments: [Uncertain; 6],
-    /// Mass m, first moments m c, and moments of inertia Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the frame's origin [kg, kg m, kg
-    /// m²]. The sum of these and of the body's parameters describes the body with the load.
+    /// Mass m, first moments m c, and moments of inertia Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the frame's origin, in kg, kg m and
+    /// kg m². The sum of these parameters and of the body's parameters describes the body with the load.
     pub parameters: [Uncertain; PER_BODY],
-    /// Whether the motion determines each parameter: its interval is smaller than the spread among bodies of this mass. The
-    /// other parameters are those of a ball of 1500 kg/m³ at the centre of mass, if the motion determines the mass.
+    /// For each parameter, whether the motion determines it: the interval is then narrower than the range of bodies with this
+    /// mass. The other parameters are those of a ball of 1500 kg/m³ at the centre of mass, if the motion determines the mass.
     pub shown: [bool; PER_BODY],
-    /// For each joint, the share of the residual sum of squares of the log with the load that the load explains, with
-    /// unchanged friction. One is best. Zero or less explains nothing. `None` for a joint at rest.
+    /// For each joint, the share of the residual sum of squares of the log with the load that the load explains if friction is
+    /// unchanged. One is best. At zero or less the load explains nothing. `None` for a joint at rest.
     pub explained: Vec<Option<f64>>,
     /// Standard deviation of each joint's residual [N·m or N]; `None` for a joint at rest.
     pub residuals: Vec<Option<f64>>,
-    /// Doubts about the load.
+    /// Findings that raise doubts about the load.
     pub findings: Vec<Finding>,
 }

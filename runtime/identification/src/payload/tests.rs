@@ -174,7 +174,7 @@ fn a_load_is_found_whatever_the_efforts_are() {
     assert!(held >= 8, "{held} {:?} {truth:?}", found.parameters);
     assert!(found.shown[..4].iter().all(|shown| *shown) && found.explained[1].unwrap() > 0.9, "{found:?}");
     assert!(found.residuals.iter().flatten().all(|r| (r - 0.3).abs() < 0.12), "{:?}", found.residuals);
-    // The same logs as currents of motors behind gears.
+    // The same logs as currents of motors with gears.
     let runs = [without(), &with].map(|run| {
         let mut run = PreparedRun { effort: Effort::Current, ..run.clone() };
         run.efforts.iter_mut().flatten().for_each(|x| *x /= RATIO);
@@ -192,7 +192,7 @@ fn a_load_is_found_whatever_the_efforts_are() {
     );
     let other =
         estimate(&described, slice::from_ref(without()), &runs[1..], &settings).unwrap_err().to_string();
-    assert!(other.contains("its efforts are Current, those of the first run are Joint"), "{other}");
+    assert!(other.contains("its efforts are Current, but the efforts of the first run are Joint"), "{other}");
 }
 
 #[test]
@@ -206,8 +206,8 @@ fn what_the_motion_does_not_show_is_said() {
             && texts(&found.findings, Severity::Warning).iter().any(|w| w.contains("[no-load]")),
         "{found:?}"
     );
-    // Only the vertical axis moves. The others hold the load, with any part of it in their dry friction: one
-    // moment of inertia is shown, and no mass.
+    // Only the vertical axis moves. The other joints hold the load, and dry friction may carry any part of it. So the motion
+    // determines one moment of inertia, but not the mass.
     let alone = Simulation { moving: 1, ..LOG };
     let load = of(2.5, 0.15, [0.02, -0.03, 0.09]);
     let with = Simulation { seed: 4, ..alone }.run(&load);
@@ -272,7 +272,7 @@ fn intervals_hold_the_truth_as_often_as_they_say() {
     assert!((0.82..0.97).contains(&share), "{share}");
 }
 
-/// Loads with little and much data: what is found to three digits, and how well.
+/// Loads with little and much data: values to three digits, and their errors.
 fn outcomes() -> Outcomes {
     let creeping = |mut run: PreparedRun| {
         // The first joint creeps at a five-hundredth of the others' speed.

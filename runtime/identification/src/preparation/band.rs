@@ -1,8 +1,9 @@
-//! The low-pass filter that efforts passed before they were recorded.
+//! Search for a low-pass filter that efforts passed before they were recorded.
 //!
-//! A drive, a driver or a script may smooth the efforts, while the positions stay as they are. Then the two sides of the
-//! equation of motion have different bands: friction that jumps when a joint reverses seems to grow slowly with the speed.
-//! Least squares is correct again if both sides pass the narrower band (Gautier 1997, parallel filtering).
+//! A drive, a driver or a script may smooth the efforts, while the positions are not smoothed. Then the two sides of the
+//! equation of motion have different bandwidths. For example, friction that jumps when a joint reverses seems to grow
+//! slowly with the speed. Least squares is correct again if both sides pass the filter with the lower bandwidth (parallel
+//! filtering, Gautier 1997).
 
 use super::super::error::Result;
 use super::super::methods::filter::Band;
@@ -17,10 +18,10 @@ use nalgebra::DMatrix;
 /// Filter orders that are tried. A higher order has a steeper edge.
 const ORDERS: [u32; 3] = [1, 2, 4];
 
-/// Factors between neighbouring frequencies, from coarse to fine.
+/// Ratios of neighbouring candidate frequencies, from coarse to fine.
 const STEPS: [f64; 6] = [1.4, 1.2, 1.1, 1.05, 1.025, 1.0125];
 
-/// A low-pass filter, and the decrease of ln RSS (residual sum of squares) of each effort if the filter is assumed.
+/// A low-pass filter that was tried, and its effect: the decrease of ln RSS (residual sum of squares) of each effort.
 struct Tried {
     band: Band,
     drops: Vec<f64>,
@@ -31,23 +32,23 @@ impl Tried {
         self.drops.iter().sum::<f64>() / self.drops.len().max(1) as f64
     }
 
-    /// The filter with the larger mean decrease.
+    /// Returns the filter with the larger mean decrease.
     fn or(self, other: Self) -> Self {
         if other.mean() > self.mean() { other } else { self }
     }
 }
 
 impl<'a> Recorded<'a> {
-    /// The low-pass filter of the efforts; `None` if the motion does not explain every effort better through a filter. All
-    /// other signals have to pass the filter that is found.
+    /// Searches the low-pass filter of the efforts. The result is `None` if the motion does not explain every effort better
+    /// with a filter. All other signals must pass the filter that is found.
     ///
-    /// Each effort has its own parameters, as in the search for delays. Friction has several widths, because a friction law
-    /// that grows slowly with the speed must not look like a filter. The frequency of the filter has to be below a quarter
-    /// of `bandwidth`, and the filter has to lower ln RSS of each effort by more than 0.1. If a joint has a quaternion, no
-    /// filter is searched for, because filtered quaternions lose their unit length.
+    /// Each effort has separate parameters, as in the search for delays. Friction has several widths, because a friction
+    /// law that grows slowly with the speed must not look like a filter. A filter is accepted only if its frequency is
+    /// below a quarter of `bandwidth` and it lowers ln RSS of each effort by more than 0.1. If a joint has a quaternion, no
+    /// filter is searched, because filtered quaternions lose their unit length.
     ///
-    /// - `bandwidth`: half-amplitude frequency of the smoothing filter [Hz]
-    /// - `delays`: removed delay of each effort
+    /// - `bandwidth`: half-amplitude frequency of the smoothing filter in Hz
+    /// - `delays`: delay that was removed from each effort
     pub(super) fn band(
         &self,
         robot: &'a dyn Robot,
@@ -71,7 +72,7 @@ struct Fits<'a> {
     columns: Columns<'a>,
     runs: &'a [&'a PreparedRun],
     samples: Vec<Sample>,
-    /// Each effort at the samples.
+    /// Values of each effort at the samples.
     efforts: Vec<DMatrix<f64>>,
     /// ln RSS of each effort without a low-pass filter; `None` if the columns cannot explain the effort or explain it
     /// exactly.
@@ -90,7 +91,7 @@ impl<'a> Fits<'a> {
         fits
     }
 
-    /// ln RSS of each effort; `None` if the columns cannot explain the effort or explain it exactly.
+    /// Returns ln RSS of each effort; `None` if the columns cannot explain the effort or explain it exactly.
     fn misfits(&self, columns: &Columns) -> Vec<Option<f64>> {
         let misfit = |(problem, effort): (Option<Problem>, &DMatrix<f64>)| {
             let left = problem?.misfits(effort)[0];
@@ -99,7 +100,7 @@ impl<'a> Fits<'a> {
         problems(columns, self.runs, &self.samples).into_iter().zip(&self.efforts).map(misfit).collect()
     }
 
-    /// A low-pass filter and its effect.
+    /// Tries a low-pass filter, and returns it with its effect.
     fn through(&self, frequency: f64, order: u32) -> Tried {
         let band = Band { frequency, order };
         let misfits = self.misfits(&self.columns.behind(band));
@@ -107,8 +108,8 @@ impl<'a> Fits<'a> {
         Tried { band, drops: drops.collect() }
     }
 
-    /// The best low-pass filter with a frequency from `lowest` to `highest` [Hz]; `None` if no filter in this range is good
-    /// enough.
+    /// Returns the best low-pass filter with a frequency from `lowest` to `highest` in Hz; `None` if no filter in this
+    /// range is good enough.
     fn best(&self, highest: f64, lowest: f64) -> Option<Band> {
         let mut best = self.through(highest, ORDERS[1]);
         let octaves = (1..).map(|k| highest * 0.5_f64.powi(k)).take_while(|frequency| *frequency >= lowest);
@@ -133,7 +134,7 @@ impl<'a> Fits<'a> {
         (lowers_all && best.band.frequency < highest).then_some(best.band)
     }
 
-    /// The best filter of the order of `best`, found with smaller and smaller steps of the frequency.
+    /// Returns the best filter of the order of `best`. It is found with decreasing steps of the frequency.
     fn narrowed(&self, mut best: Tried, steps: &[f64]) -> Tried {
         for step in steps {
             let Band { frequency, order } = best.band;

@@ -1,4 +1,4 @@
-//! The common bandwidth of the smoothing filter, chosen from the positions.
+//! Choice of the bandwidth of the smoothing filter from the positions. All signals have the same bandwidth.
 
 use super::super::methods::filter::gain;
 use super::levels;
@@ -10,25 +10,27 @@ use std::f64::consts::PI;
 pub(super) struct PositionQuality {
     /// Spectrum of the position, pooled over all runs.
     pub spectrum: Spectrum,
-    /// Density of the white noise of the position [unit²/Hz].
+    /// Spectral density of the white noise of the position, in unit²/Hz. The unit is rad or m.
     pub density: f64,
-    /// Standard deviation σ of the noise of a sample [unit].
+    /// Standard deviation σ of the noise of a sample, in rad or m.
     pub noise: f64,
     /// Whether the joint moves by more than ten times its noise.
     pub moves: bool,
 }
 
-/// Candidate bandwidths from `lowest` to `highest` [Hz], `per_octave` for each octave. The last one is `highest`.
+/// Returns candidate bandwidths from `lowest` to `highest` in Hz, with `per_octave` candidates in each octave. The last one
+/// is `highest`.
 pub(super) fn candidates(lowest: f64, highest: f64, per_octave: f64) -> Vec<f64> {
     let count = ((highest / lowest).log2() * per_octave).floor().max(0.0) as usize;
     (0..=count).map(|k| highest * 2.0_f64.powf(-((count - k) as f64) / per_octave)).collect()
 }
 
-/// Mean square errors of the filtered acceleration of a joint, relative to the power of the acceleration: the lost part of
-/// the signal and the remaining part of the noise.
+/// Returns two mean square errors of the filtered acceleration of a joint, as shares of the power of the acceleration: the
+/// lost part of the signal, and the remaining part of the noise.
 ///
-/// These are `Σ (1 − H)² S / Σ S` and `Σ H² N / Σ S` over the bands of the spectrum. S is the power of the signal and N that
-/// of the noise, both as accelerations (times ω⁴). H is the gain of the filter.
+/// The errors are `Σ (1 − H)² S / Σ S` and `Σ H² N / Σ S`, with sums over the bands of the spectrum. S is the power of the
+/// signal and N the power of the noise, both of accelerations (ω⁴ times the power of positions). H is the gain of the
+/// filter.
 pub(super) fn relative_errors(quality: &PositionQuality, bandwidth: f64) -> [f64; 2] {
     let (mut lost, mut left, mut all) = (0.0, 0.0, 0.0);
     for (frequency, signal, noise) in quality.spectrum.accelerations(quality.density) {
@@ -40,7 +42,7 @@ pub(super) fn relative_errors(quality: &PositionQuality, bandwidth: f64) -> [f64
     if all > 0.0 { [lost / all, left / all] } else { [1.0, 1.0] }
 }
 
-/// Share of noise in the power of a filtered acceleration.
+/// Returns the share of noise in the power of a filtered acceleration.
 pub(super) fn noise_share(quality: &PositionQuality, bandwidth: f64) -> f64 {
     let (mut left, mut passed) = (0.0, 0.0);
     for (frequency, signal, noise) in quality.spectrum.accelerations(quality.density) {
@@ -51,17 +53,19 @@ pub(super) fn noise_share(quality: &PositionQuality, bandwidth: f64) -> f64 {
     left / (left + passed).max(f64::MIN_POSITIVE)
 }
 
-/// Standard deviation of the noise of a filtered speed, for white noise of the positions with this density [unit²/Hz].
+/// Returns the standard deviation of the noise of a filtered speed.
 ///
-/// For a filter with a sharp edge at f_c, `∫ (2π f)² H² df` is `(2π)² f_c³/3`.
+/// - `density`: spectral density of the white noise of the positions, in unit²/Hz
+///
+/// The formula follows from `∫ (2π f)² H² df = (2π)² f_c³/3` for a filter with a sharp edge at f_c.
 pub(super) fn speed_noise(density: f64, bandwidth: f64) -> f64 {
     2.0 * PI * (density * bandwidth.powi(3) / 3.0).sqrt()
 }
 
-/// The widest bandwidth whose error is within the tolerance of the least error. The error is the mean of [`relative_errors`]
-/// over the moving joints.
+/// Returns the largest bandwidth whose error exceeds the smallest error by at most the tolerance. The error is the mean of
+/// [`relative_errors`] over the moving joints, and the error of a joint counts at most 1.
 ///
-/// The error of a joint counts at most 1. Returns `None` if no joint moves.
+/// The result is `None` if no joint moves.
 pub(super) fn from_positions(joints: &[&PositionQuality], lowest: f64, highest: f64) -> Option<f64> {
     let moving: Vec<_> = joints.iter().filter(|q| q.moves).collect();
     let mean = |f: &f64| {

@@ -1,18 +1,19 @@
-//! One measured signal, reduced to its informative samples: repeats, spikes and missing values are left out.
+//! One measured signal, reduced to its informative samples. Repeated values, spikes and missing values are left out.
 
 use super::super::methods::differentiation::quantization_noise;
 use super::super::numeric::statistics::{median, quantile};
 use super::levels;
 
-/// The samples of a signal that carry information, at their own times.
+/// Samples of a signal that contain information, with their times.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Channel {
-    /// Times [s], increasing.
+    /// Times in s, increasing.
     pub times: Vec<f64>,
     /// Values at these times.
     pub values: Vec<f64>,
-    /// Mean number of log samples for each new value, counted between large changes of the signal; 1 if each sample has a
-    /// new value or if too few changes are large. Repeats are left out if this number is above 1.2.
+    /// Mean number of log samples for each new value. It is counted between large changes of the signal, and is 1 if each
+    /// sample has a new value or if there are too few large changes. Repeated values are left out if this number is above
+    /// 1.2.
     pub hold: f64,
     /// Smallest change between two samples. It is the resolution if the signal is quantized.
     pub resolution: f64,
@@ -20,11 +21,11 @@ pub(super) struct Channel {
     pub spikes: Vec<usize>,
 }
 
-/// Decades of magnitudes that are distinguished, from 1e-9 on.
+/// Number of decades of magnitudes that are distinguished, from 1e-9 on.
 const DECADES: usize = 19;
 
 impl Channel {
-    /// Informative samples of a signal. Spikes are left out of positions only.
+    /// Creates the informative samples of a signal. Spikes are removed only from positions.
     pub(crate) fn new(times: &[f64], signal: &[f64], is_position: bool) -> Self {
         let mut rows: Vec<usize> = (0..signal.len()).filter(|i| signal[*i].is_finite()).collect();
         let mut values: Vec<f64> = rows.iter().map(|i| signal[*i]).collect();
@@ -43,22 +44,22 @@ impl Channel {
         Self { times, values, hold, resolution, spikes: spike_rows }
     }
 
-    /// Median time between informative samples [s]; 0 if there are fewer than two.
+    /// Returns the median time between informative samples in s; 0 if there are fewer than two.
     pub(crate) fn step(&self) -> f64 {
         median_step(&self.times)
     }
 
-    /// Standard deviation of the noise, or of the rounding error if this is larger. The noise is estimated by the median
-    /// error of cubics through the four neighbours of a sample. The variance of this error is 35/18 times that of white
-    /// noise.
+    /// Returns the standard deviation of the noise, or of the rounding error if this is larger. The noise follows from the
+    /// median error of cubics through the four neighbours of a sample. The variance of this error is 35/18 times the
+    /// variance of white noise.
     pub(crate) fn noise(&self) -> f64 {
         let errors = self.values.windows(5).map(|w| cubic_error(w).abs());
         let noise = median(errors).unwrap_or(0.0) / (0.674_489_75 * (35.0_f64 / 18.0).sqrt());
         noise.max(quantization_noise(self.resolution))
     }
 
-    /// Number of changes of the value per second while the signal moves [1/s]. The rounding error is white up to about this
-    /// frequency.
+    /// Returns the number of changes of the value per second while the signal moves. Up to about this frequency, the
+    /// rounding error is white.
     pub(crate) fn change_rate(&self) -> f64 {
         let moving = self.values.windows(2).filter(|w| w[0] != w[1]).count();
         let windows =
@@ -72,14 +73,14 @@ impl Channel {
     }
 }
 
-/// Index of the sample nearest to a time.
+/// Returns the index of the sample that is nearest to a time.
 pub(super) fn nearest(times: &[f64], time: f64) -> usize {
     let after = times.partition_point(|t| *t < time).min(times.len().saturating_sub(1));
     let before = after.saturating_sub(1);
     if time - times[before] < times[after] - time { before } else { after }
 }
 
-/// Median of the steps of increasing times; 0 if there are fewer than two times.
+/// Returns the median of the steps of increasing times; 0 if there are fewer than two times.
 pub(super) fn median_step(times: &[f64]) -> f64 {
     let mut steps: Vec<f64> = times.windows(2).map(|t| t[1] - t[0]).collect();
     if steps.is_empty() {
@@ -89,11 +90,11 @@ pub(super) fn median_step(times: &[f64]) -> f64 {
     quantile(&steps, 0.5)
 }
 
-/// Samples that neither the cubic through their neighbours nor the median of five samples explains.
+/// Returns samples that neither the cubic through their neighbours nor the median of five samples explains.
 ///
 /// The cubic alone would also reject the neighbours of a spike. The median alone would reject the turning points of a
-/// motion. A spike exceeds thirty times the noise, which is the rms of the cubic's error without the largest 2 % of the
-/// errors. Samples next to a gap are not tested, because the cubic takes them for equally distant.
+/// motion. The error of a spike exceeds thirty times the noise, which is the rms error of the cubics without the largest 2
+/// % of the errors. Samples next to a gap are not tested, because the cubic assumes equal time steps.
 fn spikes(times: &[f64], values: &[f64]) -> Vec<usize> {
     let errors: Vec<f64> = values.windows(5).map(|w| cubic_error(w).abs()).collect();
     let mut sorted = errors.clone();
@@ -109,7 +110,7 @@ fn spikes(times: &[f64], values: &[f64]) -> Vec<usize> {
     windows.filter(|(i, (w, e))| stands_out(*i, w, **e)).map(|(i, _)| i + 2).collect()
 }
 
-/// Error at the middle one of five samples of the cubic through its four neighbours.
+/// Returns the error of the cubic through four samples at the sample between them.
 fn cubic_error(w: &[f64]) -> f64 {
     w[2] - (4.0 * (w[1] + w[3]) - w[0] - w[4]) / 6.0
 }
@@ -120,17 +121,17 @@ fn from_median(window: &[f64]) -> f64 {
     (window[2] - sorted[2]).abs()
 }
 
-/// The smallest difference of neighbouring samples that is not zero; 0 for a constant.
+/// Returns the smallest non-zero difference of neighbouring samples; 0 for a constant signal.
 fn smallest_change(values: &[f64]) -> f64 {
     let changes = values.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > 0.0);
     let smallest = changes.fold(f64::INFINITY, f64::min);
     if smallest.is_finite() { smallest } else { 0.0 }
 }
 
-/// Samples per new value, counted between changes by at least four times the resolution.
+/// Returns the number of samples for each new value, counted between changes of at least four times the resolution.
 ///
-/// The repeats of a coarse signal that moves slowly are measurements. If the changes span several steps of the resolution, a
-/// repeat only shows that the driver had no new value.
+/// If a coarse signal moves slowly, its repeated values are measurements. If the signal changes by several steps of the
+/// resolution, a repeated value only shows that the driver had no new value.
 fn hold(values: &[f64]) -> f64 {
     let resolutions = resolutions(values);
     let changes: Vec<usize> = (1..values.len()).filter(|i| values[*i] != values[i - 1]).collect();
@@ -150,7 +151,7 @@ fn hold(values: &[f64]) -> f64 {
     if enough { samples / lengths.len() as f64 } else { 1.0 }
 }
 
-/// The smallest change in each decade of magnitudes, because a log with a fixed number of digits is coarser at larger
+/// Returns the smallest change in each decade of magnitudes. A log with a fixed number of digits is coarser at larger
 /// values.
 fn resolutions(values: &[f64]) -> [f64; DECADES] {
     let mut smallest = [f64::INFINITY; DECADES];
@@ -165,8 +166,8 @@ fn decade(value: f64) -> usize {
     (value.abs().log10() + 9.0).clamp(0.0, (DECADES - 1) as f64) as usize
 }
 
-/// Indices of the samples with a changed value. Without a change for `1.5 hold` samples (the signal rests) one more sample
-/// is kept.
+/// Returns the indices of samples with a changed value. If the value does not change for `1.5 hold` samples because the
+/// signal rests, one more sample is kept.
 fn updates(values: &[f64], hold: f64) -> Vec<usize> {
     let mut kept: Vec<usize> = Vec::new();
     for i in 0..values.len() {
@@ -203,7 +204,7 @@ mod tests {
         assert!((channel.resolution - 6e-3).abs() < 1e-9);
     }
 
-    /// Efforts that a slower bus hands on: each of them stands in 25 rows.
+    /// Efforts that a slower bus transmits: each value is in 25 rows.
     #[test]
     fn long_holds_are_dropped() {
         let (times, fine) = wave(5000, 4e-3);
@@ -214,7 +215,7 @@ mod tests {
 
     #[test]
     fn a_fixed_number_of_digits_is_no_hold() {
-        // Five significant digits: 1e-5 below one and 1e-4 above it.
+        // Five significant digits are 1e-5 below one and 1e-4 above it.
         let (times, fine) = wave(4000, 1e-3);
         let digits = |y: &f64| format!("{:.4e}", 0.1 * y + 1.0).parse::<f64>().unwrap();
         let signal: Vec<f64> = fine.iter().map(digits).collect();

@@ -1,4 +1,4 @@
-//! Checks of runs and settings before anything is computed.
+//! Checks of runs and settings before the preparation.
 
 use super::super::error::{Result, at, require_finite, require_length, require_samples, require_setting};
 use super::super::robot::Robot;
@@ -6,16 +6,16 @@ use super::super::run::{Effort, FEWEST_SAMPLES, Run};
 use super::settings::PreparationSettings;
 use gelenk_findings::{Finding, Rule};
 
-/// Sees: an effort without values in more than half of the rows, or with the same value in all of them.
-/// Matters: its joint keeps its description.
+/// Sees: an effort that has no values in more than half of the rows, or the same value in all rows.
+/// Matters: the effort is not used, and the joint stays as described.
 /// Example: a column of zeros.
 /// Fixture: `dead` in `codegen/tests/findings/arm.rs`.
 const UNUSABLE_EFFORT: Rule = Rule::warning("unusable-effort");
 
-/// The reason for which an effort cannot be used; `None` if it can be used.
+/// Returns the reason why an effort cannot be used; `None` if it can be used.
 ///
 /// - `m`: index of the effort
-/// - `exact`: the effort is a force that is known without a sensor. It is zero if nothing acts.
+/// - `exact`: whether the effort is a force that is known without a sensor. Such a force is zero if nothing acts.
 pub(super) fn effort_fault(runs: &[Run], m: usize, exact: bool) -> Option<Finding> {
     let fault = |message| UNUSABLE_EFFORT.found(message).help("name other columns with --columns 'torque=…'");
     let values = || runs.iter().flat_map(|r| r.efforts[m].iter().zip(&r.rows));
@@ -23,14 +23,16 @@ pub(super) fn effort_fault(runs: &[Run], m: usize, exact: bool) -> Option<Findin
     let row = runs.first().and_then(|r| r.rows.first()).copied().unwrap_or(0);
     if 2 * finite < values().count() {
         let first = values().find(|(u, _)| !u.is_finite()).map_or(row, |(_, row)| *row);
-        return Some(fault(format!("more than half of its efforts are missing, the first in row {first}")));
+        return Some(fault(format!(
+            "more than half of its efforts are missing; the first missing one is in row {first}"
+        )));
     }
     let mut all = values().filter(|(u, _)| u.is_finite()).map(|(u, _)| *u);
     let first = all.next().filter(|_| !exact)?;
     all.all(|u| u == first).then(|| fault(format!("its effort is {first} in every row from row {row} on")))
 }
 
-/// Checks that shapes agree, that times increase, and that settings are in their ranges.
+/// Checks that the lengths of columns agree, that times increase, and that settings are within their ranges.
 pub(super) fn check(runs: &[Run], robot: Option<&dyn Robot>, settings: &PreparationSettings) -> Result<()> {
     require_samples("the list of runs", 1, runs.len())?;
     let settings_delay = settings.delay;

@@ -1,5 +1,5 @@
-//! The order of the preparation: channels, noise, bandwidth by the positions, delay, and then the bandwidth that the efforts
-//! confirm.
+//! Sequence of the preparation: channels, noise, bandwidth from the positions, delay, and finally the bandwidth that the
+//! efforts confirm.
 
 use super::super::error::{IdentificationError, Result};
 use super::super::methods::filter::{Band, Filter};
@@ -21,7 +21,7 @@ use super::signals::{Signals, Smoothed, Smoothing, smooth};
 use super::spectrum::Spectrum;
 use gelenk_findings::Finding;
 
-/// Runs as signals, with the properties that are known before a bandwidth is chosen.
+/// Runs as signals, with the properties that are known before the choice of a bandwidth.
 pub(super) struct Recorded<'a> {
     pub(super) signals: Vec<Signals>,
     pub(super) robot: Option<&'a dyn Robot>,
@@ -31,10 +31,10 @@ pub(super) struct Recorded<'a> {
     pub(super) step: f64,
 }
 
-/// Does the work of [`super::prepare_all`].
+/// Implements [`super::prepare_all`].
 ///
 /// - `known`: filter of the identification, if these runs are prepared for a validation. The low-pass filter of its efforts
-///   is taken instead of searching for one.
+///   is used, and no other one is searched.
 pub(super) fn prepare_all(
     runs: &[Run],
     robot: Option<&dyn Robot>,
@@ -96,7 +96,7 @@ impl<'a> Recorded<'a> {
         self.signals[0].efforts.len()
     }
 
-    /// Pieces of a run between its gaps. A lower `bandwidth` [Hz] allows longer pauses within a piece.
+    /// Returns the pieces of a run between its gaps. A lower `bandwidth` (in Hz) allows longer pauses within a piece.
     pub(super) fn pieces(&self, signals: &Signals, bandwidth: f64) -> Vec<Piece> {
         let by_itself =
             (levels::SHORT_PAUSE.get() * signals.step).max(levels::SHORT_PERIOD.get() / bandwidth);
@@ -116,7 +116,7 @@ impl<'a> Recorded<'a> {
             }
             let half_rate = 0.5 / channel.step().max(step);
             noise_band = noise_band.min(half_rate);
-            // A rounding error that changes seldom has its power at low frequencies.
+            // If a rounding error changes seldom, its power is at low frequencies.
             let band = half_rate.min(channel.change_rate().max(1e-3));
             rounding = rounding.max(channel.resolution.powi(2) / 12.0 / band);
             let extremes = channel
@@ -130,10 +130,10 @@ impl<'a> Recorded<'a> {
         PositionQuality { spectrum, density, noise, moves: range > 10.0 * noise }
     }
 
-    /// The lowest bandwidth [Hz] with which the cut ends leave enough of the pieces. If rests are known, only the motion of
-    /// each joint counts.
+    /// Returns the lowest bandwidth in Hz for which enough of the pieces remains after their ends are cut off. If rests are
+    /// known, only the motion of each joint counts.
     ///
-    /// - `split`: bandwidth by which runs are split into pieces [Hz]
+    /// - `split`: bandwidth in Hz that decides how runs are split into pieces
     pub(super) fn lowest(&self, split: f64) -> f64 {
         let motion = |s: &Signals| -> Vec<f64> {
             self.pieces(s, split)
@@ -151,7 +151,7 @@ impl<'a> Recorded<'a> {
         bandwidth
     }
 
-    /// The highest bandwidth [Hz] that the sample rate of the slowest channel allows.
+    /// Returns the highest bandwidth in Hz that the sample rate of the slowest channel allows.
     pub(super) fn highest(&self) -> f64 {
         let slowest = |channels: fn(&Signals) -> &Vec<Channel>| {
             self.signals.iter().flat_map(channels).map(Channel::step).fold(self.step, f64::max)
@@ -160,7 +160,7 @@ impl<'a> Recorded<'a> {
         (levels::HIGHEST_BANDWIDTH.get() / positions).min(0.5 / efforts)
     }
 
-    /// The bandwidth of the settings, or the one that the positions alone ask for [Hz].
+    /// Returns the bandwidth of the settings, or else the bandwidth that follows from the positions alone, in Hz.
     fn widest(&self) -> Result<f64> {
         if let Some(given) = self.settings.bandwidth {
             Filter::new(given, self.output_step(given))?;
@@ -170,13 +170,13 @@ impl<'a> Recorded<'a> {
         let (lowest, highest) = (self.lowest(levels::USUAL_BANDWIDTH.get()), self.highest());
         from_positions(&joints, lowest.min(highest), highest).ok_or_else(|| {
             let samples = self.signals.iter().map(|s| s.times.len()).sum();
-            let what = "each joint's position (its noise aside)".to_string();
+            let what = "each joint's position (apart from its noise)".to_string();
             IdentificationError::Constant { what, value: self.signals[0].positions[0].values[0], samples }
         })
     }
 
-    /// Finds the rests of the joints, by speeds that pass a filter of `bandwidth` [Hz]. Joints with a quaternion have no
-    /// rests.
+    /// Finds the rests of the joints from speeds that passed a filter of `bandwidth` in Hz. Joints with a quaternion have
+    /// no rests.
     fn find_rests(&mut self, bandwidth: f64) -> Result<()> {
         let how = self.smoothing(bandwidth, None, vec![0.0; self.efforts()]);
         let mut pieces = Vec::new();
@@ -209,7 +209,7 @@ impl<'a> Recorded<'a> {
     }
 
     pub(super) fn smoothing(&self, bandwidth: f64, band: Option<Band>, delays: Vec<f64>) -> Smoothing {
-        // An octave above the low-pass filter of the efforts little of them is left.
+        // One octave above the low-pass filter of the efforts, little of the efforts remains.
         let bandwidth = band.map_or(bandwidth, |band| bandwidth.min(2.0 * band.frequency));
         Smoothing {
             bandwidth,
@@ -222,9 +222,9 @@ impl<'a> Recorded<'a> {
         }
     }
 
-    /// All pieces, smoothed.
+    /// Smooths all pieces.
     ///
-    /// - `split`: bandwidth by which runs are split into pieces [Hz]
+    /// - `split`: bandwidth in Hz that decides how runs are split into pieces
     pub(super) fn smooth(&self, how: &Smoothing, split: f64) -> Result<Vec<Smoothed>> {
         let mut all = Vec::new();
         for signals in &self.signals {
@@ -235,7 +235,7 @@ impl<'a> Recorded<'a> {
         Ok(all)
     }
 
-    /// Columns of the regression that explains the efforts of `runs`.
+    /// Returns the columns of the regression that explains the efforts of `runs`.
     pub(super) fn columns(
         &self,
         robot: &'a dyn Robot,
@@ -256,8 +256,8 @@ impl<'a> Recorded<'a> {
     }
 }
 
-/// Delay that is removed from each effort: the given one, or a found one that is too large for the linear step of the common
-/// estimate.
+/// Returns the delay that is removed from each effort. It is the given delay, or an estimated one that is too large for the
+/// linear correction in the common estimate.
 fn removed(settings: &PreparationSettings, found: &Option<Delays>, efforts: usize) -> Vec<Delay> {
     let none =
         Delay { removed: settings.delay.unwrap_or(0.0), estimated: f64::NAN, error: f64::NAN, own: false };

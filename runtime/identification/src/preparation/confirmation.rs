@@ -1,4 +1,4 @@
-//! The bandwidth that the efforts confirm.
+//! Choice of the bandwidth from the efforts.
 
 use super::super::error::Result;
 use super::super::robot::Robot;
@@ -13,12 +13,13 @@ use super::together::{Efforts, together};
 use nalgebra::DVector;
 
 impl<'a> Recorded<'a> {
-    /// The widest bandwidth, up to `widest` [Hz], at which the motion explains the efforts about as well as at the best one.
+    /// Returns the largest bandwidth, up to `widest` in Hz, at which the motion explains the efforts about as well as at
+    /// the best bandwidth.
     ///
-    /// A motion above the noise of the positions need not be a motion of a rigid robot, because gears and links vibrate. One
-    /// set of parameters has to explain all efforts, because separate parameters for each effort would explain its vibration
-    /// too. The efforts are compared as they were measured, so that the scores of the bandwidths are comparable. Among
-    /// equally good bandwidths the widest one rounds the steps of friction least.
+    /// A motion above the noise of the positions need not be a motion of the rigid robot, because gears and links vibrate.
+    /// One set of parameters must explain all efforts. With separate parameters for each effort, the vibration would be
+    /// explained, too. The motion is compared with the unfiltered efforts, so that the scores of different bandwidths are
+    /// comparable. Of equally good bandwidths, the largest one smooths the steps of friction least.
     pub(super) fn confirmed(&self, robot: &'a dyn Robot, widest: f64, delays: &[Delay]) -> Result<f64> {
         let tried = candidates(self.lowest(widest).min(widest), widest, 2.0);
         let cut = self.settings.cut.unwrap_or(1.0 / tried[0]);
@@ -38,8 +39,8 @@ impl<'a> Recorded<'a> {
         Ok(chosen.map_or(widest, |(bandwidth, _)| *bandwidth))
     }
 
-    /// Mean over the efforts of the logarithm of 1 − R². One set of parameters is fitted to the filtered efforts by least
-    /// squares. The residuals are those of the measured efforts.
+    /// Returns the mean of ln(1 − R²) over the efforts. One set of parameters is fitted to the filtered efforts by least
+    /// squares. The residuals are those of the unfiltered efforts.
     fn unexplained(&self, robot: &'a dyn Robot, how: &Smoothing, split: f64) -> Result<f64> {
         let smoothed = self.smooth(how, split)?;
         let runs: Vec<&PreparedRun> = smoothed.iter().map(|s| &s.run).collect();

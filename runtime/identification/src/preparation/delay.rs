@@ -1,4 +1,4 @@
-//! The delay between efforts and positions, found by the best explanation of the efforts by the motion.
+//! Estimation of the delay between efforts and positions: the delay at which the motion explains the efforts best.
 
 use super::super::numeric::shifted::shifted;
 use super::super::run::PreparedRun;
@@ -6,48 +6,47 @@ use super::levels;
 use super::regression::{Columns, Problem, Sample, problems, spread};
 use nalgebra::{DMatrix, DVector};
 
-/// A delay of an effort and its uncertainty.
+/// Delay of an effort, with its uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct DelayEstimate {
-    /// Time by which the effort is later than the positions [s].
+    /// Delay of the effort relative to the positions in s. It is positive if the effort is late.
     pub value: f64,
-    /// Standard error [s]; infinite if the effort does not show a delay.
+    /// Standard error in s; infinite if the effort does not show a delay.
     pub error: f64,
-    /// Decrease of ln RSS (residual sum of squares) on held-out folds if the effort has this delay instead of the common
-    /// one; zero if the decrease is within two standard errors, or if the delay does not differ significantly from the
-    /// common one.
+    /// Decrease of ln RSS (residual sum of squares) on held-out folds if the effort has its own delay instead of the common
+    /// one. The value is zero if the decrease is within two standard errors, or if both delays do not differ significantly.
     pub drop: f64,
 }
 
 impl DelayEstimate {
     const UNKNOWN: Self = Self { value: f64::NAN, error: f64::INFINITY, drop: 0.0 };
 
-    /// The delay, if it is certainly too large for the linear step of the common estimate; otherwise zero, and the common
-    /// estimate finds it.
+    /// Returns the delay if it is certainly too large for the linear correction in the common estimate; otherwise zero,
+    /// because the common estimate finds the delay.
     pub(super) fn if_far(&self) -> f64 {
         if self.value.abs() - 2.0 * self.error > levels::FAR.get() { self.value } else { 0.0 }
     }
 }
 
-/// Delay of each effort, and the common delay of all efforts.
+/// Delay of each effort, and common delay of all efforts.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Delays {
-    /// Delay that is best for all efforts together.
+    /// Delay that fits best for all efforts together.
     pub common: DelayEstimate,
-    /// Delay of each effort alone.
+    /// Best delay of each effort.
     pub own: Vec<DelayEstimate>,
 }
 
-/// Distance from an end of the searched range within which a delay counts as that end [s].
+/// Distance in s from an end of the searched range within which a delay counts as lying at that end.
 const AT_END: f64 = 1e-4;
 
-/// Finds the delay with the least residual sum of squares, of each effort and of all efforts together; `None` if there are
-/// too few samples or if at most half of the efforts show a delay.
+/// Finds the delays with the smallest residual sum of squares: one for each effort, and one for all efforts together. The
+/// result is `None` if there are too few samples, or if at most half of the efforts show a delay.
 ///
-/// `runs` have smoothed efforts without a removed delay. The standard error is that of a one-step estimator with scores that
-/// are summed over blocks (the sandwich form; Newey and West 1987 with blocks).
+/// `runs` have smoothed efforts without a removed delay. The standard error is that of a one-step estimator whose scores
+/// are summed over blocks (sandwich form; Newey and West 1987 with blocks).
 ///
-/// - `step`: time between samples [s]
+/// - `step`: time between samples in s
 pub(super) fn estimate(columns: &Columns, runs: &[&PreparedRun], step: f64) -> Option<Delays> {
     let margin = (levels::DELAYS.get()[1] / step).ceil() as usize + 2;
     let samples = spread(runs, levels::DELAY_SAMPLES.get(), margin);
@@ -63,7 +62,8 @@ pub(super) fn estimate(columns: &Columns, runs: &[&PreparedRun], step: f64) -> O
     let search = if early { Search { range: levels::DELAYS.get(), ..usual } } else { usual };
     let mut own: Vec<DelayEstimate> = all.iter().map(|m| search.own(*m)).collect();
     let known: Vec<usize> = all.into_iter().filter(|m| own[*m].error.is_finite()).collect();
-    // More than half of the efforts have to show a delay, because the delay of a single effort may be the model's error.
+    // More than half of the efforts must show a delay, because an error of the model can imitate the delay of a single
+    // effort.
     if 2 * known.len() <= own.len() {
         return None;
     }
@@ -80,15 +80,16 @@ pub(super) fn estimate(columns: &Columns, runs: &[&PreparedRun], step: f64) -> O
     Some(Delays { common: DelayEstimate { value, error, drop: 0.0 }, own })
 }
 
-/// Rms distance of the delays of the other efforts from the common delay [s]. It is the expected distance of this effort's
-/// delay.
+/// Returns the rms difference between the delays of the other efforts and the common delay, in s. It is the expected
+/// difference of this effort's delay.
 fn spread_of_others(own: &[DelayEstimate], known: &[usize], effort: usize, common: f64) -> f64 {
     let others = known.iter().filter(|m| **m != effort).map(|m| (own[*m].value - common).powi(2));
     let count = (known.len() - 1).max(1) as f64;
     (others.sum::<f64>() / count).sqrt().max(levels::DELAY_SPREAD.get())
 }
 
-/// Standard error of the common delay [s], larger if the delays of the efforts disagree (Birge 1932).
+/// Returns the standard error of the common delay in s. The error is larger if the delays of the efforts disagree (Birge
+/// 1932).
 fn common_error(own: &[DelayEstimate], common: f64) -> f64 {
     let information: f64 = own.iter().map(|e| e.error.powi(-2)).sum();
     let disagreement: f64 = own.iter().map(|e| ((e.value - common) / e.error).powi(2)).sum();
@@ -101,12 +102,12 @@ struct Search<'a> {
     samples: &'a [Sample],
     problems: &'a [Option<Problem>],
     step: f64,
-    /// Range of delays that is searched [s].
+    /// Range of the search in s.
     range: [f64; 2],
 }
 
 impl Search<'_> {
-    /// Effort `m` at the times of the samples plus `delay` [s], and its time derivative.
+    /// Returns effort `m` at the times of the samples plus `delay` (in s), and its time derivative.
     fn effort(&self, m: usize, delay: f64) -> (DVector<f64>, DVector<f64>) {
         let at = |(r, i): &Sample| shifted(&self.runs[*r].efforts[m], *i as f64 + delay / self.step);
         let values: Vec<(f64, f64)> = self.samples.iter().map(at).collect();
@@ -115,7 +116,7 @@ impl Search<'_> {
         (part(&|p| p.0), part(&|p| p.1 / self.step))
     }
 
-    /// ln RSS at each of the `delays`, summed over the efforts `of`.
+    /// Returns ln RSS at each of the `delays`, summed over the efforts `of`.
     fn misfits(&self, of: &[usize], delays: &[f64]) -> Vec<f64> {
         let mut sums = vec![0.0; delays.len()];
         for m in of {
@@ -129,7 +130,8 @@ impl Search<'_> {
         sums
     }
 
-    /// Decrease of ln RSS of an effort between two delays, on held-out folds; zero if it is within two standard errors.
+    /// Returns the decrease of ln RSS of an effort between two delays, on held-out folds; zero if it is within two standard
+    /// errors.
     fn held_out_drop(&self, m: usize, from: f64, to: f64) -> f64 {
         let Some(problem) = &self.problems[m] else { return 0.0 };
         let targets = [from, to].map(|delay| self.effort(m, delay).0);
@@ -159,7 +161,8 @@ impl Search<'_> {
         if known { DelayEstimate { value, error, drop: 0.0 } } else { DelayEstimate::UNKNOWN }
     }
 
-    /// The delay with the least misfit: the best of a grid of 4 ms, then of 0.5 ms, then by a parabola [s].
+    /// Returns the delay in s with the smallest misfit. The search uses a grid of 4 ms, then a grid of 0.5 ms, and finally
+    /// a parabola.
     fn least(&self, of: &[usize]) -> f64 {
         let best = |grid: &[f64]| {
             let misfits = self.misfits(of, grid);

@@ -1,30 +1,30 @@
-//! Interpolation of samples at their own times to an even grid, for each piece between gaps.
+//! Interpolation of samples to a grid of equal time steps, for each piece between gaps.
 
 use super::channel::Channel;
 
-/// A stretch of time in which no channel has a gap.
+/// Time interval in which no channel has a gap.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Piece {
-    /// First time [s].
+    /// First time in s.
     pub start: f64,
-    /// Last time [s].
+    /// Last time in s.
     pub end: f64,
 }
 
 impl Piece {
-    /// Length [s].
+    /// Returns the duration in s.
     pub(crate) fn duration(&self) -> f64 {
         self.end - self.start
     }
 
-    /// Times with equal steps, from the start on.
+    /// Returns times with equal steps, beginning with the start.
     pub(crate) fn grid(&self, step: f64) -> Vec<f64> {
         let count = (self.duration() / step * (1.0 + 1e-12)).floor().max(0.0) as usize;
         (0..=count).map(|i| self.start + step * i as f64).collect()
     }
 }
 
-/// Stretches in which all channels have samples and no channel pauses for longer than `largest_step` [s].
+/// Returns the intervals in which all channels have samples and no channel has a pause longer than `largest_step` (in s).
 pub(super) fn pieces(channels: &[&Channel], largest_step: f64) -> Vec<Piece> {
     let first = |c: &&Channel| c.times.first().copied().unwrap_or(f64::INFINITY);
     let last = |c: &&Channel| c.times.last().copied().unwrap_or(f64::NEG_INFINITY);
@@ -32,7 +32,7 @@ pub(super) fn pieces(channels: &[&Channel], largest_step: f64) -> Vec<Piece> {
     let end = channels.iter().map(last).fold(f64::INFINITY, f64::min);
     let mut gaps: Vec<(f64, f64)> = Vec::new();
     for channel in channels {
-        // A channel with a larger hold has longer steps without a gap.
+        // A channel with long holds has longer time steps, which are not gaps.
         let allowed = largest_step.max(2.5 * channel.step());
         gaps.extend(channel.times.windows(2).filter(|t| t[1] - t[0] > allowed).map(|t| (t[0], t[1])));
     }
@@ -47,10 +47,10 @@ pub(super) fn pieces(channels: &[&Channel], largest_step: f64) -> Vec<Piece> {
     pieces
 }
 
-/// Values of a channel at the increasing times `grid`, by the cubic through two samples on either side.
+/// Returns the values of a channel at the increasing times `grid`, from cubics through two samples on each side.
 ///
 /// Samples that are much closer to each other than the usual step are averaged first, because a cubic through them would
-/// magnify their noise.
+/// amplify their noise.
 pub(super) fn interpolate(channel: &Channel, grid: &[f64]) -> Vec<f64> {
     let (times, values) = merged(channel);
     let mut right = 0;
@@ -63,7 +63,7 @@ pub(super) fn interpolate(channel: &Channel, grid: &[f64]) -> Vec<f64> {
     grid.iter().map(&mut value).collect()
 }
 
-/// Times and values in which samples closer than 0.3 usual steps are replaced by their mean.
+/// Returns times and values in which samples that are closer than 0.3 usual steps are replaced by their mean.
 fn merged(channel: &Channel) -> (Vec<f64>, Vec<f64>) {
     let near = 0.3 * channel.step();
     let (mut times, mut values): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
@@ -85,7 +85,7 @@ fn merged(channel: &Channel) -> (Vec<f64>, Vec<f64>) {
     (times, values)
 }
 
-/// Lagrange's cubic at `t` between the samples `right − 1` and `right`. It is linear or constant at the ends.
+/// Returns Lagrange's cubic at `t` between the samples `right − 1` and `right`. At the ends it is linear or constant.
 fn cubic(times: &[f64], values: &[f64], right: usize, t: f64) -> f64 {
     let Some(last) = times.len().checked_sub(1) else { return f64::NAN };
     if right == 0 || right > last {

@@ -1,12 +1,12 @@
-//! Preparation of recorded runs for the regression: one even grid, one filter, no delay.
+//! Preparation of recorded runs for the regression: signals at equal time steps, smoothed by one filter, without delays.
 //!
-//! A log has jitter, repeats, gaps, coarse encoders and late efforts. Here each signal is reduced to its informative samples
-//! and put onto an even grid by cubic interpolation. It then passes one linear zero-phase filter ([`Filter`]), whose
-//! derivatives give ẏ and ÿ. Efforts pass the same filter.
+//! A log has jitter, repeated values, gaps, coarse encoders and late efforts. Here each signal is reduced to its
+//! informative samples, which are interpolated by cubics at equal time steps. All signals then pass the same linear
+//! zero-phase filter ([`Filter`]). The derivatives of the filter give the velocities ẏ and the accelerations ÿ.
 //!
-//! The bandwidth of the filter is a compromise. It keeps the motion that the positions show above their noise, and it is
-//! lower if one set of parameters then explains all efforts better. The delay of the efforts is the one at which the motion
-//! explains them best.
+//! The bandwidth of the filter is a compromise. The filter keeps the motion that the positions show above their noise.
+//! However, the bandwidth is lower if one set of parameters then explains all efforts better. The delay of the efforts is
+//! the delay at which the motion explains the efforts best.
 
 mod band;
 mod bandwidth;
@@ -38,21 +38,21 @@ use super::error::Result;
 use super::robot::Robot;
 use super::run::{PreparedRun, Run};
 
-/// Prepares the runs of one robot with one filter and one set of delays. Gaps split runs.
+/// Prepares the runs of one robot with one filter and one set of delays. Runs are split at gaps.
 ///
-/// - `robot`: the robot whose regressor is the reference for the choice of delay and bandwidth. Without a robot no delay is
-///   estimated, and the bandwidth is the widest that the noise of the positions allows.
-/// - returns runs with one common time step, in the order of `runs` and of time
+/// - `robot`: robot whose regressor helps to choose delay and bandwidth. Without a robot no delay is estimated, and the
+///   bandwidth is the largest one that the noise of the positions allows.
+/// - returns the prepared runs in the order of `runs` and of time, with one time step, and a report
 ///
 /// # Errors
-/// - [`Empty`](crate::IdentificationError::Empty) without runs
-/// - [`Shape`](crate::IdentificationError::Shape) if lengths differ
-/// - [`File`](crate::IdentificationError::File) if times do not increase
-/// - [`NotFinite`](crate::IdentificationError::NotFinite) if a time is not finite
-/// - [`Setting`](crate::IdentificationError::Setting) if a setting is out of its range
-/// - [`Constant`](crate::IdentificationError::Constant) if no joint moves by more than its noise
-/// - [`TooFewSamples`](crate::IdentificationError::TooFewSamples) if a joint has too few measured positions, or if all runs
-///   are too short for the filter
+/// - [`Empty`](crate::IdentificationError::Empty): there are no runs
+/// - [`Shape`](crate::IdentificationError::Shape): lengths differ
+/// - [`File`](crate::IdentificationError::File): times do not increase
+/// - [`NotFinite`](crate::IdentificationError::NotFinite): a time is not finite
+/// - [`Setting`](crate::IdentificationError::Setting): a setting is out of its range
+/// - [`Constant`](crate::IdentificationError::Constant): no joint moves by more than its noise
+/// - [`TooFewSamples`](crate::IdentificationError::TooFewSamples): a joint has too few measured positions, or all runs are
+///   too short for the filter
 pub fn prepare_all(
     runs: &[Run],
     robot: Option<&dyn Robot>,
@@ -61,7 +61,7 @@ pub fn prepare_all(
     choice::prepare_all(runs, robot, settings, None)
 }
 
-/// Prepares runs with the low-pass filter of the efforts that was found in other runs.
+/// Prepares runs with the low-pass filter of the efforts that was found for other runs.
 ///
 /// - `filter`: filter of the other runs
 ///

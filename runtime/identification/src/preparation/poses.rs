@@ -1,15 +1,16 @@
-//! Smoothed poses of joints with a quaternion.
+//! Smoothing of the poses of joints with a quaternion.
 //!
 //! The path of a joint is the sum of its displacements `y ⊖ y_before` from sample to sample. Paths are smoothed like the
-//! positions of other joints, and the rates of the paths are the velocities. A path does not determine the pose. So a
-//! smoothed pose is the nearest measured pose, moved by the difference of the smoothed and the measured path there. This
-//! difference is at most the noise and the motion in half a period. It is small, so its rotations nearly commute.
+//! positions of other joints, and the time derivatives of the paths are the velocities. A path does not determine the pose.
+//! Therefore a smoothed pose is the nearest measured pose, moved by the difference between the smoothed and the measured
+//! path at this sample. The difference is at most the noise plus the motion in half a period. Because it is small, its
+//! rotations nearly commute.
 
 use super::super::pose::QuaternionJoint;
 use super::super::run::Run;
 use super::channel::{Channel, nearest};
 
-/// The measured poses of a joint and its path, for each sample that is not a spike.
+/// Measured poses and path of a joint, for each sample that is not a spike.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct PoseSignal {
     joint: QuaternionJoint,
@@ -35,7 +36,7 @@ impl PoseSignal {
         }
     }
 
-    /// Writes the poses at `times` into the columns of y. The other columns of y are already filled.
+    /// Writes the poses at `times` to the columns of y. The other columns of y are already filled.
     ///
     /// - `positions`: smoothed positions or paths, one column for each velocity of the robot
     pub(super) fn write(&self, times: &[f64], positions: &[Vec<f64>], y: &mut [Vec<f64>]) {

@@ -1,5 +1,5 @@
-//! Regression of the efforts on a robot's regressor, with friction and an offset for each joint. Delays and bandwidths are
-//! compared by its residuals. Here each effort has its own parameters.
+//! Regression of the efforts on a robot's regressor, with friction and an offset for each joint. Its residuals are used to
+//! compare delays and bandwidths. Each effort has separate parameters here.
 
 use super::super::methods::filter::{Band, Filter};
 use super::super::methods::moments::contiguous_blocks;
@@ -11,37 +11,39 @@ use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 use std::rc::Rc;
 
-/// Ridge on the normal equations for columns of unit length. Parameters that the motion does not determine stay at zero.
+/// Ridge parameter of the normal equations for columns of unit length. Parameters that the motion does not determine stay
+/// zero.
 const RIDGE: f64 = 1e-7;
 
 /// Source of the columns of the regression.
 pub(super) struct Columns<'a> {
     robot: &'a dyn Robot,
-    /// `B⁺`, `M × N`, if efforts are inputs; `None` if they are joint forces.
+    /// Pseudoinverse `B⁺` of the input matrix if efforts are inputs, one row for each input; `None` if efforts are joint
+    /// forces.
     inverse: Option<DMatrix<f64>>,
-    /// Rounded signs `tanh` of the velocities, by run, joint and rounding.
+    /// Smooth signs (`tanh`) of the velocities, by run, joint and width.
     signs: Rc<Vec<Vec<Vec<Vec<f64>>>>>,
-    /// Filter of the signs. It is the filter of the efforts.
+    /// Filter of the signs, which is the filter of the efforts.
     filter: Option<Filter>,
     /// Additional low-pass filter of the motion.
     band: Option<Filter>,
     /// Number of inertial parameters.
     parameters: usize,
-    /// Whether a row is that of a joint with a quaternion. These rows have neither friction nor an offset here.
+    /// Whether a row belongs to a joint with a quaternion. These rows have neither friction nor an offset here.
     exact: Vec<bool>,
-    /// Whether the robot compensates gravity. Its controller's model of the weight is unknown, so inertial forces and weight
-    /// have separate parameters.
+    /// Whether the robot compensates gravity. The weight in the model of its controller is unknown, so inertial forces and
+    /// weight have separate parameters.
     is_compensated: bool,
 }
 
 impl<'a> Columns<'a> {
-    /// Columns for the efforts of `runs`.
+    /// Creates the columns for the efforts of `runs`.
     ///
-    /// - `filter`: filter of the efforts, if it rounded the steps of Coulomb friction. The signs of the velocities then pass
-    ///   this filter, too.
+    /// - `filter`: filter of the efforts, if it smoothed the steps of Coulomb friction. The signs of the velocities then
+    ///   pass this filter, too.
     /// - `is_compensated`: whether the robot compensates gravity
-    /// - `roundings`: shares of the largest speed of a joint within which the sign of its velocity is rounded, one column
-    ///   for each share
+    /// - `roundings`: widths of the smooth sign of a joint's velocity, as shares of the joint's largest speed. Each width
+    ///   gives one column.
     pub(crate) fn new(
         robot: &'a dyn Robot,
         runs: &[&PreparedRun],
@@ -73,7 +75,7 @@ impl<'a> Columns<'a> {
         }
     }
 
-    /// The same columns with an additional low-pass filter of the efforts.
+    /// Returns the same columns with an additional low-pass filter of the efforts.
     pub(crate) fn behind(&self, band: Band) -> Self {
         let filter = self.filter.clone().map(|filter| filter.behind(Some(band)));
         let band = self.filter.as_ref().map(|filter| filter.alone(band));
@@ -87,7 +89,7 @@ impl<'a> Columns<'a> {
         }
     }
 
-    /// Whether a joint on which an effort acts rests.
+    /// Returns whether a joint on which an effort acts rests at a sample.
     fn rests(&self, run: &PreparedRun, effort: usize, sample: usize) -> bool {
         match &self.inverse {
             Some(inverse) => {
@@ -99,7 +101,7 @@ impl<'a> Columns<'a> {
         }
     }
 
-    /// Columns at sample `i` of run `r`, one row for each effort.
+    /// Returns the columns at sample `i` of run `r`, one row for each effort.
     fn at(&self, runs: &[&PreparedRun], (r, i): Sample) -> DMatrix<f64> {
         let run = runs[r];
         let through = |filter: &Option<Filter>, column: &[f64]| match filter {
@@ -126,7 +128,7 @@ impl<'a> Columns<'a> {
         }
     }
 
-    /// Columns of the inertial parameters, one row for each joint.
+    /// Returns the columns of the inertial parameters, one row for each joint.
     fn inertial(&self, y: &[f64], v: &[f64], a: &[f64]) -> DMatrix<f64> {
         let (joints, parameters) = (v.len(), self.parameters);
         let regressor = |v: &[f64], a: &[f64]| {
@@ -153,8 +155,8 @@ fn fastest(runs: &[&PreparedRun], joint: usize) -> f64 {
 /// A sample: index of the run, and index of the sample in the run.
 pub(super) type Sample = (usize, usize);
 
-/// About `count` samples, spread evenly over the samples of all runs at which a joint moves. The samples are at least
-/// `margin` samples away from the ends of a run.
+/// Returns about `count` samples. They are spread evenly over the samples of all runs at which a joint moves, and are at
+/// least `margin` samples away from the ends of a run.
 pub(super) fn spread(runs: &[&PreparedRun], count: usize, margin: usize) -> Vec<Sample> {
     let inner = |r: &PreparedRun| margin..r.times.len().saturating_sub(margin).max(margin);
     let moving = |(k, r): (usize, &&PreparedRun)| {
@@ -165,27 +167,29 @@ pub(super) fn spread(runs: &[&PreparedRun], count: usize, margin: usize) -> Vec<
     all.into_iter().step_by(stride).collect()
 }
 
-/// Regression of one effort over the chosen samples.
+/// Regression of one effort on the chosen samples.
 pub(super) struct Problem {
-    /// Columns × samples, times the inverse of the Cholesky factor of the normal equations. The rows are orthonormal except
-    /// for the ridge. An entry is zero if a joint on which the effort acts rests at the sample.
+    /// Rows of the regression, multiplied by the inverse Cholesky factor of the normal equations. There is one row for each
+    /// column of the regression and one column for each sample. The rows are orthonormal, apart from the effect of the
+    /// ridge. An entry is zero if a joint on which the effort acts rests at the sample.
     basis: DMatrix<f64>,
-    /// Columns × samples. Each column of the regression has unit length.
+    /// Scaled columns of the regression as rows of unit length, one entry for each sample.
     rows: DMatrix<f64>,
-    /// For each sample, 0 if a joint on which the effort acts rests, otherwise 1.
+    /// Factor of each sample: 0 if a joint on which the effort acts rests, otherwise 1.
     moving: DVector<f64>,
 }
 
-/// Equations of one effort over the chosen samples.
+/// Equations of one effort for the chosen samples.
 pub(super) struct Equations {
-    /// Columns × samples; zero at samples at which a joint on which the effort acts rests.
+    /// Columns of the regression as rows, one entry for each sample. The entry is zero if a joint on which the effort acts
+    /// rests.
     pub rows: DMatrix<f64>,
-    /// For each sample, 0 if a joint on which the effort acts rests, otherwise 1.
+    /// Factor of each sample: 0 if a joint on which the effort acts rests, otherwise 1.
     pub moving: DVector<f64>,
 }
 
 impl Equations {
-    /// The equations of each effort.
+    /// Creates the equations of each effort.
     pub(crate) fn of_efforts(columns: &Columns, runs: &[&PreparedRun], samples: &[Sample]) -> Vec<Self> {
         let blocks: Vec<DMatrix<f64>> = samples.iter().map(|sample| columns.at(runs, *sample)).collect();
         let Some(first) = blocks.first() else { return Vec::new() };
@@ -199,7 +203,7 @@ impl Equations {
     }
 }
 
-/// The regression of each effort; `None` if its normal equations have no Cholesky factor.
+/// Returns the regression of each effort; `None` if its normal equations have no Cholesky factor.
 pub(super) fn problems(columns: &Columns, runs: &[&PreparedRun], samples: &[Sample]) -> Vec<Option<Problem>> {
     Equations::of_efforts(columns, runs, samples).into_iter().map(Problem::new).collect()
 }
@@ -218,13 +222,13 @@ impl Problem {
         let used: Vec<usize> = (0..norms.len()).filter(|k| norms[*k] > 1e-9 * largest).collect();
         let rows =
             DMatrix::from_fn(used.len(), columns.ncols(), |k, i| columns[(used[k], i)] / norms[used[k]]);
-        // nalgebra multiplies by a transposed copy in blocks, several times faster than by dot products.
+        // nalgebra multiplies by a transposed copy in blocks, which is several times faster than dot products.
         let gram = ridged(&rows * rows.transpose());
         Some(Self { basis: gram.cholesky()?.l().solve_lower_triangular(&rows)?, rows, moving })
     }
 
-    /// Residual sums of squares of each target on each of `folds` contiguous folds, from a fit to the samples outside the
-    /// fold; `None` if a fold leaves too few samples.
+    /// Returns the residual sum of squares of each target on each of `folds` contiguous folds, for a fit to the samples
+    /// outside the fold; `None` if too few samples remain outside a fold.
     pub(crate) fn held_out(&self, targets: &DMatrix<f64>, folds: usize) -> Option<Vec<Vec<f64>>> {
         let part = |fold: &Range<usize>| self.rows.columns(fold.start, fold.len());
         let of_targets = |fold: &Range<usize>| targets.rows(fold.start, fold.len());
@@ -239,13 +243,13 @@ impl Problem {
         contiguous_blocks(self.moving.len(), folds).map(errors).collect()
     }
 
-    /// Part of `target` that the columns do not explain; zero at samples of rest.
+    /// Returns the part of `target` that the columns do not explain; zero at samples of rest.
     pub(crate) fn residual(&self, target: &DVector<f64>) -> DVector<f64> {
         let explained = self.basis.tr_mul(&(&self.basis * target));
         (target - explained).component_mul(&self.moving)
     }
 
-    /// Residual sum of squares of each column of `targets`.
+    /// Returns the residual sum of squares of each column of `targets`.
     pub(crate) fn misfits(&self, targets: &DMatrix<f64>) -> Vec<f64> {
         let explained = &self.basis * targets;
         let squares = targets.column_iter().zip(explained.column_iter());

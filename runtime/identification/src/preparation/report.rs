@@ -1,4 +1,4 @@
-//! Numbers and findings of the preparation.
+//! Report of the preparation: statistics and findings.
 
 use super::super::error::{IdentificationError, Result};
 use super::super::methods::filter::Band;
@@ -13,26 +13,26 @@ use super::settings::PreparationSettings;
 use super::signals::{Signals, Smoothed, Smoothing, is_too_short};
 use gelenk_findings::{Finding, Rule, Subject};
 
-/// Sees: a run with pauses that are too long to be interpolated, or without any time at which all columns have values.
-/// Matters: the run is cut there, and its pieces lose their ends.
+/// Sees: a run with pauses that are too long for interpolation, or a run without any time at which all columns have values.
+/// Matters: the run is split there, and its pieces lose their ends.
 /// Example: a bag that lost messages for 50 ms.
 /// Fixture: `dropouts` in `codegen/tests/findings/arm.rs`.
 const GAPS: Rule = Rule::note("gaps");
 
 /// Sees: pieces of a run that are shorter than the filter needs.
-/// Matters: they are left out.
+/// Matters: these pieces are not used.
 /// Example: 0.2 s between two gaps, and a filter of 5 Hz.
 /// Fixture: `dropouts` in `codegen/tests/findings/arm.rs`.
 const SHORT_PIECES: Rule = Rule::note("short-pieces");
 
 /// Sees: samples in which a joint rests.
-/// Matters: dry friction takes any value up to the static one there, and the fit leaves these samples out.
+/// Matters: at rest, dry friction can have any value up to the static friction. The fit does not use these samples.
 /// Example: a joint that waits for the others.
 /// Fixture: the tests of `preparation/rest.rs`.
 const RESTS: Rule = Rule::note("rests");
 
 /// Sees: single positions that no motion explains.
-/// Matters: they are left out.
+/// Matters: these positions are not used.
 /// Example: a bit that flips in an encoder.
 /// Fixture: `spikes` in `codegen/tests/findings/arm.rs`.
 const SPIKES: Rule = Rule::note("position-spikes");
@@ -44,19 +44,19 @@ const SPIKES: Rule = Rule::note("position-spikes");
 const NOISY: Rule = Rule::note("noisy-acceleration");
 
 /// Sees: a position or an effort that changes in only a part of the rows.
-/// Matters: repeated values are not measurements. They are left out.
+/// Matters: repeated values are not measurements. They are not used.
 /// Example: efforts at 10 Hz in a log of 250 Hz.
 /// Fixture: `held` in `codegen/tests/findings/arm.rs`.
 const HELD: Rule = Rule::note("held-signal");
 
 /// Sees: efforts that come later or earlier than the positions.
 /// Matters: this delay is removed.
-/// Example: efforts 15 ms late, as a drive averages them.
+/// Example: efforts that are 15 ms late, because a drive averages them.
 /// Fixture: `late` in `codegen/tests/findings/arm.rs`.
 const DELAY: Rule = Rule::note("delay-removed");
 
-/// Sees: efforts that are explained better through a low-pass filter than without one.
-/// Matters: friction at reversals is smoothed. Positions and terms of friction pass the filter too.
+/// Sees: efforts that the motion explains better if a low-pass filter is assumed.
+/// Matters: the filter has smoothed friction at reversals. Positions and terms of friction pass the same filter.
 /// Example: efforts that a script smoothed at 4 Hz.
 /// Fixture: `low_passed` in `codegen/tests/findings/arm.rs`.
 const LOW_PASSED: Rule = Rule::warning("efforts-low-passed");
@@ -64,10 +64,11 @@ const LOW_PASSED: Rule = Rule::warning("efforts-low-passed");
 fn low_passed(band: Band) -> Finding {
     let Band { frequency, order } = band;
     let message = format!(
-        "the efforts look as if they had passed a low-pass filter of {frequency:.3} Hz and order {order}, and the positions did \
-         not: this filter is applied to positions and friction terms"
+        "the efforts seem to have passed a low-pass filter of {frequency:.3} Hz and order {order}, but the positions do \
+         not: the same filter is applied to positions and friction terms"
     );
-    let help = "record efforts without a filter; --bandwidth takes the efforts as they are";
+    let help =
+        "record efforts without a filter; with `--bandwidth`, no low-pass filter of the efforts is assumed";
     LOW_PASSED.found(message).help(help)
 }
 
@@ -77,7 +78,8 @@ impl Recorded<'_> {
         let longest = longest.map(|p| p.duration()).fold(0.0, f64::max);
         IdentificationError::TooFewSamples {
             what: format!(
-                "a filter of {:.3} Hz with {:.3} s cut off at both ends (a larger --bandwidth cuts off less; `PreparationSettings::cut` and `largest_gap` of the library)",
+                "a filter of {:.3} Hz with {:.3} s cut off at both ends (use a larger `--bandwidth`, which cuts off less; \
+                 in the library, set `PreparationSettings::cut` and `largest_gap`)",
                 how.bandwidth, how.cut
             ),
             needed: (2.0 * how.cut / self.step).ceil() as usize + 1,
@@ -96,7 +98,7 @@ impl Recorded<'_> {
         let mut findings = self.of_runs(how);
         findings.extend(joints.iter().filter_map(noisy));
         findings.extend(self.held());
-        // The faults of joints are in their own part of the report.
+        // Findings about efforts of joints are in the report of the joint.
         findings.extend((self.joints()..self.efforts()).filter_map(|effort| self.fault(effort)));
         findings.extend(how.band.map(low_passed));
         findings.extend(delay_findings(&joints, |_| true));
@@ -125,26 +127,26 @@ impl Recorded<'_> {
         }
     }
 
-    /// The reason for which the effort with index `j` cannot be used; `None` if it can be used.
+    /// Returns the reason why the effort with index `j` cannot be used; `None` if it can be used.
     fn fault(&self, j: usize) -> Option<Finding> {
         let fault = self.faults.get(j).cloned().flatten()?;
         let is_of_input = self.signals[0].effort != Effort::Joint;
         (is_of_input || !self.is_unmeasured(j)).then(|| fault.of(self.subject(j)))
     }
 
-    /// The joint or the input to which an effort belongs.
+    /// Returns the joint or the input to which an effort belongs.
     fn subject(&self, effort: usize) -> Subject {
         let robot = self.robot.filter(|_| self.signals[0].effort != Effort::Joint);
         let input = robot.and_then(|robot| robot.input_names().into_iter().nth(effort));
         input.map_or_else(|| Subject::Joint(self.name(effort)), Subject::Input)
     }
 
-    /// Whether the joint is moved from outside. Its unknown force is then not a fault.
+    /// Returns whether the joint is moved from outside. A missing effort of this joint is not a fault.
     fn is_unmeasured(&self, joint: usize) -> bool {
         self.robot.is_some_and(|robot| robot.unmeasured()[joint])
     }
 
-    /// Findings about the gaps, short pieces and spikes of each run.
+    /// Returns findings about the gaps, short pieces and spikes of each run.
     fn of_runs(&self, how: &Smoothing) -> Vec<Finding> {
         self.signals.iter().flat_map(|s| [self.of_pieces(s, how), self.of_positions(s)].concat()).collect()
     }
@@ -153,18 +155,21 @@ impl Recorded<'_> {
         let pieces = self.pieces(signals, how.bandwidth);
         let about = |rule: Rule, message: String| rule.found(message).log(&signals.name, None);
         if pieces.is_empty() {
-            return vec![about(GAPS, "it is left out: at no time do all its columns have values".into())];
+            return vec![about(
+                GAPS,
+                "it is left out, because there is no time at which all its columns have values".into(),
+            )];
         }
         let short: Vec<&Piece> = pieces.iter().filter(|p| is_too_short(signals, p, how)).collect();
         let longest = short.iter().map(|p| p.duration()).fold(0.0, f64::max);
         let short = short.first().map(|first| {
             let (count, row) = (short.len(), signals.row(first.start));
             let message = format!(
-                "{count} pieces of up to {longest:.3} s are left out, the first from row {row} on: the filter cuts off {:.3} s at \
-                 either end",
+                "{count} pieces of up to {longest:.3} s are left out, the first of which begins in row {row}: the filter \
+                 cuts off {:.3} s at each end",
                 how.cut
             );
-            about(SHORT_PIECES, message).help("a larger --bandwidth cuts off less")
+            about(SHORT_PIECES, message).help("use a larger --bandwidth, which cuts off less")
         });
         let pauses: Vec<f64> = pieces.windows(2).map(|pair| pair[1].start - pair[0].end).collect();
         let [least, most] = pauses.iter().fold([f64::INFINITY, 0.0_f64], |[a, b], x| [a.min(*x), b.max(*x)]);
@@ -174,13 +179,16 @@ impl Recorded<'_> {
             let size = if least == most { least } else { format!("{least} to {most}") };
             about(
                 GAPS,
-                format!("it is split by {} gaps of {size} s, the first after row {row}", pauses.len()),
+                format!(
+                    "it is split at {} gaps of {size} s, the first of which is after row {row}",
+                    pauses.len()
+                ),
             )
         });
         gaps.into_iter().chain(short).collect()
     }
 
-    /// Findings about signals that have a new value only in a part of the rows.
+    /// Returns findings about signals that have a new value only in a part of the rows.
     fn held(&self) -> Vec<Finding> {
         let joint = |j: usize| Subject::Joint(self.name(j));
         let positions = (0..self.joints()).map(|j| (joint(j), "position", self.hold(|s| &s.positions[j])));
@@ -188,19 +196,20 @@ impl Recorded<'_> {
         let efforts = efforts.map(|m| (self.subject(m), "effort", self.hold(|s| &s.efforts[m])));
         let held = positions.chain(efforts).filter(|(.., hold)| *hold > 1.2);
         let finding = |(subject, what, hold): (Subject, &str, f64)| {
-            let message =
-                format!("its {what} changes in only one of {hold:.1} rows; the repeated values are left out");
+            let message = format!(
+                "its {what} has a new value only in one of {hold:.1} rows; the repeated values are left out"
+            );
             HELD.found(message).of(subject).with("rows for each value", hold, "")
         };
         held.map(finding).collect()
     }
 
-    /// Log rows for each new value of a channel, the largest number of all runs.
+    /// Returns the mean number of log rows for each new value of a channel, in the run with the largest number.
     fn hold(&self, channel: impl Fn(&Signals) -> &Channel) -> f64 {
         self.signals.iter().map(|signals| channel(signals).hold).fold(1.0, f64::max)
     }
 
-    /// The finding that names the moving joints that rest for a part of the time, with the share of each.
+    /// Returns the finding about the moving joints that rest for a part of the time, with the share of each joint.
     fn of_rests(&self, smoothed: &[Smoothed]) -> Option<Finding> {
         let samples: usize = smoothed.iter().map(|s| s.run.times.len()).sum();
         let share = |joint: usize| {
@@ -214,7 +223,7 @@ impl Recorded<'_> {
             shares.map(|(joint, share)| format!("{} in {share:.0} %", self.name(joint))).collect();
         (!named.is_empty()).then(|| {
             RESTS.found(format!(
-                "at rest dry friction takes any value up to the static one, and efforts do not determine it: the fit \
+                "at rest, dry friction can have any value up to the static friction, and efforts do not determine it: the fit \
                  leaves out the samples in which a joint rests ({})",
                 named.join(", ")
             ))
@@ -225,31 +234,33 @@ impl Recorded<'_> {
         let of = |(j, channel): (usize, &Channel)| {
             let first = channel.spikes.first()?;
             let (count, row) = (channel.spikes.len(), signals.rows[*first]);
-            let message = format!("{count} spikes of its position are left out, the first in row {row}");
+            let message =
+                format!("{count} spikes of its position are left out, the first of which is in row {row}");
             Some(SPIKES.found(message).log(&signals.name, None).joint(self.name(j)))
         };
         signals.positions.iter().enumerate().filter_map(of).collect()
     }
 }
 
-/// The finding about a joint with a noisy acceleration.
+/// Returns the finding about a joint with a noisy acceleration.
 fn noisy(joint: &JointPreparation) -> Option<Finding> {
     (joint.moves && joint.acceleration_noise > 0.1).then(|| {
         let message = format!(
             "{:.0} % of the power of its acceleration is noise: the estimated inertia is too small",
             100.0 * joint.acceleration_noise
         );
-        let remedy = format!("move it faster, or use a smaller --bandwidth (it is {:.3})", joint.bandwidth);
+        let remedy =
+            format!("move the joint faster, or use a smaller `--bandwidth` than {:.3} Hz", joint.bandwidth);
         NOISY.found(message).help(remedy).joint(&joint.name)
     })
 }
 
-/// Findings about removed delays, one for all joints with the same delay.
+/// Returns findings about removed delays. All joints with the same delay share one finding.
 ///
-/// - `is_significant`: whether the delay of the joint with this index differs from zero significantly
+/// - `is_significant`: function that returns whether the delay of the joint with this index differs significantly from zero
 fn delay_findings(joints: &[JointPreparation], is_significant: impl Fn(usize) -> bool) -> Vec<Finding> {
     let mut groups: Vec<(String, f64, Vec<&str>)> = Vec::new();
-    // Findings count tenths of a millisecond.
+    // Findings state delays in tenths of a millisecond.
     let is_found = |(j, joint): &(usize, &JointPreparation)| joint.delay.abs() >= 5e-5 && is_significant(*j);
     for (_, joint) in joints.iter().enumerate().filter(is_found) {
         let seconds = format!("{:.4}", joint.delay);
@@ -268,14 +279,14 @@ fn delay_findings(joints: &[JointPreparation], is_significant: impl Fn(usize) ->
             }
             _ => DELAY.found(format!("the efforts of {of} come {by} the positions; this delay is removed")),
         };
-        let remedy = format!("--delay {seconds} sets this delay, --delay 0 does not shift the efforts");
+        let remedy = format!("`--delay {seconds}` sets this delay; `--delay 0` keeps the efforts unshifted");
         found.with("delay", delay, "s").help(remedy)
     };
     groups.into_iter().map(finding).collect()
 }
 
 impl PreparationReport {
-    /// Settings that prepare other runs in the same way.
+    /// Returns settings that prepare other runs in the same way.
     pub(crate) fn settings_alike(&self, settings: &PreparationSettings) -> PreparationSettings {
         let joint = self.joints.first();
         PreparationSettings {
@@ -288,7 +299,7 @@ impl PreparationReport {
 
     /// Adds the remaining delays that the common estimate found. A delay that is not significant gives no finding.
     ///
-    /// - `left`: remaining delay of each effort and its standard error \[s\]; empty if the delays are known
+    /// - `left`: remaining delay of each effort and its standard error, in s; empty if the delays are known
     pub(crate) fn refine(&mut self, left: &[[f64; 2]]) {
         if left.is_empty() {
             return;

@@ -1,16 +1,16 @@
-//! Time intervals in which a joint rests.
+//! Detection of the time intervals in which a joint rests.
 //!
-//! At rest, dry friction takes any value up to the static one: it balances the difference of the drive force and the
-//! rigid-body force. So the effort of a resting joint contains no information on the friction law over the speed, on the
-//! delay, or on the filter.
+//! At rest, dry friction can have any value up to the static friction: it balances the difference between the drive force
+//! and the rigid-body force. Therefore the effort of a resting joint contains no information on the friction law as a
+//! function of the speed, on the delay, or on the filter.
 
 use super::super::run::PreparedRun;
 use super::levels;
 
-/// First and last time of a rest [s].
+/// First and last time of a rest in s.
 type Stretch = [f64; 2];
 
-/// The rests of one run: for each joint, its rests in the order of time.
+/// Rests of one run: one list for each joint, in the order of time.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Rests {
     joints: Vec<Vec<Stretch>>,
@@ -19,14 +19,14 @@ pub(super) struct Rests {
 /// Largest speed and noise of a joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Speeds {
-    /// Largest speed in all runs [rad/s or m/s]; infinite if the joint moves in no run.
+    /// Largest speed in all runs in rad/s or m/s; infinite if the joint never moves.
     pub largest: f64,
-    /// Standard deviation of the noise of a smoothed speed [rad/s or m/s].
+    /// Standard deviation of the noise of a smoothed speed in rad/s or m/s.
     pub noise: f64,
 }
 
 impl Speeds {
-    /// Speed below which the joint rests [rad/s or m/s].
+    /// Returns the speed in rad/s or m/s below which the joint counts as resting.
     fn limit(&self) -> f64 {
         (levels::SLOW.get() * self.largest)
             .max((levels::SPEED_NOISE.get() * self.noise).min(levels::MOST_NOISE.get() * self.largest))
@@ -37,8 +37,8 @@ impl Rests {
     /// Adds the rests in a smoothed piece of the run.
     ///
     /// - `speeds`: statistics of each joint; `None` if the joint never rests
-    /// - `bandwidth`: half-amplitude frequency of the filter of the piece [Hz]
-    /// - `cut`: time that was cut off at the ends of the piece [s]. A rest at an end continues in this time.
+    /// - `bandwidth`: half-amplitude frequency in Hz of the filter of the piece
+    /// - `cut`: time in s that was cut off at each end of the piece. A rest at an end is continued in this time.
     pub(crate) fn add(&mut self, piece: &PreparedRun, speeds: &[Option<Speeds>], bandwidth: f64, cut: f64) {
         self.joints.resize(speeds.len(), Vec::new());
         let shortest = 1.0 / bandwidth;
@@ -64,8 +64,8 @@ impl Rests {
         }
     }
 
-    /// Durations of the parts of an interval in which a joint does not rest [s], of all joints; the duration of the whole
-    /// interval if no rests are known.
+    /// Returns the durations in s of the parts of an interval in which a joint does not rest, for all joints. If no rests
+    /// are known, the result is the duration of the interval.
     pub(crate) fn between(&self, [start, end]: Stretch) -> Vec<f64> {
         if self.joints.is_empty() {
             return vec![end - start];
@@ -80,8 +80,8 @@ impl Rests {
         self.joints.iter().flat_map(of_joint).collect()
     }
 
-    /// For each joint and each time, whether the time is in a rest or so near to a rest that the filter does not separate
-    /// them.
+    /// Returns for each joint and each time whether the joint rests, or whether a rest is so near that the filter does not
+    /// separate it from this time.
     pub(crate) fn at(&self, times: &[f64], bandwidth: f64) -> Vec<Vec<bool>> {
         let near = levels::REACH.get() / bandwidth;
         let of_joint = |rests: &Vec<Stretch>| {
@@ -92,7 +92,7 @@ impl Rests {
     }
 }
 
-/// First and last times of the intervals in which no speed is above the limit.
+/// Returns the first and the last time of each interval in which no speed is above the limit.
 fn slow_stretches(times: &[f64], velocities: &[f64], limit: f64) -> Vec<Stretch> {
     let mut stretches: Vec<Stretch> = Vec::new();
     let mut before = false;
@@ -113,7 +113,7 @@ mod tests {
     use super::super::super::run::Effort;
     use super::*;
 
-    /// Moves from 1 s to 4 s, with a reversal at 2.5 s, and rests before and after.
+    /// The joint moves from 1 s to 4 s with a reversal at 2.5 s, and rests before and after.
     fn piece() -> PreparedRun {
         moving(|t| if (1.0..=4.0).contains(&t) { (2.5 - t).clamp(-1.0, 1.0) } else { 1e-4 })
     }
@@ -142,7 +142,7 @@ mod tests {
         let times = [-0.1, 0.5, 1.15, 1.25, 2.5, 3.75, 3.85, 4.5, 5.1];
         let resting = [true, true, true, false, false, false, true, true, true];
         assert_eq!(rests.at(&times, 5.0), [resting]);
-        // Noise that hides the motion hides a reversal too, but no speed above a tenth of the largest.
+        // Noise that hides the motion also hides a reversal, but no speed above a tenth of the largest speed.
         let mut noisy = Rests::default();
         noisy.add(&piece(), &[Some(Speeds { largest: 1.0, noise: 1.0 })], 20.0, 0.2);
         assert_eq!(noisy.at(&[2.35, 2.45], 20.0), [[false, false]]);

@@ -3,23 +3,25 @@
 /// Settings of the preparation. A setting that is `None` is chosen from the data.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PreparationSettings {
-    /// Half-amplitude frequency of the filter \[Hz\].
+    /// Half-amplitude frequency of the filter in Hz.
     pub bandwidth: Option<f64>,
-    /// Sample rate of the prepared runs \[Hz\]. By default it is ten times the bandwidth, at most the rate of the log.
+    /// Sample rate of the prepared runs in Hz. By default it is ten times the bandwidth, but not more than the rate of the
+    /// log.
     pub rate: Option<f64>,
-    /// Longest pause between samples that is interpolated \[s\]. A longer pause splits the run. By default it is a fifth of
-    /// the period of the bandwidth, or 3.5 steps of the log if this is longer.
+    /// Longest pause between samples, in s, that is interpolated. A run is split at longer pauses. By default it is a fifth
+    /// of the period of the bandwidth, or 3.5 time steps of the log if this is longer.
     pub largest_gap: Option<f64>,
-    /// Whether positions pass total-variation regularization (TVDiff; Chartrand 2011) at the level of their noise before the
-    /// filter. A linear filter commutes with derivatives, so the velocities are those of TVDiff after the filter of the
-    /// efforts.
+    /// Whether positions are smoothed by total-variation regularization (TVDiff; Chartrand 2011) at the level of their
+    /// noise before they pass the filter. A linear filter commutes with derivatives. Therefore the velocities are those of
+    /// TVDiff after the filter, which the efforts also pass.
     pub total_variation: bool,
-    /// Time by which efforts are later than positions \[s\]; 0 leaves the efforts as they are.
+    /// Delay of the efforts relative to the positions in s, positive if the efforts are late. The value 0 keeps the efforts
+    /// unshifted.
     pub delay: Option<f64>,
-    /// Time that is cut off at either end of a piece \[s\], because the filter sees only one side there. By default it is
-    /// one period of the bandwidth.
+    /// Time in s that is cut off at each end of a piece, because the filter has samples only on one side there. By default
+    /// it is one period of the bandwidth.
     pub cut: Option<f64>,
-    /// Whether the robot compensates gravity. The efforts of the log are then without the robot's weight.
-    /// [`crate::identify::identify`] takes this setting from [`crate::estimation::EstimationSettings`] instead.
+    /// Whether the robot compensates gravity, so that the efforts of the log do not include the robot's weight.
+    /// [`crate::identify::identify`] uses the setting of [`crate::estimation::EstimationSettings`] instead of this one.
     pub gravity_compensated: bool,
 }

@@ -1,4 +1,4 @@
-//! A run as channels of informative samples, and the smoothing of its pieces on an even grid.
+//! A run as channels of informative samples, and the smoothing of its pieces.
 
 use super::super::error::Result;
 use super::super::methods::differentiation::TotalVariation;
@@ -11,7 +11,7 @@ use super::grid::{Piece, interpolate};
 use super::poses::PoseSignal;
 use super::rest::Rests;
 
-/// The channels of a run.
+/// Channels of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Signals {
     pub name: String,
@@ -20,18 +20,18 @@ pub(super) struct Signals {
     pub positions: Vec<Channel>,
     /// Poses of the joints with a quaternion.
     poses: Vec<PoseSignal>,
-    /// For each velocity, the entry of y; `None` for joints with a quaternion.
+    /// Entry of y for each velocity; `None` for joints with a quaternion.
     plain: Vec<Option<usize>>,
     pub efforts: Vec<Channel>,
     pub effort: Effort,
     /// Rests of the joints.
     pub rests: Rests,
-    /// Median step of the log [s].
+    /// Median time step of the log in s.
     pub step: f64,
 }
 
 impl Signals {
-    /// Channels of a run with increasing times.
+    /// Creates the channels of a run with increasing times.
     pub(crate) fn new(run: &Run, robot: Option<&dyn Robot>) -> Self {
         let channel = |values: &Vec<f64>, is_position| Channel::new(&run.times, values, is_position);
         let quaternions = robot.map(Robot::quaternion_joints).unwrap_or_default();
@@ -53,8 +53,7 @@ impl Signals {
         }
     }
 
-    /// Replaces positions, and paths of joints with a quaternion, by their total-variation regularization at the level of
-    /// their noise.
+    /// Regularizes positions, and paths of joints with a quaternion, by their total variation at the level of their noise.
     pub(crate) fn regularize(&mut self) -> Result<()> {
         for channel in &mut self.positions {
             let noise = channel.noise();
@@ -66,7 +65,7 @@ impl Signals {
         Ok(())
     }
 
-    /// The columns of y at `times`, from the smoothed `positions`; empty if no joint has a quaternion.
+    /// Returns the columns of y at `times`, computed from the smoothed `positions`; empty if no joint has a quaternion.
     fn coordinates(&self, times: &[f64], positions: &[Vec<f64>]) -> Vec<Vec<f64>> {
         if self.poses.is_empty() {
             return Vec::new();
@@ -81,7 +80,7 @@ impl Signals {
         y
     }
 
-    /// Row of the log nearest to a time.
+    /// Returns the row of the log that is nearest to a time.
     pub(crate) fn row(&self, time: f64) -> usize {
         self.rows[nearest(&self.times, time)]
     }
@@ -90,41 +89,41 @@ impl Signals {
 /// Settings for the smoothing of a piece.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Smoothing {
-    /// Half-amplitude frequency of the filter [Hz].
+    /// Half-amplitude frequency of the filter in Hz.
     pub bandwidth: f64,
-    /// Half-amplitude frequency of the filter by which rests are extended [Hz].
+    /// Half-amplitude frequency in Hz of the filter that decides how far rests are extended.
     pub lowest: f64,
-    /// Time between the smoothed samples [s].
+    /// Time between the smoothed samples in s.
     pub step: f64,
-    /// Time cut off at either end of a piece [s].
+    /// Time in s that is cut off at each end of a piece.
     pub cut: f64,
-    /// Delay of each effort [s].
+    /// Delay of each effort in s.
     pub delays: Vec<f64>,
-    /// Whether each effort is unusable. The columns of an unusable effort hold NaN.
+    /// Whether each effort is unusable. The columns of an unusable effort contain NaN.
     pub faulty: Vec<bool>,
-    /// Low-pass filter that the efforts passed before they were recorded. All other signals pass it here. `None` if the
-    /// efforts passed no filter.
+    /// Low-pass filter that the efforts passed before they were recorded. All other signals pass this filter here. `None`
+    /// if the efforts were not filtered.
     pub band: Option<Band>,
 }
 
 impl Smoothing {
-    /// The filter of all signals.
+    /// Returns the filter of all signals.
     pub(super) fn filter(&self) -> Result<Filter> {
         Ok(Filter::new(self.bandwidth, self.step)?.behind(self.band))
     }
 }
 
-/// A smoothed piece, and its efforts as they were measured, without their delay, at the same times.
+/// A smoothed piece, and its unfiltered efforts without their delay at the same times.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Smoothed {
     pub run: PreparedRun,
     pub measured: Vec<Vec<f64>>,
 }
 
-/// Fewest samples of a smoothed piece, because rates of change need a neighbour on each side.
+/// Smallest number of samples of a smoothed piece. Derivatives need a neighbour on each side.
 const FEWEST: usize = 3;
 
-/// Smoothed samples at every `ratio`-th sample of an even grid.
+/// Selection of every `ratio`-th sample of a grid with equal time steps.
 struct Sampler {
     grid: Vec<f64>,
     step: f64,
@@ -133,7 +132,7 @@ struct Sampler {
     count: usize,
 }
 
-/// Smooths a piece of a run. Returns `None` if too little is left between the cut ends.
+/// Smooths a piece of a run. Returns `None` if too few samples remain between the ends that are cut off.
 pub(super) fn smooth(signals: &Signals, piece: &Piece, how: &Smoothing) -> Result<Option<Smoothed>> {
     let Some(sampler) = Sampler::new(signals.step, piece, how) else { return Ok(None) };
     let times: Vec<f64> = sampler.centres().map(|c| sampler.grid[c as usize]).collect();
@@ -172,7 +171,7 @@ pub(super) fn smooth(signals: &Signals, piece: &Piece, how: &Smoothing) -> Resul
     Ok(Some(Smoothed { run, measured }))
 }
 
-/// Whether too little of a piece is left between the cut ends.
+/// Returns whether too few samples of a piece remain between the ends that are cut off.
 pub(super) fn is_too_short(signals: &Signals, piece: &Piece, how: &Smoothing) -> bool {
     Sampler::new(signals.step, piece, how).is_none()
 }
@@ -186,7 +185,7 @@ impl Sampler {
         let ratio = (how.step / log_step).round().max(1.0) as usize;
         let step = how.step / ratio as f64;
         let grid = piece.grid(step);
-        // The windows of the positions and of the efforts have to lie within the piece.
+        // The filter windows of positions and efforts must lie within the piece.
         let early = how.delays.iter().fold(0.0_f64, |a, d| a.min(*d));
         let late = how.delays.iter().fold(0.0_f64, |a, d| a.max(*d));
         let first = ((how.cut - early) / step).ceil() as usize;
@@ -199,7 +198,8 @@ impl Sampler {
         (0..self.count).map(|i| (self.first + i * self.ratio) as isize)
     }
 
-    /// Effort `m` without its delay. Whole grid steps of the delay shift the index, the rest shifts the kernel.
+    /// Returns effort `m` without its delay. The index is shifted by the whole time steps of the delay, and the kernel is
+    /// shifted by the rest.
     fn delayed(&self, channel: &Channel, how: &Smoothing, m: usize) -> Result<Vec<f64>> {
         let steps = (how.delays[m] / self.step).round();
         let taps = kernel_at(self, how, 0, how.delays[m] - steps * self.step)?;

@@ -1,22 +1,22 @@
-//! Power spectrum of positions, pooled over runs, and its noise.
+//! Power spectrum of positions and of their noise, for all runs together.
 
 use super::levels;
 use std::f64::consts::PI;
 
-/// Lower edge of the first band [Hz].
+/// Lower edge of the first band in Hz.
 const LOWEST: f64 = 0.02;
 
-/// Number of bands: up to 80 kHz.
+/// Number of bands. The last one ends at 80 kHz.
 const BANDS: usize = 132;
 
-/// Measured power in bands of a sixth of an octave. Densities are one-sided.
+/// Measured power in bands of a sixth of an octave. Spectral densities are one-sided.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Spectrum {
     bands: Vec<Band>,
 }
 
-/// Sums over the frequencies k/T of the bands, weighted by the duration T of each piece. P is the density of the position,
-/// Δf the distance of the frequencies.
+/// Sums over the frequencies k/T of a band, weighted by the duration T of each piece. P is the spectral density of the
+/// position, Δf the distance of the frequencies, and ω = 2π f.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Band {
     /// Number of frequencies (bins).
@@ -25,22 +25,24 @@ struct Band {
     position: f64,
     /// `Σ ω⁴ P Δf T`: power of the accelerations.
     acceleration: f64,
-    /// `Σ Δf T`: power of a white position with density one.
+    /// `Σ Δf T`: power of white noise of the position with density one.
     white: f64,
-    /// `Σ ω⁴ Δf T`: power of the acceleration of a white position with density one.
+    /// `Σ ω⁴ Δf T`: power of the acceleration of white noise of the position with density one.
     white_acceleration: f64,
 }
 
 impl Spectrum {
-    /// A spectrum without data.
+    /// Creates a spectrum without data.
     pub(crate) fn new() -> Self {
         Self { bands: vec![Band::default(); BANDS] }
     }
 
-    /// Adds the periodogram of positions at equal `step`s [s].
+    /// Adds the periodogram of positions at equal time steps.
     ///
-    /// Second differences are taken before the Hann taper. The power of positions falls so steeply with the frequency that
-    /// leakage from low frequencies would otherwise cover the high ones.
+    /// - `step`: time step in s
+    ///
+    /// Second differences are computed before the Hann taper is applied. The power of positions decreases steeply with the
+    /// frequency. Without the differences, leakage from low frequencies would cover the high frequencies.
     pub(crate) fn add(&mut self, positions: &[f64], step: f64) {
         let second: Vec<f64> = positions.windows(3).map(|w| w[2] - 2.0 * w[1] + w[0]).collect();
         let m = second.len();
@@ -54,7 +56,7 @@ impl Spectrum {
         let mut im = vec![0.0; length];
         transform(&mut re, &mut im);
         let (duration, bin) = (m as f64 * step, 1.0 / (length as f64 * step));
-        // The mean square of Hann's taper is 3/8.
+        // The mean square of the Hann taper is 3/8.
         let density = 2.0 * step / (0.375 * m as f64);
         for k in 1..length / 2 {
             let frequency = k as f64 * bin;
@@ -64,12 +66,13 @@ impl Spectrum {
         }
     }
 
-    /// Density of the white noise of the positions [unit²/Hz]: the lowest mean over half an octave at or below `highest`
-    /// \[Hz\]; 0 without data.
+    /// Returns the spectral density of the white noise of the positions in unit²/Hz; 0 if there are no data. The density is
+    /// the lowest mean over half an octave at or below `highest` in Hz.
     ///
-    /// Motion falls with the frequency and white noise does not. So the lowest mean is an upper bound of the noise, and
-    /// equals the noise if the sampling is fast enough for a band without motion. Half octaves with less than an eighth of
-    /// the bins of the fullest one are left out, because the least of many inaccurate means would be too low.
+    /// Motion decreases with the frequency, but white noise does not. Therefore the lowest mean is an upper bound of the
+    /// noise. It equals the noise if the sampling is fast enough for a band without motion. Half octaves with less than an
+    /// eighth of the bins of the fullest half octave are left out, because the smallest of many inaccurate means would be
+    /// too low.
     pub(crate) fn floor(&self, highest: f64) -> f64 {
         let top = band(highest).min(BANDS - 1);
         let sums = |bands: &[Band]| {
@@ -83,11 +86,12 @@ impl Spectrum {
         if lowest.is_finite() { lowest } else { 0.0 }
     }
 
-    /// `(centre frequency, signal, noise)` of each band with data [Hz, power, power]: the power of accelerations without
-    /// noise, and the power of noise of the density `noise` [unit²/Hz].
+    /// Returns `(centre frequency, signal, noise)` of each band with data. The frequency is in Hz. The signal is the power
+    /// of accelerations without noise. The noise is the power of noise with the density `noise` in unit²/Hz.
     ///
-    /// A band holds signal if its power exceeds 1.5 times the noise by four standard errors of the noise's mean. Other bands
-    /// have signal 0, because their errors times ω⁴ would add up over the many bands of a fast log.
+    /// A band contains signal if its power exceeds 1.5 times the noise by four standard errors of the noise's mean. The
+    /// signal of other bands is 0. Otherwise their errors, multiplied by ω⁴, would add up over the many bands of a fast
+    /// log.
     pub(crate) fn accelerations(&self, noise: f64) -> Vec<(f64, f64, f64)> {
         let used = self.bands.iter().enumerate().filter(|(_, band)| band.bins > 0);
         used.map(|(k, band)| {
@@ -119,7 +123,8 @@ fn centre(band: usize) -> f64 {
     LOWEST * 2.0_f64.powf((band as f64 + 0.5) / levels::BANDS_PER_OCTAVE.get())
 }
 
-/// Discrete Fourier transform in place, by radix two (Cooley and Tukey 1965); the length is a power of two.
+/// Computes the discrete Fourier transform in place by the radix-2 algorithm (Cooley and Tukey 1965). The length must be a
+/// power of two.
 fn transform(re: &mut [f64], im: &mut [f64]) {
     let n = re.len();
     reorder(re, im);
@@ -140,7 +145,7 @@ fn transform(re: &mut [f64], im: &mut [f64]) {
     }
 }
 
-/// Swaps each entry with the entry of the bit-reversed index.
+/// Swaps each entry with the entry at the bit-reversed index.
 fn reorder(re: &mut [f64], im: &mut [f64]) {
     let n = re.len();
     let mut j = 0;

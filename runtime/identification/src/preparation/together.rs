@@ -5,10 +5,10 @@ use super::levels;
 use super::regression::{Columns, Equations, Sample, ridged};
 use nalgebra::{DMatrix, DVector};
 
-/// Least share of the variation of an effort that counts as unexplained.
+/// Smallest share of the variation of an effort that counts as unexplained.
 const LEAST_SHARE: f64 = 1e-12;
 
-/// Efforts at the chosen samples.
+/// Efforts at the chosen samples, filtered and unfiltered.
 pub(super) struct Efforts {
     /// Efforts that passed the filter of the positions.
     pub filtered: Vec<DVector<f64>>,
@@ -16,8 +16,8 @@ pub(super) struct Efforts {
     pub measured: Vec<DVector<f64>>,
 }
 
-/// Logarithm of 1 − R² of each measured effort that varies. One set of parameters for all efforts is fitted to the filtered
-/// efforts. The weight of each effort is the inverse of its residual sum of squares in the fit before.
+/// Returns ln(1 − R²) of each measured effort that varies. One set of parameters is fitted to all filtered efforts. The
+/// weight of each effort is the inverse of its residual sum of squares in the fit before.
 pub(super) fn together(
     columns: &Columns,
     runs: &[&PreparedRun],
@@ -34,7 +34,7 @@ pub(super) fn together(
     all.iter().map(|effort| effort.score).collect()
 }
 
-/// One effort's part of the fit of all.
+/// Part of the common fit that belongs to one effort.
 struct EffortFit<'a> {
     equations: Equations,
     filtered: &'a DVector<f64>,
@@ -43,7 +43,7 @@ struct EffortFit<'a> {
     products: DVector<f64>,
     variation: f64,
     weight: f64,
-    /// Logarithm of 1 − R² of the measured effort.
+    /// ln(1 − R²) of the measured effort.
     score: f64,
 }
 
@@ -75,7 +75,8 @@ impl<'a> EffortFit<'a> {
     }
 }
 
-/// Parameters by weighted least squares on the filtered efforts; `None` if the columns have no factor.
+/// Fits the parameters to the filtered efforts by weighted least squares; `None` if the normal equations have no Cholesky
+/// factor.
 fn fitted(efforts: &[EffortFit]) -> Option<DVector<f64>> {
     let size = efforts.first()?.products.len();
     let (mut gram, mut products) = (DMatrix::zeros(size, size), DVector::zeros(size));
@@ -89,7 +90,7 @@ fn fitted(efforts: &[EffortFit]) -> Option<DVector<f64>> {
     Some(ridged(scaled).cholesky()?.solve(&products.component_mul(&units)).component_mul(&units))
 }
 
-/// Sum of the squares of a target without its mean, over the samples in motion.
+/// Returns the sum of squares of a target minus its mean, over the samples in motion.
 fn variation(moving: &DVector<f64>, target: &DVector<f64>) -> f64 {
     let mean = target.dot(moving) / moving.sum();
     target.add_scalar(-mean).component_mul(moving).norm_squared()

@@ -1,7 +1,7 @@
-//! Identified friction as a robot description: TOML that `gelenk generate` takes unchanged.
+//! Writes identified friction as a robot description in TOML, which `gelenk generate` accepts.
 //!
-//! The description extends the one that was used for the identification, and replaces the friction of the identified joints.
-//! Everything else stays the same:
+//! The description extends the one that was used for the identification, and replaces the friction of the identified
+//! joints. It does not change anything else:
 //!
 //! ```toml
 //! name = "arm_identified"
@@ -25,10 +25,10 @@ use std::fs;
 use std::io;
 use std::path::Path;
 
-/// First line of every description of identified values.
+/// First line of every description with identified values.
 const FIRST_LINE: &str = "# Identified by gelenk.\n";
 
-/// Identified values, and the other keys that a written description has in addition to the description it extends.
+/// Identified values, and the other keys of the written description.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Identified<'a> {
     /// Name of the robot and of its generated module.
@@ -36,41 +36,42 @@ pub struct Identified<'a> {
     /// Path of the description that was used for the identification, a URDF or a TOML. The path is absolute, or relative to
     /// the folder of the written description.
     pub extends: &'a str,
-    /// Lines on the origin of the values. They become comments at the beginning.
+    /// Lines on the origin of the values. They become comments at the beginning of the file.
     pub provenance: &'a [String],
-    /// Additional keys at the top, one line of TOML each. They determine how the extended description is read.
+    /// Additional top-level keys, one line of TOML each. They determine how the extended description is read.
     pub settings: &'a [String],
     /// Friction law of each identified joint.
     pub friction: &'a [FrictionResult],
-    /// For each joint with a drive: the name of the joint and the lines of TOML. The first line is `drive = …`.
+    /// Drive of each joint that has one: the name of the joint and its lines of TOML. The first line is `drive = …`.
     pub drives: &'a [(String, String)],
-    /// Tables `[[bodies]]` as TOML, and other tables, which are written unchanged.
+    /// TOML tables such as `[[bodies]]`, which are written unchanged.
     pub bodies: &'a [String],
 }
 
-/// Writes a [`description`](identified_toml) into a file. The file is written completely or not at all.
+/// Writes the [description](identified_toml) to a file. The file is written completely or not at all.
 ///
 /// - `path`: a new file, an empty file, or a file that this function has written before. [`Identified::extends`] is an
 ///   absolute path, or relative to the folder of `path`.
 ///
 /// # Errors
-/// The errors are those of [`identified_toml`], and [`IdentificationError::File`] if the file is the extended description
-/// itself, has other content, or cannot be written.
+/// - The errors of [`identified_toml`]
+/// - [`IdentificationError::File`]: the file is the extended description itself, was not written by gelenk, or cannot be
+///   written
 pub fn write_identified(path: &Path, identified: &Identified<'_>) -> Result<()> {
     let text = identified_toml(identified)?;
     let fault =
         |message: String| at(path.display().to_string()).fault(format!("cannot be written: {message}"));
     if is_same_file(path, &path.with_file_name(identified.extends)) {
-        return Err(fault("it is the description that is to be extended".into()));
+        return Err(fault("it is the description that is extended; name another file".into()));
     }
     if !may_be_replaced(path, FIRST_LINE.as_bytes()).map_err(|e| fault(e.to_string()))? {
-        let message = "identification has not written it; name another file, or remove it first";
+        let message = "the existing file was not written by an identification; name another file, or remove this one first";
         return Err(fault(message.into()));
     }
     write_whole(path, text).map_err(|e| fault(e.to_string()))
 }
 
-/// Whether a file may be replaced: it does not exist, is empty, or begins with `head`.
+/// Returns whether a file may be replaced: it does not exist, is empty, or begins with `head`.
 pub(crate) fn may_be_replaced(path: &Path, head: &[u8]) -> io::Result<bool> {
     match fs::metadata(path) {
         Ok(found) if found.is_file() && found.len() > 0 => Ok(fs::read(path)?.starts_with(head)),
@@ -79,15 +80,15 @@ pub(crate) fn may_be_replaced(path: &Path, head: &[u8]) -> io::Result<bool> {
     }
 }
 
-/// Returns a description with identified values.
+/// Returns a TOML description with identified values.
 ///
-/// Coefficients of friction have the digits that their errors allow ([`gelenk_findings::digits`]). Terms whose coefficient
-/// is zero with these digits are not written.
+/// Coefficients of friction are rounded to the digits that their errors justify ([`gelenk_findings::digits`]). Terms whose
+/// coefficient rounds to zero are not written.
 ///
 /// # Errors
 /// - [`Empty`](IdentificationError::Empty): there are no identified values, or a law has no terms
 /// - [`Expression`](IdentificationError::Expression): a joint occurs twice, or a description cannot contain a term
-/// - [`Found`](IdentificationError::Found): a law is refused and was not accepted
+/// - [`Found`](IdentificationError::Found): a law was rejected, and the user did not accept it
 /// - [`NotFinite`](IdentificationError::NotFinite): a coefficient is not finite
 pub fn identified_toml(identified: &Identified<'_>) -> Result<String> {
     let Identified { name, extends, provenance, settings, friction, drives, bodies } = *identified;
@@ -124,10 +125,10 @@ pub fn identified_toml(identified: &Identified<'_>) -> Result<String> {
     Ok(text)
 }
 
-/// Returns the value of the key `friction` of a joint or a drive.
+/// Returns the TOML value of the key `friction` of a joint or a drive.
 ///
 /// # Errors
-/// The errors are those of [`identified_toml`] about a law.
+/// The errors are those of [`identified_toml`] that concern a law.
 pub fn friction_value(result: &FrictionResult) -> Result<String> {
     let findings: Vec<Finding> =
         result.refusals().cloned().map(|reason| reason.joint(&result.joint)).collect();
@@ -154,7 +155,7 @@ pub fn friction_value(result: &FrictionResult) -> Result<String> {
     Ok(law.toml())
 }
 
-/// Terms with the significant digits of their coefficients, without terms whose coefficient is zero with these digits.
+/// Returns the terms with rounded coefficients, without terms whose coefficient rounds to zero.
 fn written(joint: &str, terms: &[FrictionTerm]) -> Result<Vec<Written<String>>> {
     require_finite(joint, terms)?;
     let kept = terms.iter().filter(|t| !vanishes(t.coefficient, t.written_error()));
@@ -177,10 +178,11 @@ fn require_finite(joint: &str, terms: &[FrictionTerm]) -> Result<()> {
     }
 }
 
-/// A term of a library as a formula of descriptions. The language of descriptions is a part of the language of libraries.
+/// Converts a term of a library to a formula of descriptions. Every formula of descriptions is also a valid term of a
+/// library.
 fn basis(text: &str) -> Result<Formula> {
     parse(text, Allowed::Velocity, &BTreeMap::new()).map_err(|wrong| {
-        let advice = "the friction of a description needs a library of terms that descriptions have";
+        let advice = "use a library whose terms are valid in descriptions";
         fault(text, format!("{wrong}; {advice}"))
     })
 }
@@ -210,12 +212,12 @@ fn comments(result: &FrictionResult, text: &mut String) {
     result.findings.iter().for_each(|finding| line(finding.to_string()));
 }
 
-/// Adds a line of comment. Control characters are replaced, so that a line break does not end the comment.
+/// Adds a comment line. Control characters become blanks, so that a line break does not end the comment.
 fn comment(content: &str, text: &mut String) {
     let _ = writeln!(text, "# {}", content.replace(|c: char| c.is_control(), " "));
 }
 
-/// A TOML basic string.
+/// Returns the text as a TOML basic string.
 fn quoted(text: &str) -> String {
     let mut out = String::from("\"");
     for c in text.chars() {
@@ -317,8 +319,8 @@ mod tests {
             assert!(toml::from_str::<toml::Table>(&text).is_ok());
         }
         let message = |name: &str| write(name).unwrap_err().to_string();
-        assert!(message("arm.toml").contains("the description that is to be extended"));
-        assert!(message("other.toml").contains("identification has not written"));
+        assert!(message("arm.toml").contains("the description that is extended"));
+        assert!(message("other.toml").contains("was not written by an identification"));
         assert_eq!(fs::read_to_string(at("arm.toml")).unwrap(), "name = \"arm\"\n");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 4);
     }
@@ -351,7 +353,7 @@ mod tests {
         let message = |basis: &str| with(basis, 1.0).unwrap_err().to_string();
         assert!(message("ln(1 + abs(v))").contains("the function `ln` is not available in descriptions"));
         assert!(message("v*y").contains("unknown name `y`"));
-        assert!(message("powi(v, 40)").contains("an exponent is a whole number from 0 to 16"));
+        assert!(message("powi(v, 40)").contains("an exponent must be a whole number from 0 to 16"));
         assert!(message("v*(v").contains("expression `v*(v`"));
         let nan = with("v", f64::NAN).unwrap_err().to_string();
         assert!(nan.contains("the coefficient of v of joint beta is not finite (NaN)"), "{nan}");

@@ -1,45 +1,45 @@
-//! Change of friction and offsets over a log.
+//! Changes of friction and offsets in the course of a log.
 
 use gelenk_findings::digits::with_error;
 use gelenk_findings::{Finding, Rule};
 
 /// Sees: an offset that changes from the beginning to the end of the logs.
-/// Matters: a constant no longer describes the offset of the sensor.
+/// Matters: a constant cannot describe the offset of the sensor.
 /// Example: a torque sensor that warms up.
 /// Fixture: `warming_up` in `codegen/tests/findings/arm.rs`.
 const OFFSET_DRIFTS: Rule = Rule::warning("offset-drifts");
 
 /// Sees: friction that changes from the beginning to the end of the logs.
-/// Matters: the law is an average that holds at no time.
+/// Matters: the law is an average, which is wrong at the beginning and at the end.
 /// Example: grease that warms up.
 /// Fixture: `drift_is_shown_where_it_is_there` in `friction/tests.rs`.
 const FRICTION_DRIFTS: Rule = Rule::warning("friction-drifts");
 
-/// Least change that gives a finding, as a share of the friction.
+/// Smallest change of friction that gives a finding, as a share of the friction.
 const NAMED_CHANGE: f64 = 0.02;
 
-/// A change from the first to the last sample, linear in the index of the sample.
+/// Linear change from the first to the last sample, over the index of the sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Trend {
     /// Last minus first value.
     pub(crate) change: f64,
-    /// Standard error for correlated residuals.
+    /// Standard error, which takes the correlation of the residuals into account.
     pub(crate) standard_error: f64,
     /// Whether the change is significant at the 1 % level.
     pub(crate) significant: bool,
 }
 
-/// Trend of the residual torque over the log.
+/// Trends of the residual torque over the log.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Drift {
-    /// Change of the constant torque [N·m or N].
+    /// Change of the constant torque, in N·m or N.
     pub(crate) offset: Trend,
-    /// Change of the friction as a share of it: −0.1 if the friction falls by a tenth.
+    /// Change of the friction as a share of the friction. For example, −0.1 means that friction falls by a tenth.
     pub(crate) friction: Trend,
 }
 
 impl Drift {
-    /// Findings about significant trends that are large enough.
+    /// Returns findings about trends that are significant and large enough.
     ///
     /// - `unit`: unit of the torque
     /// - `scale`: rms of the friction torque
@@ -49,9 +49,10 @@ impl Drift {
         let of_friction = is_named.then(|| {
             let change = with_error(100.0 * friction.change, Some(100.0 * friction.standard_error));
             let message = format!(
-                "friction changes by {change} % from the beginning to the end of the log, as while warming up (or the motions differ and the model lacks something): the law is that of the middle"
+                "friction changes by {change} % over the log, so that the law is an average. Friction may fall while the \
+                 joint warms up, or the model lacks a term"
             );
-            FRICTION_DRIFTS.found(message).help("record after warming up, or identify the runs apart")
+            FRICTION_DRIFTS.found(message).help("record after the joint has warmed up, or identify each run separately")
         });
         let is_named = self.offset.significant && self.offset.change.abs() > NAMED_CHANGE * scale;
         let of_offset = is_named.then(|| {

@@ -1,4 +1,4 @@
-//! Identified friction: the law, its statistics, and text about both. [`description`] writes it as TOML.
+//! Identified friction: the law, its statistics, and text about both. [`description`] writes the law as TOML.
 
 use super::error::Result;
 use super::methods::confidence::quantile;
@@ -16,28 +16,29 @@ mod drift;
 /// Confidence level of the intervals in tables and descriptions.
 pub(crate) const CONFIDENCE: f64 = 0.95;
 
-/// A coefficient of a friction law with its errors.
+/// A coefficient of a friction law, with its errors.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FrictionTerm {
     /// Expression in the joint's velocity `v`, or the name a1 … a5 of a parameter of a Stribeck law.
     pub basis: String,
-    /// Coefficient [N·m or N divided by the unit of the expression], or the parameter.
+    /// Coefficient in N·m or N, divided by the unit of the expression. For a Stribeck law it is the parameter.
     pub coefficient: f64,
-    /// Standard error for correlated residuals; `None` if it is not known. If [`Self::reach`] is given, it is the root of
-    /// the sum of the squares of the error and the possible bias.
+    /// Standard error of the coefficient for correlated residuals; `None` if it is unknown. If [`Self::reach`] is given,
+    /// this error includes the possible bias: it is √(standard error² + bias²).
     pub standard_error: Option<f64>,
-    /// Half the width of the interval at 95 % if the coefficient may be biased: Student's half width plus the possible bias;
-    /// `None` if the interval follows from the standard error alone. The possible bias is the change of the coefficient if
-    /// the samples near rests and reversals are left out.
+    /// Half width of the 95 % interval if the coefficient may be biased: the half width by Student's distribution plus the
+    /// possible bias. `None` if the interval follows from the standard error alone. The possible bias is the change of the
+    /// coefficient if the samples near rests and reversals are left out.
     pub reach: Option<f64>,
-    /// Standard error if all other coefficients were known; `None` if it is not known. Terms that are nearly collinear have
-    /// inaccurate coefficients but an accurate sum. So this error decides how many digits of the coefficient are written.
+    /// Standard error if all other coefficients were known; `None` if it is unknown. This error decides how many digits of
+    /// the coefficient are written. Terms that are nearly collinear have inaccurate coefficients but an accurate sum, so
+    /// that the standard error would give too few digits.
     pub resolution: Option<f64>,
-    /// Probability of the term over all subsets of the library; `None` if it is not known.
+    /// Probability that the term belongs to the law, over all subsets of the library; `None` if it is unknown.
     pub probability: Option<f64>,
 }
 
-/// Friction τ(v) of a joint, in a form that descriptions have.
+/// Friction torque τ(v) of a joint as a function of its velocity v, in a form that descriptions can contain.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FrictionLaw {
     /// `Σ coefficient · basis(v)` over the terms.
@@ -53,10 +54,10 @@ impl Default for FrictionLaw {
 }
 
 impl FrictionLaw {
-    /// The Stribeck law with parameters a1 … a5.
+    /// Creates the Stribeck law with parameters a1 … a5 (see [`Self::Stribeck`]).
     ///
     /// - `standard_errors`: standard errors for correlated residuals; `None` if a parameter is not identifiable
-    /// - `resolutions`: standard errors if all other parameters were known
+    /// - `resolutions`: standard errors if all other parameters were known; `None` if a parameter is not identifiable
     pub fn stribeck(
         parameters: [f64; 5],
         standard_errors: [Option<f64>; 5],
@@ -71,7 +72,7 @@ impl FrictionLaw {
         })))
     }
 
-    /// The terms, or the five parameters of a Stribeck law.
+    /// Returns the terms, or the five parameters of a Stribeck law.
     pub fn coefficients(&self) -> &[FrictionTerm] {
         match self {
             Self::Terms(terms) => terms,
@@ -79,7 +80,7 @@ impl FrictionLaw {
         }
     }
 
-    /// Torques at `velocities` [N·m or N].
+    /// Returns the friction torques at `velocities`, in N·m or N.
     ///
     /// # Errors
     /// [`IdentificationError::Expression`](super::error::IdentificationError::Expression) or
@@ -95,7 +96,8 @@ impl FrictionLaw {
         }
     }
 
-    /// Derivatives of the torques with respect to the coefficients `[velocities × coefficients]`.
+    /// Returns the derivatives of the torques with respect to the coefficients: one row for each velocity, one column for
+    /// each coefficient.
     ///
     /// # Errors
     /// The errors are those of [`Self::torques`].
@@ -111,7 +113,7 @@ impl FrictionLaw {
         }
     }
 
-    /// The law as one line of text, with the digits that are written into a description.
+    /// Returns the law as one line of text, with the digits that are written to a description.
     pub(crate) fn formula(&self) -> String {
         let terms: Vec<String> = match self {
             Self::Terms(terms) => {
@@ -131,17 +133,17 @@ impl FrictionLaw {
 }
 
 impl FrictionTerm {
-    /// The error that decides how many digits are written; `None` if no error is known.
+    /// Returns the error that decides how many digits are written; `None` if no error is known.
     pub(crate) fn written_error(&self) -> Option<f64> {
         self.resolution.or(self.standard_error)
     }
 
-    /// The coefficient with the digits that are written into a description.
+    /// Returns the coefficient with the digits that are written to a description.
     fn written(&self) -> String {
         rounded(self.coefficient, self.written_error())
     }
 
-    /// Ends of the interval; `None` if the error is not known.
+    /// Returns the ends of the confidence interval; `None` if the error is unknown.
     ///
     /// - `t`: half width of the interval in standard errors, see [`FrictionResult::interval_factor`]
     pub(crate) fn ends(&self, t: f64) -> Option<[f64; 2]> {
@@ -150,7 +152,7 @@ impl FrictionTerm {
         Some([-half, half].map(|distance| self.coefficient + distance))
     }
 
-    /// The interval as text, `low … high`.
+    /// Returns the interval as text, `low … high`.
     fn interval(&self, t: f64) -> Option<String> {
         let [low, high] = self.ends(t)?.map(|end| rounded(end, self.standard_error));
         Some(format!("{low} … {high}"))
@@ -166,7 +168,7 @@ fn matrix(terms: &[FrictionTerm], velocities: &[f64]) -> Result<DMatrix<f64>> {
     Library::new(&bases, &["v"])?.matrix(&[velocities])
 }
 
-/// Values of a sum of terms at velocities.
+/// Returns the sum of the terms at each velocity.
 fn sum(terms: &[FrictionTerm], velocities: &[f64]) -> Result<Vec<f64>> {
     let theta = matrix(terms, velocities)?;
     let mut sums = vec![0.0; velocities.len()];
@@ -176,7 +178,7 @@ fn sum(terms: &[FrictionTerm], velocities: &[f64]) -> Result<Vec<f64>> {
     Ok(sums)
 }
 
-/// The friction law of one joint with its statistics.
+/// Friction law of one joint, with its statistics.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FrictionResult {
     /// Name of the joint in the description.
@@ -185,35 +187,35 @@ pub struct FrictionResult {
     pub unit: String,
     /// Unit of the velocity, `rad/s` or `m/s`.
     pub velocity_unit: String,
-    /// Friction law without the constant and without friction under load.
+    /// Friction law without the constant and without load-dependent friction.
     pub law: FrictionLaw,
-    /// Terms whose sum is s₁(v) in the friction under load `|τ_l| s₁(v)`, with the load τ_l of the gear; empty if friction
-    /// does not grow with the load.
+    /// Terms whose sum is s₁(v) in the load-dependent friction `|τ_l| s₁(v)`. The torque τ_l is the load of the gear. The
+    /// list is empty if there is no load-dependent friction.
     pub load: Vec<FrictionTerm>,
-    /// Constant torque that all runs have in common [N·m or N]. It is written with the law. `None` if the constant does not
-    /// differ significantly from zero.
+    /// Constant torque that all runs have in common, in N·m or N. It is written with the law. `None` if the constant does
+    /// not differ significantly from zero.
     pub constant: Option<FrictionTerm>,
     /// Physical parameters of a Stribeck law; `None` for other laws.
     pub(crate) stribeck: Option<StribeckWords>,
-    /// Constant torque of each run in addition to [`Self::constant`]. It is not written. Empty if constants are part of the
-    /// law.
+    /// Constant torque of each run in addition to [`Self::constant`]. It is not written to the description. Empty if
+    /// constants are part of the law.
     pub offsets: Vec<Offset>,
     /// Number of samples to which the law was fitted.
     pub samples: usize,
-    /// Degrees of freedom of the standard errors, for Student's distribution.
+    /// Degrees of freedom of the standard errors, for Student's t distribution.
     pub freedom: f64,
-    /// Least and largest velocity in the data [rad/s or m/s]. The law is extrapolated outside of this range.
+    /// Smallest and largest velocity in the data, in rad/s or m/s. Outside of this range the law is extrapolated.
     pub velocity_range: [f64; 2],
-    /// Speed from which the data determine the law without the effect of the filter [rad/s or m/s]. It is the tenth smallest
-    /// speed of the samples that are farther from rests and reversals than the filter reaches. So all but nine slower
-    /// samples are within the filter's reach of a rest or a reversal. `None` if the torques passed no filter.
+    /// Speed above which the filter does not distort the law, in rad/s or m/s; `None` if the torques were not filtered.
+    /// Only nine slower samples are farther from rests and reversals than the filter reaches. Therefore the law at lower
+    /// speeds depends on samples that the filter has changed.
     pub resolved_from: Option<f64>,
-    /// Root mean square of the residual [N·m or N].
+    /// Root mean square of the residual, in N·m or N.
     pub residual: f64,
-    /// `R² = 1 − RSS/Σ (τ − τ̄)²` on the fitted data, with the residual sum of squares RSS and the torque τ. The mean τ̄ is
-    /// that of the run if offsets are separate.
+    /// Coefficient of determination `R² = 1 − RSS/Σ (τ − τ̄)²` on the fitted data. RSS is the residual sum of squares, and τ
+    /// is the torque. The mean τ̄ is the mean of each run if every run has its offset, otherwise the mean of all samples.
     pub r_squared: f64,
-    /// R² on held-out folds; `None` if there are too few samples.
+    /// R² on the held-out folds of a cross-validation; `None` if there are too few samples.
     pub held_out: Option<f64>,
     /// Change of the residual torque over the log; `None` if there are too few samples.
     pub(crate) drift: Option<Drift>,
@@ -226,29 +228,29 @@ pub struct FrictionResult {
 }
 
 impl FrictionResult {
-    /// Accepts a refused law. The reasons for the refusal become warnings.
+    /// Accepts a rejected law: its errors become warnings.
     pub(crate) fn accept(&mut self) {
         self.findings.iter_mut().for_each(|finding| *finding = finding.clone().accepted());
     }
 
-    /// Reasons for which the law must not be written into a description.
+    /// Returns the findings that prevent writing the law to a description.
     pub fn refusals(&self) -> impl Iterator<Item = &Finding> {
         self.findings.iter().filter(|finding| finding.severity == Severity::Error)
     }
 
-    /// Whether all coefficients of the law are zero with the digits that their errors allow.
+    /// Returns whether all coefficients of the law round to zero with the digits that their errors justify.
     pub(crate) fn vanishes(&self) -> bool {
         let mut terms = self.law.coefficients().iter().chain(&self.load);
         terms.all(|term| vanishes(term.coefficient, term.written_error()))
     }
 
-    /// The constant that is written [N·m or N]; 0 if there is none.
+    /// Returns the constant that is written, in N·m or N; 0 if there is no constant.
     pub(crate) fn level(&self) -> f64 {
         self.constant.as_ref().map_or(0.0, |term| term.coefficient)
     }
 
-    /// Friction at a velocity and a load τ_l of the gear: the law with its constant, plus `|τ_l| s₁(v)` if friction grows
-    /// with the load.
+    /// Returns the friction torque at a velocity and a load τ_l of the gear, in N·m or N. The torque is the law with its
+    /// constant, plus the load-dependent friction `|τ_l| s₁(v)` if [`Self::load`] has terms.
     ///
     /// # Errors
     /// The errors are those of [`FrictionLaw::torques`].
@@ -261,7 +263,7 @@ impl FrictionResult {
         Ok(law + load.abs() * first(sum(&self.load, &[velocity])?))
     }
 
-    /// The law as one line of text, with the digits that are written into a description. If friction grows with the load,
+    /// Returns the law as one line of text, with the digits that are written to a description. In load-dependent friction,
     /// τ_l is called `load`.
     pub fn formula(&self) -> String {
         let under_load = self.load.iter().map(|term| format!("{}*abs(load)*{}", term.written(), term.basis));
@@ -270,13 +272,13 @@ impl FrictionResult {
         terms.collect::<Vec<_>>().join(" + ").replace("+ -", "- ")
     }
 
-    /// Half width of the interval at 95 %, in standard errors.
+    /// Returns the half width of the 95 % interval in standard errors.
     pub(crate) fn interval_factor(&self) -> f64 {
         let freedom = if self.freedom > 0.0 { self.freedom } else { 1e9 };
         quantile(CONFIDENCE, freedom).unwrap_or(f64::INFINITY)
     }
 
-    /// One line for each coefficient: name, value with standard error, interval, probability.
+    /// Returns one line for each coefficient: name, value with standard error, interval, probability.
     pub(crate) fn coefficient_lines(&self) -> Vec<String> {
         let t = self.interval_factor();
         let line = |(name, term): (String, &FrictionTerm)| {
@@ -291,21 +293,23 @@ impl FrictionResult {
         self.named().map(line).collect()
     }
 
-    /// The coefficients of the law, its constant, and the coefficients of friction under load, with their names.
+    /// Returns the coefficients of the law, its constant, and the coefficients of load-dependent friction, with their
+    /// names.
     fn named(&self) -> impl Iterator<Item = (String, &FrictionTerm)> {
         let law = self.law.coefficients().iter().chain(&self.constant);
         let law = law.map(|term| (term.basis.clone(), term));
         law.chain(self.load.iter().map(|term| (format!("load: {}", term.basis), term)))
     }
 
-    /// Lines on the offsets, the parameters of a Stribeck law, and the quality of the fit.
+    /// Returns lines about the offsets, the parameters of a Stribeck law, and the quality of the fit.
     pub(crate) fn summary_lines(&self) -> Vec<String> {
         let mut lines: Vec<String> =
             self.stribeck.iter().map(|words| words.line(&self.unit, &self.velocity_unit)).collect();
         lines.extend(self.offset_line());
         lines.extend(self.resolved_from.map(|speed| {
             let (speed, unit) = (plain(speed, 2), &self.velocity_unit);
-            format!("resolved from {speed} {unit} on: all slower samples but at most nine are within a filter length of a rest or a reversal")
+            format!("resolved from {speed} {unit} on: nearly all slower samples (all except nine at most) are within a \
+                     filter length of a rest or a reversal")
         }));
         let held_out = self.held_out.map_or_else(|| "unknown".into(), |r| format!("{r:.4}"));
         lines.push(format!(

@@ -1,4 +1,4 @@
-//! Findings about the friction that was identified if shafts take rows.
+//! Findings about the identified friction if shafts replace joints in rows of the equations.
 
 use super::super::estimation::{Estimate, Uncertain};
 use super::super::robot::Robot;
@@ -7,26 +7,26 @@ use gelenk_findings::digits::{plain, rounded};
 use gelenk_findings::{Finding, Rule};
 
 /// Sees: drives that act on several joints.
-/// Matters: their friction is that of their shafts, and rows are named by the drive.
+/// Matters: their friction is identified at their shafts, and results have the name of the drive.
 /// Example: a differential wrist.
 /// Fixture: `shaft` in `codegen/tests/findings/shared.rs`.
 const SHAFTS: Rule = Rule::note("rows-of-shafts");
 
-/// Sees: friction that is described on a joint whose row is replaced by that of a shaft.
-/// Matters: it is estimated near its description.
+/// Sees: friction that is described at a joint that is replaced by a shaft in the equations.
+/// Matters: this friction is estimated together with the friction of the shafts, near its description.
 /// Example: a seal at the joint of a differential wrist.
 /// Fixture: `codegen/tests/coupled_identification/shafts.rs`.
 const JOINT_TERM: Rule = Rule::note("friction-of-joint");
 
 impl ShaftRows {
-    /// Findings about the shafts, and about the friction of joints whose rows they take.
+    /// Findings about the shafts, and about the friction of joints that the shafts replace.
     ///
     /// - `robot`: the robot with joints as rows
     pub(crate) fn found(&self, robot: &dyn Robot, estimate: &Estimate) -> Vec<Finding> {
         let names: Vec<&str> = self.shafts().iter().map(|shaft| shaft.name.as_str()).collect();
         let shafts = format!(
-            "drives that act on several joints have friction on their shafts, over the motors' speeds, and rows of torques at \
-             the motors: {}",
+            "the friction of drives that act on several joints is identified at their shafts, with speeds and torques of the motors: \
+             {}",
             names.join(", ")
         );
         let joints = robot.joint_names();
@@ -35,8 +35,8 @@ impl ShaftRows {
             let [low, high] = factor.interval;
             let error = Some(0.5 * (high - low));
             let message = format!(
-                "its friction {} is estimated next to that of the shafts, near its description if the data do not determine it: {} becomes \
-                 {} ({} to {})",
+                "its friction {} is estimated together with the friction of the shafts, near its description if the data do not determine \
+                 it: the factor {} becomes {} (interval {} to {})",
                 term.basis,
                 plain(term.coefficient, 4),
                 rounded(factor.value, error),

@@ -1,4 +1,4 @@
-//! A robot whose rows may be those of shafts.
+//! A robot with shafts instead of some joints in the rows of its equations.
 
 use super::super::pose::QuaternionJoint;
 use super::super::robot::{Instant, JointLimits, Robot};
@@ -7,10 +7,10 @@ use super::Shaft;
 use super::rows::ShaftRows;
 use gelenk_findings::Subject;
 
-/// A robot as the estimate uses it: with the rows of its joints, or with shafts in place of some joints.
+/// A robot as the estimate uses it: with the rows of its joints, or with shafts instead of some joints.
 ///
-/// The factors of described friction of joints whose rows shafts take follow the inertial parameters. Positions are those of
-/// the rows. For robots with quaternions, positions are those of the joints.
+/// The factors of the described friction of replaced joints follow the inertial parameters. Positions are those of the rows
+/// (joints and shafts). For robots with quaternions, positions are those of the joints.
 #[derive(Clone)]
 pub(crate) struct RobotRows<'a> {
     robot: &'a dyn Robot,
@@ -18,7 +18,7 @@ pub(crate) struct RobotRows<'a> {
 }
 
 impl<'a> RobotRows<'a> {
-    /// The robot with the rows that its shafts take.
+    /// The robot with its shafts in the rows of the joints that they replace.
     pub(crate) fn of(robot: &'a dyn Robot) -> Self {
         Self { robot, rows: ShaftRows::of(robot) }
     }
@@ -33,7 +33,7 @@ impl<'a> RobotRows<'a> {
         self.rows.as_ref()
     }
 
-    /// The runs with signals of the rows instead of the joints.
+    /// The runs with the signals of the rows instead of the signals of the joints.
     pub(crate) fn along(&self, runs: Vec<PreparedRun>) -> Vec<PreparedRun> {
         match self.of_shafts() {
             Some(rows) => runs.into_iter().map(|run| rows.along(run)).collect(),
@@ -51,7 +51,7 @@ impl<'a> RobotRows<'a> {
         self.of_shafts().map_or_else(|| joints.to_vec(), |rows| rows.speeds(joints))
     }
 
-    /// The shafts that take rows.
+    /// The shafts that replace joints.
     pub(crate) fn shafts_of_rows(&self) -> &[Shaft] {
         self.of_shafts().map_or(&[], ShaftRows::shafts)
     }
@@ -68,7 +68,7 @@ impl<'a> RobotRows<'a> {
     }
 }
 
-/// Implements functions that are those of the robot.
+/// Implements functions by calls of the same functions of the robot.
 macro_rules! as_of_robot {
     ($($name:ident: $result:ty,)*) => {$(
         fn $name(&self) -> $result {
@@ -165,7 +165,7 @@ impl Robot for RobotRows<'_> {
         self.robot.friction(row, v)
     }
 
-    /// `None` if shafts take rows. The direction of gravity is then not tested.
+    /// Gravity of the robot; `None` if shafts replace joints. The direction of gravity is then not tested.
     fn gravity(&self) -> Option<[f64; 3]> {
         self.robot.gravity().filter(|_| self.rows.is_none())
     }

@@ -5,7 +5,7 @@ use super::super::run::{Effort, PreparedRun};
 use super::{JointTerm, Shaft};
 use nalgebra::DMatrix;
 
-/// Share of a row's largest entry below which an entry of C⁻¹ is rounding.
+/// Share of a row's largest entry below which an entry of C⁻¹ counts as a rounding error of zero.
 const ROUNDING: f64 = 1e-12;
 
 /// The rows of the equations in the coordinates `z = C y`.
@@ -23,7 +23,7 @@ pub(crate) struct ShaftRows {
 }
 
 impl ShaftRows {
-    /// The rows of a robot; `None` if no shaft takes a row.
+    /// The rows of a robot; `None` if no shaft replaces a joint.
     pub(crate) fn of(robot: &dyn Robot) -> Option<Self> {
         let shafts = robot.shafts();
         let joints = robot.joint_names().len();
@@ -46,12 +46,12 @@ impl ShaftRows {
         })
     }
 
-    /// The shafts that take rows.
+    /// The shafts that replace joints.
     pub(crate) fn shafts(&self) -> &[Shaft] {
         &self.shafts
     }
 
-    /// The shaft that takes this row; `None` if the row is that of a joint.
+    /// The shaft that has this row; `None` if the row is that of a joint.
     pub(crate) fn shaft(&self, row: usize) -> Option<&Shaft> {
         self.shafts.iter().find(|shaft| shaft.joint == row)
     }
@@ -62,7 +62,7 @@ impl ShaftRows {
         self.shaft(row).map_or(1.0, |shaft| largest(&shaft.ratios))
     }
 
-    /// Described friction of joints whose rows shafts take. Its factors follow the inertial parameters of the estimate.
+    /// Described friction terms of replaced joints. The factors of these terms follow the inertial parameters of the estimate.
     pub(crate) fn joint_terms(&self) -> &[JointTerm] {
         &self.terms
     }
@@ -72,7 +72,7 @@ impl ShaftRows {
         self.parameters
     }
 
-    /// A run with the signals of the rows, from a run of the joints.
+    /// A run with the signals of the rows, computed from a run with the signals of the joints.
     pub(crate) fn along(&self, run: PreparedRun) -> PreparedRun {
         let moved = |columns: &[Vec<f64>]| combined(&self.motion, columns);
         let efforts = match run.effort {
@@ -115,7 +115,8 @@ impl ShaftRows {
         (0..self.motion.nrows()).map(row).collect()
     }
 
-    /// Positions y from z. Positions of robots with quaternions are returned unchanged, because they are not sums.
+    /// Positions y of the joints from positions z of the rows. Positions of robots with quaternions are returned unchanged,
+    /// because they cannot be added.
     pub(super) fn positions(&self, z: &[f64]) -> Vec<f64> {
         if self.has_quaternions { z.to_vec() } else { self.joint_motion(z) }
     }
@@ -140,7 +141,7 @@ impl ShaftRows {
     }
 }
 
-/// A matrix times columns of samples. Columns whose factor is 0 are skipped, because they may contain NaN.
+/// The product of a matrix and columns of samples. Columns with the factor 0 are skipped, because they may contain NaN.
 fn combined(matrix: &DMatrix<f64>, columns: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let samples = columns.first().map_or(0, Vec::len);
     let row = |row: usize| {

@@ -1,4 +1,4 @@
-//! Rows of robots whose numbers are known.
+//! Rows of robots whose values are known.
 
 use super::super::methods::library::Library;
 use super::super::robot::{JointLimits, Robot};
@@ -100,7 +100,7 @@ fn slopes_of_shafts_are_those_of_joints() {
 
 #[test]
 fn rows_of_shafts_are_called_shafts() {
-    // A shaft that bears a joint's name, and a joint whose row no shaft takes.
+    // A shaft with the name of a joint, and a joint that is not replaced by a shaft.
     let robot = Masses(vec![shaft("two", 0, [10.0, 10.0])]);
     let shafts = RobotRows::of(&robot);
     assert_eq!(shafts.subject(0), Subject::Shaft("two".into()));

@@ -1,5 +1,4 @@
-//! Bounds in the method of multipliers (`interior_point::augmented`): forces that need neither slacks nor an
-//! interior.
+//! Bounds in the method of multipliers (`interior_point::augmented`). They need neither slacks nor an interior.
 
 use super::super::lanes::{Vector, largest, vectorized};
 use super::super::multipliers::Multipliers;
@@ -14,8 +13,8 @@ impl<V: Vector> Bounds<V> {
         }
     }
 
-    /// Takes the multipliers of another solution with the variables `z` if they show that a bound was active:
-    /// `λ > c d` at the distance d into the bound. The other multipliers become 0.
+    /// Sets the multipliers to those of another solution with the variables `z` for bounds that were active there. A
+    /// bound was active if `λ > c d`, with the distance d into the bound. The other multipliers become 0.
     pub(in crate::qp) fn recall(&mut self, c: f64, z: &[V], last: &Multipliers<V>) {
         vectorized!(V, {
             let c = V::splat(c);
@@ -36,8 +35,8 @@ impl<V: Vector> Bounds<V> {
         })
     }
 
-    /// Sets `weight` to the second derivative of the terms and `rhs` to the gradient with their forces. The
-    /// piece of a term follows from `z`, or from the multiplier if `known` is true.
+    /// Sets `weight` to the second derivatives of the terms of the bounds, and `rhs` to the gradient with their forces.
+    /// Each term is piecewise quadratic. The piece is selected by `z`, or by the multiplier if `known` is true.
     pub(in crate::qp) fn augment(
         &self,
         (w, known): (f64, bool),
@@ -86,9 +85,9 @@ impl<V: Vector> Bounds<V> {
 }
 
 impl<V: Vector> Side<V> {
-    /// The force at the distance `d` into the bound, and its increase per unit of violation. The force is the
-    /// positive part of `y = λ − W d`. If y exceeds w₁ of a soft bound, the force is `w₁ + w₂ v` with the
-    /// violation v = (y − w₁)/(w₂ + W).
+    /// The force at the distance `d` into the bound, and the increase of the force per unit of violation. The force is
+    /// the positive part of `y = λ − W d`. If y exceeds the linear penalty w₁ of a soft bound, the force is `w₁ + w₂ v`
+    /// with the violation v = (y − w₁)/(w₂ + W).
     #[inline(always)]
     fn augmented(&self, soft: &Softening<V>, w: V, d: V, known: bool) -> [V; 2] {
         let y = d.mul_neg_add(w, self.multiplier);

@@ -1,4 +1,4 @@
-//! Measures of a point with respect to its bounds: violation, penalty and duality gap.
+//! Violation, penalty and duality gap of a point with respect to the bounds.
 
 use super::super::lanes::{Vector, largest, vectorized};
 use super::super::multipliers::Multipliers;
@@ -40,7 +40,7 @@ impl<V: Vector> Bounds<V> {
         })
     }
 
-    /// Projects `z` onto the bounds. The result is exactly a bound or the given number.
+    /// Clamps `z` to the bounds. Each result is exactly a bound or the given number.
     pub(in crate::qp) fn clip(&self, z: &mut [V]) {
         vectorized!(V, {
             for ([lower, upper], z) in self.sides.iter().zip(z) {
@@ -50,8 +50,7 @@ impl<V: Vector> Bounds<V> {
         })
     }
 
-    /// Cost of the violation of soft bounds by `z`. If `relaxed` is true, bounds that were hard before their
-    /// relaxation are included.
+    /// Cost of the violation of soft bounds by `z`. If `relaxed` is true, hard bounds that were softened are included.
     pub(in crate::qp) fn penalty(&self, z: &[V], relaxed: bool) -> f64 {
         vectorized!(V, {
             let less = V::splat(f64::from(u8::from(!relaxed)));

@@ -1,9 +1,9 @@
-//! Bounds in the interior-point method: slacks, multipliers and their Newton steps, four at a time.
+//! Bounds in the interior-point method: slacks, multipliers and their Newton steps, four bounds at a time.
 //!
-//! A bound `ς (z − b) + t ≥ 0` (ς = +1 for a lower bound, −1 for an upper bound; `t` is the softening, and
-//! absent for a hard bound) has the slack `s > 0` with `ς (z − b) + t − s = −r` and the multiplier `λ > 0`. A
-//! soft bound costs `w₁ t + ½ w₂ t²` with `t ≥ 0`. The multiplier of `t ≥ 0` is `ν = w₁ + w₂ t − λ > 0`. The
-//! elimination of `ds`, `dt` and `dν` from the Newton system leaves a diagonal term in z:
+//! A bound is `ς (z − b) + t ≥ 0` with ς = +1 for a lower bound and −1 for an upper bound. The softening `t` is absent
+//! for a hard bound. The slack `s > 0` satisfies `ς (z − b) + t − s = −r` with the residual r, and the multiplier is
+//! `λ > 0`. A soft bound costs `w₁ t + ½ w₂ t²` with `t ≥ 0`. The multiplier of `t ≥ 0` is `ν = w₁ + w₂ t − λ > 0`.
+//! The elimination of `ds`, `dt` and `dν` from the Newton system leaves a diagonal term W in z:
 //! ```text
 //!     s dλ + λ ds = −rc₁ = −(s λ − τ + c₁)       t dν + ν dt = −rc₂ = −(t ν − τ + c₂)       τ = σμ, c: second-order correction
 //!     ς dz + dt + r = ds       dν = w₂ dt − dλ       D = ν + w₂ t (1 if hard)       Δ = D s + t λ (t = 0 if hard)
@@ -51,9 +51,9 @@ impl<V: Vector> Bounds<V> {
         self.soft.fill(Default::default());
     }
 
-    /// Sets the largest diagonal term `W_max` of the Newton system. Larger terms would remove digits of the
-    /// smaller weights (`R` in `R + BᵀWB`). A step that takes `λ/W_max` in place of a smaller slack is still
-    /// a Newton step to second order, because `dλ` vanishes at the optimum.
+    /// Sets the largest diagonal term `W_max` of the Newton system. With larger terms, smaller weights would lose digits
+    /// (`R` in `R + BᵀWB`). A step that uses `λ/W_max` instead of a smaller slack is still a Newton step to second
+    /// order, because `dλ` vanishes at the optimum.
     pub(super) fn cap_weights(&mut self, cap: f64) {
         self.cap = [V::splat(cap), V::splat(1.0 / cap)];
     }

@@ -1,16 +1,16 @@
-//! One side of four bounds: slack, multiplier, softening, and their steps.
+//! Lower or upper side of four bounds: slacks, multipliers, softenings, and their steps.
 
 use super::super::lanes::{Vector, largest};
 
-/// One side of four bounds.
+/// Lower or upper side of four bounds.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Side<V> {
-    /// Bound; 0 if it is infinite. `active` is 1 for a finite bound and 0 for an infinite one, whose slack
-    /// and multiplier remain 1.
+    /// Bound; 0 if the bound is infinite. `active` is 1 for a finite bound and 0 for an infinite bound. Slack and
+    /// multiplier of an infinite bound remain 1.
     pub(super) bound: V,
     pub(super) active: V,
-    /// `1/max(1, |bound|)` for a finite bound, 0 for an infinite one. It makes violations relative to the
-    /// size of the bound.
+    /// `1/max(1, |bound|)` for a finite bound, 0 for an infinite bound. This factor makes violations relative to the size
+    /// of the bound.
     pub(super) relative: V,
     pub(super) slack: V,
     pub(super) multiplier: V,
@@ -24,12 +24,12 @@ pub(super) struct Side<V> {
     /// [`super::Bounds::cap_weights`].
     inverse_damped: V,
     excess: V,
-    /// Steps of slack and multiplier; after the predictor they are the affine steps.
+    /// Steps of slack and multiplier. After the predictor they are the affine steps.
     ds: V,
     dl: V,
 }
 
-/// Data that a soft bound has in addition to those of a hard bound.
+/// Additional data of a soft bound.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Softening<V> {
     /// 1 if the bound is soft, 0 if it is hard.
@@ -49,7 +49,7 @@ pub(super) struct Softening<V> {
     dnu: V,
 }
 
-/// Sums and maxima over the bounds, which the passes below compute.
+/// Sums and maxima over the bounds, one for each lane.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Tally<V> {
     sum: V,
@@ -171,9 +171,9 @@ impl<V: Vector> Side<V> {
         self.weight * (self.excess - self.residual)
     }
 
-    /// Steps for a step `dz` of the variable, with `s dλ + λ ds = −rc₁` and `t dν + ν dt = −rc₂`. In each
-    /// formula, small numbers are products of small numbers, not differences of large numbers: ν is tiny if a
-    /// soft bound is violated.
+    /// Computes the steps for a step `dz` of the variable, with `s dλ + λ ds = −rc₁` and `t dν + ν dt = −rc₂`. The
+    /// formulas compute small numbers as products of small numbers, not as differences of large numbers. This is
+    /// necessary because ν is tiny if a soft bound is violated.
     #[inline(always)]
     fn steps<const UPPER: bool, const SOFT: bool>(&mut self, soft: &mut Softening<V>, dz: V, rc1: V, rc2: V) {
         let (s, l) = (self.slack + self.excess, self.multiplier);
@@ -296,15 +296,15 @@ impl<V: Vector> Softening<V> {
         penalty + l * d.fast_max(V::zero()) + half * beyond * beyond * inverse
     }
 
-    /// Sets `t` and `ν = w₁ + w₂ t − λ` so that their product is μ, like that of all other pairs. If `t` were
-    /// as large as the violation, it would be far off the central path for bounds that are kept in the end.
+    /// Sets `t` and `ν = w₁ + w₂ t − λ` so that their product is μ, like the products of all other pairs. If `t` were
+    /// equal to the violation, the start would be far off the central path for bounds that the solution keeps.
     #[inline(always)]
     pub(super) fn start(&mut self, l: V, mu: V) {
         let (beyond, hard) = (l - self.w1, V::one() - self.active);
         let two = V::splat(2.0);
         let root = (beyond * beyond + V::splat(4.0) * self.w2 * mu).sqrt();
-        // Of the two forms of the root the one without cancellation; the first one divides by zero only where
-        // it is not taken.
+        // The form of the root without cancellation is selected. The first form can only divide by zero if the second
+        // form is selected.
         let positive = (beyond + root) / (two * self.w2.fast_max(V::splat(f64::MIN_POSITIVE)));
         let negative = two * mu / (root - beyond).fast_max(V::splat(f64::MIN_POSITIVE));
         let t = V::select_positive(beyond, positive, negative);

@@ -5,16 +5,16 @@ use super::super::multipliers::Multipliers;
 use super::Bounds;
 use super::side::Softening;
 
-/// Least distance between two bounds for the start of the method. Closer bounds are treated as if they had
-/// this distance.
+/// Smallest distance between two bounds for the start of the method. Closer bounds are treated as if they had this
+/// distance.
 const MIN_WIDTH: f64 = 1e-6;
 
-/// Least slack at the start, as a share of the violation of the bound or of its opposite bound.
+/// Smallest slack at the start, relative to the violation of the bound or of the opposite bound.
 const VIOLATION_SHARE: f64 = 0.1;
 
 impl<V: Vector> Bounds<V> {
-    /// Sets the bounds of number `i` of the padded variables, and the penalty weights `(w₁, w₂)` if it is
-    /// soft. Infinite bounds become inactive.
+    /// Sets the bounds of number `i` of the padded variables. `penalty` are the penalty weights `(w₁, w₂)` of soft
+    /// bounds; `None` for hard bounds. Infinite bounds become inactive.
     pub(in crate::qp) fn set(&mut self, i: usize, lower: f64, upper: f64, penalty: Option<(f64, f64)>) {
         let (lane, i) = (i / WIDTH, i % WIDTH);
         for (side, bound) in [(0, lower), (1, upper)] {
@@ -53,8 +53,8 @@ impl<V: Vector> Bounds<V> {
         })
     }
 
-    /// Adds a quadratic cost with its minimum in the middle between the bounds and the value `size` at a
-    /// distance equal to their width. A single bound has its minimum 1 + |b| inside the bound b.
+    /// Adds a quadratic cost with its minimum in the middle between the bounds. At a distance equal to their width, the
+    /// cost is `size`. For a single bound b, the minimum is at the distance 1 + |b| into the bound.
     pub(in crate::qp) fn attract(&self, size: f64, weight: &mut [V], linear: &mut [V]) {
         vectorized!(V, {
             let (half, one) = (V::splat(0.5), V::one());
@@ -91,8 +91,8 @@ impl<V: Vector> Bounds<V> {
         })
     }
 
-    /// Raises slacks to ten times the residual that a move of the variables to `z` leaves, because smaller
-    /// slacks would block every step.
+    /// Raises slacks to ten times the residual that remains after the variables move to `z`, because smaller slacks would
+    /// block every step.
     pub(in crate::qp) fn loosen(&mut self, z: &[V]) {
         vectorized!(V, {
             let several = V::splat(10.0);
@@ -107,9 +107,9 @@ impl<V: Vector> Bounds<V> {
         })
     }
 
-    /// Initial slacks and multipliers. A slack is the distance of the variable `z` from its bound, but at
-    /// least `share` of the distance between the bounds (of 1 + |z| for a single bound) or μ/λ for the
-    /// multiplier λ of the last solution, whichever is less. The multiplier is `μ/s`.
+    /// Sets initial slacks and multipliers. A slack s is the distance of the variable `z` from its bound, but not less than
+    /// the smaller of two values. The first value is `share` times the distance between the bounds (1 + |z| for a single
+    /// bound). The second value is μ/λ for the multiplier λ of the last solution. The initial multiplier is `μ/s`.
     #[inline(always)]
     pub(super) fn start_as<const SOFT: bool>(
         &mut self,
@@ -126,8 +126,8 @@ impl<V: Vector> Bounds<V> {
             let width = both * (upper.bound - lower.bound) + (V::one() - both) * (V::one() + z[i].abs());
             let least = width.fast_max(V::splat(MIN_WIDTH)) * V::splat(share);
             let (below, above) = (z[i] - lower.bound, upper.bound - z[i]);
-            // Between bounds that are close to each other relative to their violation, slacks by their distance
-            // alone would be far too small.
+            // If two bounds are close to each other relative to their violation, slacks that only depend on the distance
+            // between the bounds would be far too small.
             let least = least.fast_max(V::splat(VIOLATION_SHARE) * (-below.fast_min(above)));
             let [of_lower, of_upper] = last.map_or([V::zero(); 2], |last| last.0[i]);
             let at_most = |l: V| least.fast_min(mu / l.fast_max(V::splat(f64::MIN_POSITIVE)));

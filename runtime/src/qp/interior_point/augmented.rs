@@ -1,17 +1,16 @@
-//! The method of multipliers, for problems that the interior-point method has not solved.
+//! Method of multipliers, for problems that the interior-point method does not solve.
 //!
-//! Every bound and row is a term of the cost. It depends on the distance `d` into the bound, its multiplier λ
-//! and, for a soft bound, its penalty φ:
+//! Every bound and row becomes a term ψ of the cost. This term depends on the distance `d` into the bound, the multiplier
+//! λ, the weight W and, for a soft bound, the penalty φ:
 //!
 //! ```text
 //!     ψ(d) = min_{v ≥ 0} φ(v) + (max(λ − W (d + v), 0)² − λ²) / 2W        v = 0 if it is hard
 //! ```
 //!
-//! Newton's method minimizes the sum with a line search. After a whole step the forces `−ψ′` become the
-//! multipliers. No interior is needed, and the multipliers start from zero. If the bounds hardly leave an
-//! interior, the multipliers of the interior-point method grow without limit until rounding relative to them
-//! stops it. Each gradient is computed from the data of the problem, so a step also corrects rounding errors
-//! of the previous one.
+//! Newton's method with a line search minimizes the sum. After a full step the forces `−ψ′` become the multipliers. The
+//! multipliers start at zero, and no interior is needed. In contrast, if the interior between bounds is very small, the
+//! multipliers of the interior-point method grow until rounding errors stop the method. Each gradient is computed from
+//! the data of the problem, so a step also corrects rounding errors of the previous step.
 //!
 //! Sources: Rockafellar, *Augmented Lagrangians and applications of the proximal point algorithm in convex
 //! programming*, Math. Oper. Res. 1 (1976). The steps are from Hermans, Themelis, Patrinos, *QPALM*, Math.
@@ -23,8 +22,8 @@ use super::super::lanes::Vector;
 use super::super::problem::QpProblem;
 use super::run::CAP_CUT;
 
-/// First and largest weight W, relative to the largest weight of the cost. W is multiplied by `RAISE` if more
-/// than the share `FALL` of the violation remains after a change of the multipliers.
+/// First and largest weight W, relative to the largest weight of the cost. If more than the share `FALL` of the violation
+/// remains after a change of the multipliers, W is multiplied by `RAISE`.
 const FIRST_WEIGHT: f64 = 1e2;
 const MOST_WEIGHT: f64 = 1e16;
 const RAISE: f64 = 10.0;
@@ -35,8 +34,8 @@ const SLOPE_LEFT: f64 = 0.1;
 const HALVINGS: usize = 20;
 
 impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, NU, NR> {
-    /// Continues from the solution in memory, whose certificate `first` is not that of a solution. Makes the
-    /// better point the solution. Returns its certificate and the number of factorizations.
+    /// Continues from the point in memory with the certificate `first`, which does not meet the tolerances. Keeps the better
+    /// of the old and the new point. Returns the certificate of this point and the number of factorizations.
     pub(super) fn multiply(
         &mut self,
         problem: &QpProblem<NX, NU, NR>,
@@ -76,9 +75,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         (kept, self.settings.max_iterations)
     }
 
-    /// Computes gradient and diagonal terms at the iterate, for the weights W of inputs and of states. For
-    /// `known` see [`Bounds::augment`](super::super::barrier::Bounds::augment). The gradient of the cost
-    /// remains in memory.
+    /// Computes gradient and diagonal terms at the iterate, for the weights W of inputs and of states. The gradient of the
+    /// cost remains in memory. [`Bounds::augment`](super::super::barrier::Bounds::augment) explains `known`.
     pub(super) fn augment(&mut self, [of_inputs, of_states]: [f64; 2], known: bool) {
         self.rows.evaluate(&mut self.iterate);
         self.riccati.gradient(&self.iterate, &self.linear, &mut self.gradient);
@@ -92,13 +90,13 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         self.rows.fold(h);
     }
 
-    /// The Newton step from the iterate.
+    /// Computes the Newton step from the iterate.
     pub(super) fn augmented_step(&mut self) {
         self.solve_step();
         self.fixed.hold(&mut self.step.u);
     }
 
-    /// Length of the step: 1, or less if the cost would rise again before.
+    /// Length of the step. The length is 1, or less if the cost would rise again before the end of the step.
     fn augmented_length(&mut self, w: f64) -> f64 {
         let linear = self.gradient.inner(&self.step);
         self.rhs.clear();
@@ -126,8 +124,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         0.5 * (low + high)
     }
 
-    /// Makes the forces at the iterate the multipliers of the iterate and of the solution. Returns the
-    /// largest violation of a hard bound or row.
+    /// Sets the multipliers of the iterate and of the solution to the forces at the iterate. Returns the largest violation
+    /// of a hard bound or row.
     pub(super) fn take_forces(&mut self, [of_inputs, of_states]: [f64; 2]) -> f64 {
         let z = &self.iterate;
         self.input_bounds.take_forces(of_inputs, &z.u);

@@ -1,14 +1,17 @@
 //! Newton's method from the active set of the last solution.
 //!
-//! The terms of the method of multipliers ([`super::augmented`]) are quadratic on each of their pieces: off
-//! the bound, at it, and beyond a soft one. One Newton step reaches the minimum on the assumed pieces. The
-//! first step assumes the pieces of the last solution. If the new point is on the assumed pieces, the forces
-//! become multipliers, and the point is certified. The certificate includes the largest decrease along its
-//! gradient without the weights W. The error due to the finite weight W is removed by further steps with the
-//! same factorization. If the new point is on other pieces, these are assumed in the next step. If the first
-//! sets are wrong, the interior-point method from near the last solution takes fewer iterations. Failures
-//! depend on noise and motion, so they often occur in a row. After each failure, Newton's method is therefore
-//! omitted for more problems ([`super::super::pause`]).
+//! Each term of the method of multipliers ([`super::augmented`]) consists of quadratic pieces: away from the bound, at the
+//! bound, and beyond a soft bound. One Newton step reaches the minimum on assumed pieces.
+//!
+//! 1. The first step assumes the pieces of the last solution.
+//! 2. If the new point is on the assumed pieces, the forces become multipliers, and the point is certified. The
+//!    certificate includes the largest decrease along the gradient without the weights W. Further steps with the same
+//!    factorization remove the error due to the finite weight W.
+//! 3. If the new point is on other pieces, the next step assumes these pieces.
+//!
+//! If the first assumed pieces are wrong, the interior-point method with a start near the last solution usually takes fewer
+//! iterations. Failures depend on noise and motion, so they often occur in consecutive problems. Therefore each failure
+//! increases the number of problems for which this method is skipped ([`super::super::pause`]).
 //!
 //! Source: Hintermüller, Ito, Kunisch, *The primal-dual active set strategy as a semismooth Newton method*, SIAM J.
 //! Optim. 13 (2002), section 3.
@@ -19,10 +22,10 @@ use super::super::ldl::{factor_ldl, solve_ldl};
 use super::super::problem::QpProblem;
 use super::super::status::{KktResiduals, QpReport, QpStatus};
 
-/// Largest number of factorizations, and of steps with the same factorization. With 2 factorizations, the
-/// iterations of the bench `control_step` change by −4 % (UR5), −6 % (Panda), +18 % (PowerCube) and +40 %
-/// (quadrotor).
+/// Largest number of factorizations. With 2 instead of 4 factorizations, the number of iterations in the benchmark
+/// `control_step` changes by −4 % (UR5), −6 % (Panda), +18 % (PowerCube) and +40 % (quadrotor).
 const MOST: usize = 4;
+/// Largest number of steps with the same factorization.
 const REPEATED: usize = 3;
 /// Weight W of states and rows, relative to the largest weight of the cost. The weight of inputs is `RIGID`
 /// times as large, because the weight of the states acts on the inputs through the dynamics.
@@ -33,8 +36,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     /// Solves the problem from the active set of the solution in memory.
     ///
     /// # Errors
-    /// The start to use instead, and the number of iterations that were made, if this method does not find
-    /// the solution.
+    /// If this method does not find the solution, the error contains the start to use instead and the number of iterations
+    /// that were made.
     pub(in crate::qp) fn follow(
         &mut self,
         problem: &QpProblem<NX, NU, NR>,
@@ -51,7 +54,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     }
 
     fn pursue(&mut self, problem: &QpProblem<NX, NU, NR>) -> Result<QpReport, usize> {
-        // A cold start in place of this one forgets what it leaves.
+        // If a cold start replaces this start, it clears the data that this start leaves.
         self.solved = false;
         self.load(problem);
         let weight = factor_ldl(self.riccati.r).map_err(|_| 0_usize)?;
@@ -64,7 +67,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         while known || iterations < most {
             if !known {
                 self.riccati.factorize(&self.weight, None, &self.rows).map_err(|_| iterations)?;
-                // The set that is factorized.
+                // `best` stores the active set of the present factorization.
                 self.best.copy_from(&self.weight);
                 iterations += 1;
             }
@@ -98,10 +101,10 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         Err(iterations)
     }
 
-    /// Corrects the multipliers of inputs at a bound by the reduced gradient, because the force `−W d` has
-    /// few digits. Returns an upper bound of the decrease of the cost along the remaining gradient g,
-    /// `½ gᵀ R⁻¹ g` with the factors of R. The decrease in the certificate contains the weights W, which hide
-    /// the decrease for a bound that is wrongly kept.
+    /// Corrects the multipliers of inputs at a bound by the reduced gradient, because the force `−W d` has few correct
+    /// digits. Returns an upper bound `½ gᵀ R⁻¹ g` of the decrease of the cost along the remaining gradient g. The decrease
+    /// in the certificate is computed with the weights W, so it does not show the decrease for a bound that should not be
+    /// active.
     fn settle(&mut self, problem: &QpProblem<NX, NU, NR>, weight: &[[f64; NU]; NU]) -> f64 {
         let mut gain = 0.0;
         for (k, stage) in problem.stages.iter().enumerate() {
@@ -139,7 +142,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         self.rows.evaluate(&mut self.iterate);
     }
 
-    /// The number of iterations; 0 for one iteration if no bound is active.
+    /// The reported number of iterations. A single iteration without active bounds counts as 0.
     fn counted(&self, iterations: usize) -> usize {
         if self.has_active_bounds() { iterations } else { iterations - 1 }
     }

@@ -1,4 +1,4 @@
-//! Distance of an iterate from the solution, and tests whether the method still makes progress.
+//! Tests of the distance of an iterate from the solution, and of the progress of the method.
 
 use super::super::certificate::allowed_gap;
 use super::super::core::Core;
@@ -7,24 +7,27 @@ use super::run::{PATIENCE, Run, State};
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
 
-/// Conditions of a bad start, while the residual is not yet `NEAR` its tolerance. Its first residual exceeds
-/// `FAR`; or, from iteration `JUDGED` on and tested in every third one, more than the share `SLOW` of the
-/// residual remains per iteration; or `PATIENCE` consecutive steps are shorter than `CRAWL`. An earlier test
-/// rejects starts that would have led to the solution sooner.
+/// Constants of the test for a bad start. While the residual is not yet `NEAR` its tolerance, a start is bad in three
+/// cases:
+///
+/// - Its first residual exceeds `FAR`.
+/// - More than the share `SLOW` of the residual remains per iteration. This is tested in every third iteration from
+///   iteration `JUDGED` on. An earlier test would reject starts that lead to the solution sooner.
+/// - `PATIENCE` consecutive steps are shorter than `CRAWL`.
 const JUDGED: usize = 14;
 const FAR: f64 = 1e4;
 const SLOW: f64 = 0.7;
 pub(super) const CRAWL: f64 = 0.2;
 pub(super) const NEAR: f64 = 1e3;
-/// Iteration from which on the best iterate is stored and stalling is tested. Nearly all solves end earlier.
+/// First iteration in which the best iterate is stored and stalling is tested. Nearly all solves end earlier.
 pub(super) const LATE: usize = 12;
-/// Iterations between two tests whether the residual still falls.
+/// Number of iterations between two tests whether the residual still decreases.
 const STALL_PERIOD: usize = 6;
 
 impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, NU, NR> {
-    /// Whether the run has used its iterations. Beyond its limit, a start may only continue if the bounds are
-    /// nearly kept. A start that approaches the solution may use the iterations of later starts, because
-    /// these would begin far from the solution.
+    /// Whether the run has used its iterations. Beyond its limit, a run only continues if the bounds are nearly kept. A run
+    /// that approaches the solution may use the iterations of later starts, because later starts would begin far from the
+    /// solution.
     pub(super) fn is_over(&self, merit: f64, state: &State, run: &Run) -> bool {
         if merit <= NEAR && run.progress.1 < PATIENCE {
             return run.iterations >= run.budget;
@@ -33,7 +36,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         run.iterations >= run.limit || run.iterations >= self.settings.max_iterations && !near
     }
 
-    /// Whether the start is a bad one.
+    /// Whether the start is bad, see [`JUDGED`].
     pub(super) fn is_slow(&self, state: &State, run: &Run) -> bool {
         if state.residual <= NEAR * self.settings.feasibility
             || (run.iterations > 0 && run.iterations < JUDGED)
@@ -58,7 +61,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     /// Largest ratio of gap and residual to their tolerances, at most 1 for a solution.
     pub(super) fn merit(&self, state: &State, run: &Run) -> f64 {
         let (gap, residual) = (state.gap, state.residual);
-        // Maxima drop NaN.
+        // Maxima ignore NaN, so the sum is tested.
         if !(state.cost + state.quadratic + gap + residual).is_finite() {
             return f64::INFINITY;
         }
@@ -76,7 +79,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         }
     }
 
-    /// Whether the residual of the bounds no longer falls, as for bounds that cannot be kept.
+    /// Whether the residual of the bounds no longer decreases, for example because the bounds cannot be kept.
     pub(super) fn stalled(&self, state: &State, run: &mut Run) -> bool {
         let iterations = run.iterations - run.begun;
         if iterations < LATE || !iterations.is_multiple_of(STALL_PERIOD) {

@@ -1,4 +1,4 @@
-//! Mehrotra's predictor–corrector method on the optimal-control QP.
+//! Mehrotra's predictor–corrector method for the optimal-control QP.
 //!
 //! Each iteration factorizes the Newton system of the perturbed KKT conditions once ([`super::riccati`]) and
 //! solves it twice. The first solution is the affine step, whose length determines the centring. The second
@@ -6,16 +6,16 @@
 //! bounds have a primal residual. Equal primal and dual step lengths reduce the primal and the dual residual
 //! by the same factor.
 //!
-//! A start near the last solution has the inputs of this solution and the states that follow from them. Its
-//! slacks are `s = max(d, min(μ/λ, share of the width))` for the distance d into a bound whose multiplier was
-//! λ, and its multipliers are `μ/s`. All products are μ, so the start is close to the central path if the
-//! last solution is close to the new one.
+//! A start near the last solution uses the inputs of this solution and the states that follow from these inputs. The
+//! slacks are `s = max(d, min(μ/λ, share of the width))` for the distance d into a bound whose multiplier was λ. The
+//! multipliers are `μ/s`. All products `s λ` are μ, so the start is close to the central path if the last solution is
+//! close to the new solution.
 //!
 //! Sources: Mehrotra, *On the implementation of a primal-dual interior point method*, SIAM J. Optim. 2
 //! (1992); Wright, *Primal-Dual Interior-Point Methods*, SIAM 1997, chapter 10. The structure of the problem
-//! is from Rao, Wright, Rawlings, JOTA 99 (1998). Starts with a gap that allows for the change of the problem
-//! are from Yildirim, Wright, *Warm-start strategies in interior-point methods for linear programming*, SIAM
-//! J. Optim. 12 (2002).
+//! is from Rao, Wright, Rawlings, JOTA 99 (1998). Warm starts with a gap that accounts for the change of the problem are
+//! from Yildirim, Wright, *Warm-start strategies in interior-point methods for linear programming*, SIAM J. Optim. 12
+//! (2002).
 
 mod augmented;
 mod follow;
@@ -33,8 +33,8 @@ use super::ldl::NotPositive;
 use super::problem::QpProblem;
 use super::status::{QpReport, QpStatus};
 
-/// Factor of the largest barrier term if the method makes little progress. Damped multipliers fall slowly, by
-/// a nearly constant share of the gap.
+/// Factor by which the largest barrier term is raised if the method makes little progress. With a too small term, damped
+/// multipliers decrease slowly.
 const CAP_RAISE: f64 = 10.0;
 
 /// Result of a run of the method.
@@ -49,17 +49,17 @@ struct Outcome {
 /// A point that may be the solution.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Candidate {
-    /// The unconstrained optimum, which keeps the bounds.
+    /// The unconstrained optimum, if it keeps the bounds.
     Free,
-    /// An iterate.
+    /// An iterate of the method.
     Iterate,
     /// The best iterate at the end of the method, even if it is not a solution.
     Last,
 }
 
 impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, NU, NR> {
-    /// Solves the problem in memory. `soft` is true if it has soft bounds or rows. If its hard state bounds
-    /// or rows cannot be kept, the problem is solved again with exact penalties in their place.
+    /// Solves the problem in memory. `soft` is true if the problem has soft bounds or rows. If hard state bounds or rows
+    /// cannot be kept, the problem is solved again, and exact penalties replace these bounds and rows.
     ///
     /// # Errors
     /// [`NotPositive`] if the unconstrained problem cannot be factorized.
@@ -82,7 +82,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
                 if outcome.certificate.holds() && self.status(&outcome.certificate) == QpStatus::Solved {
                     return Ok(outcome.certificate.report(QpStatus::Solved, near));
                 }
-                // As in a new solver.
+                // The memory is then that of a new solver.
                 self.forget();
                 soft = self.load(problem);
                 start = Start::Cold;
@@ -104,7 +104,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
             };
             kept = (start == Start::Deep).then_some(certificate);
             if start == Start::Deep && self.softened {
-                // The penalties spoil the Newton systems of some problems that can keep their bounds.
+                // For some problems that can keep their bounds, the penalties make the Newton systems ill-conditioned.
                 soft = self.load(problem);
             }
         }
@@ -118,8 +118,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         self.judge(problem, Ok(report))
     }
 
-    /// Makes the better of two points the solution: the stored one, if `kept` is given, or the present one.
-    /// Stores the better point.
+    /// Makes the better of two points the solution, and stores this point. The two points are the stored point (if `kept`
+    /// is given) and the present point.
     fn better_of(&mut self, kept: Option<Certificate>, present: Certificate) -> Certificate {
         let feasibility = self.settings.feasibility;
         let better = kept.filter(|kept| !present.holds() && kept.is_better_than(&present, feasibility));
@@ -156,7 +156,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         Ok(start)
     }
 
-    /// Status of the solution in memory. Only this function decides that a point is a solution.
+    /// Status of the solution in memory. Only this function decides whether a point is a solution.
     pub(super) fn status(&mut self, certificate: &Certificate) -> QpStatus {
         if !certificate.is_finite() {
             QpStatus::Invalid
@@ -171,7 +171,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         }
     }
 
-    /// Whether there is a bound or row that may become active.
+    /// Whether the problem has a bound or row that can become active.
     fn is_bounded(&self) -> bool {
         self.equalities.any() || self.input_bounds.count() + self.state_bounds.count() > 0.0
     }
@@ -187,7 +187,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     fn run(&mut self, problem: &QpProblem<NX, NU, NR>, soft: bool, start: Start, budget: usize) -> Outcome {
         let mut run = Run::new(start, soft, self.settings.max_iterations, budget);
         let mut candidate = None;
-        // A plan that keeps the bounds need not be the optimum.
+        // A start near the last solution that keeps the bounds is not necessarily the optimum.
         if start != Start::Near && self.keeps_bounds() {
             self.multipliers[0].clear();
             self.multipliers[1].clear();
@@ -233,17 +233,17 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     /// candidate, 0 if there was no candidate.
     fn iterate(&mut self, least: f64, run: &mut Run) -> Option<Candidate> {
         let state = self.linearize(run.soft);
-        // For the next one
+        // This limit is for the next factorization.
         self.state_bounds.cap_weights(run.cap.max(run.stiffness * state.force));
         self.equalities.cap_weights(run.cap);
         let merit = self.merit(&state, run).max(least);
-        // The factorization that a certificate needs is that of the last iteration.
+        // A certificate needs a factorization, which is available from iteration 1 on.
         if merit <= 1.0 && run.iterations > 0 {
             self.take_multipliers(false);
             return Some(Candidate::Iterate);
         }
         let stalled = self.stalled(&state, run);
-        // A start near the last solution is given up in favour of a cold one.
+        // A start near the last solution is not restarted. A cold start replaces it.
         let may_restart = !run.restarted && run.start != Start::Near && run.iterations < run.limit;
         if merit.is_finite() && may_restart && (stalled || self.is_slow(&state, run)) {
             self.restart(run);

@@ -2,10 +2,10 @@
 
 use super::super::core::Start;
 
-/// Limit of a barrier term relative to the largest multiplier of a state, if it exceeds the absolute limit. A
-/// smaller limit would hold large multipliers back.
+/// Limit of a barrier term relative to the largest multiplier of a state. The larger of this limit and the absolute limit
+/// applies. A smaller limit would slow the growth of large multipliers.
 pub(super) const STIFFNESS: f64 = 1e6;
-/// Factor of both limits of the barrier terms after rounding made a factorization fail or its steps inexact.
+/// Factor of both limits of the barrier terms if a factorization failed or its steps were inexact because of rounding.
 pub(super) const CAP_CUT: f64 = 1e-2;
 /// Number of iterations without progress after which the second-order correction is omitted, because the
 /// method can cycle with it (Cartis, *Some disadvantages of a Mehrotra-type primal-dual corrector interior
@@ -15,7 +15,7 @@ pub(super) const PATIENCE: usize = 3;
 /// State at the start of an iteration.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct State {
-    /// `zᵀHz` and the cost.
+    /// Quadratic part `zᵀHz` of the cost, and the cost.
     pub(super) quadratic: f64,
     pub(super) cost: f64,
     /// `Σ sλ`, and the largest residual of a bound or row.
@@ -29,13 +29,13 @@ pub(super) struct State {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Run {
     pub(super) start: Start,
-    /// Whether [`Core::restart`] was made, which happens at most once in a run.
+    /// Whether [`Core::restart`] was called. A run has at most one restart.
     pub(super) restarted: bool,
-    /// Number of iterations before the present start: 0, or the iterations up to and including the restart.
+    /// Number of iterations before the present start. It is 0, or the number of iterations up to the restart.
     pub(super) begun: usize,
     /// Number of consecutive steps shorter than `CRAWL`.
     pub(super) crawl: usize,
-    /// Whether there are soft bounds or rows.
+    /// Whether the problem has soft bounds or rows.
     pub(super) soft: bool,
     /// Number of complementarity pairs.
     pub(super) count: f64,
@@ -51,7 +51,7 @@ pub(super) struct Run {
     /// Number of iterations after which the present start ends.
     pub(super) limit: usize,
     pub(super) budget: usize,
-    /// Smallest merit so far with its residual. The iterate is in memory.
+    /// Smallest merit so far, and the residual of the same iterate. This iterate is in memory.
     pub(super) best: (f64, f64),
     /// Residual at the last test for stalling.
     pub(super) checkpoint: f64,

@@ -5,20 +5,20 @@ use super::super::lanes::Vector;
 use super::super::ldl::NotPositive;
 use super::run::Run;
 
-/// Gap at the start, relative to an estimate of the cost of keeping the bounds. It is large, because a start
-/// far inside the bounds takes fewer iterations than a start near the boundary.
+/// Gap at the start, relative to an estimate of the cost of keeping the bounds. The gap is large, because a start far
+/// inside the bounds takes fewer iterations than a start near the boundary.
 const START_GAP: f64 = 100.0;
-/// Gap at a start near the last solution, relative to the cost. In the bench `control_step`, 1 takes up to 23
-/// % more iterations and 0.01 up to 8 % more.
+/// Gap at a start near the last solution, relative to the cost. In the benchmark `control_step`, the value 1 takes up to
+/// 23 % more iterations, and the value 0.01 up to 8 % more.
 const NEAR_GAP: f64 = 0.1;
-/// Least slack at the start, as a share of the distance between the bounds.
+/// Smallest slack at the start, relative to the distance between the bounds.
 const START_SLACK: f64 = 0.1;
 /// Largest barrier term of the Newton system, relative to the largest weight of the cost.
 const WEIGHT_CAP: f64 = 1e10;
 /// Penalty of a violated bound in a relaxed problem, relative to the largest gradient or weight of the cost.
 const RELAXATION: f64 = 1e5;
-/// Least penalty of a violated bound relative to the steepest penalty of a soft bound. With a smaller penalty
-/// it would pay to violate a hard bound in order to keep a soft one.
+/// Smallest penalty of a violated hard bound, relative to the steepest penalty of a soft bound. With a smaller penalty, the
+/// optimum could violate a hard bound to keep a soft bound.
 const ABOVE_SOFT: f64 = 1e3;
 
 impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, NU, NR> {
@@ -48,7 +48,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         self.set_slacks(gap, run);
     }
 
-    /// Sets slacks from the iterate, and multipliers with which the gap `Σ sλ` is `gap`.
+    /// Computes slacks from the iterate, and multipliers for which the gap `Σ sλ` equals `gap`.
     fn set_slacks(&mut self, gap: f64, run: &mut Run) {
         run.count = self.input_bounds.count() + self.state_bounds.count();
         let mu = if gap > 0.0 { gap / run.count.max(1.0) } else { 1.0 };
@@ -60,9 +60,9 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         self.state_bounds.start(run.soft, &self.iterate.x, mu, START_SLACK, far, last(1));
     }
 
-    /// Restarts from a point as deep inside the bounds as the dynamics allow, with its whole cost as the
-    /// scale of the gap. If the optimum without bounds is far outside of the bounds, the cost of moving it
-    /// into the bounds is not a good scale, and the method proceeds slowly along the boundary.
+    /// Restarts from a point as deep inside the bounds as the dynamics allow. The scale of the gap is the whole cost of this
+    /// point. The usual scale is the cost of moving the optimum without bounds into the bounds. If this optimum is far outside
+    /// the bounds, the usual scale is not suitable, and the method proceeds slowly along the boundary.
     pub(super) fn restart(&mut self, run: &mut Run) {
         if run.iterations > 0 {
             self.iterate.copy_from(&self.best);
@@ -72,7 +72,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         run.begun = run.iterations;
         run.limit = (run.begun + self.settings.max_iterations).min(run.budget);
         run.crawl = 0;
-        // What the first start has reached is not a measure of the progress of the second.
+        // The progress of the second start is measured independently of the first start.
         (run.progress, run.pace) = ((f64::INFINITY, 0), (f64::INFINITY, 0));
         run.checkpoint = f64::INFINITY;
         let mut size = self.scale();
@@ -125,8 +125,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         0.5 * quadratic + linear + self.constant
     }
 
-    /// Scale of the multipliers: an estimate of the cost of moving each number of the iterate into its bounds
-    /// and rows, if the iterate is the optimum without bounds.
+    /// Scale of the multipliers. It is an estimate of the cost of moving each number of the iterate into its bounds and rows.
+    /// The iterate must be the optimum without bounds.
     fn excess_energy(&mut self) -> f64 {
         self.step.copy_from(&self.iterate);
         self.input_bounds.clip(&mut self.step.u);
@@ -142,7 +142,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         0.5 * quadratic + self.riccati.input_energy(&self.step)
     }
 
-    /// Replaces all hard state bounds and rows by exact penalties, from the unconstrained optimum in memory.
+    /// Replaces all hard state bounds and rows by exact penalties. The unconstrained optimum must be in memory.
     pub(super) fn soften(&mut self) {
         self.riccati.gradient(&self.iterate, &self.linear, &mut self.gradient);
         let mut slope = self.gradient.largest_state();

@@ -8,14 +8,14 @@ use super::run::{CAP_CUT, PATIENCE, Run, State};
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
 
-/// Share of the step to the boundary that is taken far from the optimum and close to it.
+/// Fraction of the step to the boundary: first value far from the optimum, second value close to the optimum.
 const BOUNDARY_FRACTIONS: [f64; 2] = [0.995, 1.0 - 1e-5];
-/// A step shorter than `BLOCKED` is stopped by pairs whose product `sλ` is far below the mean. From `SETTLED`
-/// iterations after the start on, these products are then raised to the share `LEAST_PRODUCT` of the mean.
+/// Step length below which a step counts as blocked. Pairs whose product `sλ` is far below the mean cause such steps. From
+/// `SETTLED` iterations after the start on, these products are then raised to `LEAST_PRODUCT` times the mean.
 const BLOCKED: f64 = 1e-2;
 const LEAST_PRODUCT: f64 = 1e-2;
 const SETTLED: usize = 8;
-/// The centring after [`PATIENCE`] iterations without progress.
+/// Centring parameter after [`PATIENCE`] iterations without progress.
 const SAFE_CENTRING: f64 = 0.3;
 
 impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, NU, NR> {
@@ -43,7 +43,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     /// Makes one iteration. Returns false, with an unchanged iterate, if the arithmetic failed.
     pub(super) fn advance(&mut self, state: &State, run: &mut Run) -> bool {
         if self.riccati.factorize(&self.weight, None, &self.rows).is_err() {
-            // Rounding relative to the largest terms.
+            // The reason is usually rounding relative to the largest barrier terms.
             run.cap *= CAP_CUT;
             run.stiffness *= CAP_CUT;
             return run.cap > 0.0;
@@ -58,7 +58,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         let inputs = self.input_bounds.corrector(false, &self.step.u, target, correction);
         let states = self.state_bounds.corrector(run.soft, &self.step.x, target, correction);
         let boundary = inverse_step(&inputs, &states);
-        // The closer to the optimum, the closer to the boundary: needed for superlinear convergence (Wright
+        // Close to the optimum, the step goes closer to the boundary. Superlinear convergence requires this (Wright
         // 1997, chapter 7).
         let fraction = 1.0
             - (state.gap / state.cost.abs()).clamp(1.0 - BOUNDARY_FRACTIONS[1], 1.0 - BOUNDARY_FRACTIONS[0]);
@@ -94,7 +94,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         let states = self.state_bounds.predictor(run.soft, &self.step.x);
         let length = 1.0 / inverse_step(&inputs, &states).max(1.0);
         let affine = (1.0 - length) * state.gap + length * length * (inputs.sum + states.sum);
-        // Without complementarity pairs there is nothing to centre.
+        // Without complementarity pairs no centring is needed.
         let ratio = if state.gap > 0.0 { (affine / state.gap).clamp(0.0, 1.0) } else { 0.0 };
         let mu = state.gap / run.count.max(1.0);
         if run.progress.1 >= PATIENCE || run.start == Start::Deep {

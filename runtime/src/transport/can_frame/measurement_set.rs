@@ -1,9 +1,10 @@
-//! Readings assembled from the messages of single drives.
+//! Assembly of readings from the messages of single drives.
 
 use super::super::{Brakes, Reading};
 use super::CanMessage;
 
-/// Collects the measurements of one sampling time. A new sequence number discards an older incomplete set.
+/// Collects the measurements of all drives at one sampling time. A message with a new sequence number discards an older
+/// incomplete set.
 #[derive(Debug, Clone)]
 pub struct MeasurementSet<const N: usize, const NY: usize = N> {
     sequence: Option<u8>,
@@ -22,13 +23,13 @@ impl<const N: usize, const NY: usize> Default for MeasurementSet<N, NY> {
 }
 
 impl<const N: usize, const NY: usize> MeasurementSet<N, NY> {
-    /// An empty set. It is complete with all positions, and if `with_rates` is true also with the rates of
-    /// each drive.
+    /// An empty set. The set is complete if it has all positions. If `with_rates` is true, it also needs the rates of all
+    /// drives.
     pub(super) fn new(with_rates: bool) -> Self {
         Self { sequence: None, positions: [None; NY], rates: [None; N], with_rates, brakes: Brakes::Unknown }
     }
 
-    /// Adds a message. Returns the reading if the set is then complete. Messages to the drives are ignored.
+    /// Adds a message. Returns the reading if this message completes the set. Messages to the drives are ignored.
     pub fn take(&mut self, message: &CanMessage) -> Option<Reading<N, NY>> {
         match *message {
             CanMessage::Position { index, value, sequence, brake } => {

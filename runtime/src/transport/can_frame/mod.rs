@@ -1,4 +1,4 @@
-//! Frames on a CAN bus: classical CAN 2.0A, 11-bit identifiers, at most 8 bytes, little-endian.
+//! Format of the frames on a CAN bus: classical CAN 2.0A, 11-bit identifiers, at most 8 bytes, little-endian.
 //!
 //! | identifier | sender | bytes |
 //! |---|---|---|
@@ -7,20 +7,19 @@
 //! | `base + 0x40 + i` | drive i | position i (four bytes, signed count); sequence number (one byte); status (one byte) |
 //! | `base + 0x70 + i` | drive i, if it measures velocity or force | velocity i (four bytes, signed count); force of drive i (two bytes, signed count); sequence number (one byte); contents (one byte) |
 //!
-//! A count is `round(value / resolution)`. In the status byte, bit 0 means that the brake is engaged, and bit
-//! 1 that the encoder reports a fault. The command has the lowest identifier, so that a brake command wins
-//! every arbitration. Drives give positions of the same sampling time the same sequence number, for example
-//! from a SYNC of the bus master or from the last inputs that they received. Only complete sets are readings.
-//! The CRC of CAN protects the frames.
+//! A signed count is `round(value / resolution)`. Status byte: bit 0 is set if the brake is engaged, and bit 1 is set if
+//! the encoder reports a fault. Contents byte: bit 0 is set if the velocity is measured, and bit 1 is set if the force is
+//! measured. The bytes of a quantity that is not measured are 0. The CRC of CAN protects the frames.
 //!
-//! The positions i are the NY entries of y. Velocities and forces belong to the N velocity entries. For a
-//! robot with quaternions, the sensor of the attitude sends the entries x, y, z, w too. A resolution of 1e-9
-//! keeps their length accurate.
+//! The command has the lowest identifier, so a brake command wins every arbitration. Measurements of the same sampling
+//! time must have the same sequence number. The drives can use the number of a SYNC of the bus master, or that of the
+//! last inputs that they received. Only a complete set of measurements is a reading. By default a set consists of the
+//! positions. After [`CanCodec::with_velocities`] or [`CanCodec::with_torques`], a set also needs the second frame of each
+//! drive.
 //!
-//! In the contents byte, bit 0 means that the velocity is measured, and bit 1 that the force is measured. The
-//! bytes of a quantity that is not measured are 0. A setting of the codec says which quantities the drives
-//! measure ([`CanCodec::with_velocities`], [`CanCodec::with_torques`]). A set is then complete with both
-//! frames of each drive.
+//! The positions i are the NY entries of y. Velocities and forces belong to the N velocity entries. For a robot with
+//! quaternions, the sensor of the attitude sends the entries x, y, z, w like positions. A resolution of 1e-9 for these
+//! entries keeps the length of the quaternion accurate.
 
 mod measurement_set;
 #[cfg(test)]
@@ -35,10 +34,10 @@ pub const MAX_NODES: usize = 0x30;
 const INPUT_OFFSET: u16 = 0x10;
 const POSITION_OFFSET: u16 = 0x40;
 const RATES_OFFSET: u16 = 0x70;
-/// Largest bases with which all identifiers have 11 bits.
+/// Largest bases for which all identifiers have 11 bits.
 const LAST_BASE: u16 = 0x780;
 const LAST_BASE_WITH_RATES: u16 = 0x760;
-/// Allowed magnitudes of resolutions. With them, counts of four bytes neither overflow nor vanish.
+/// Allowed magnitudes of resolutions.
 const RESOLUTIONS: std::ops::RangeInclusive<f64> = 1e-30..=1e30;
 const RELEASE: u8 = 0x01;
 const BRAKE: u8 = 0x02;
@@ -90,7 +89,7 @@ pub enum CanMessage {
         index: usize,
         /// Value of the input [N m, N or A].
         value: f64,
-        /// Sequence number, which is the same in all frames of one time.
+        /// Sequence number, equal for all inputs of one period.
         sequence: u8,
     },
     /// Position of a joint.
@@ -104,7 +103,7 @@ pub enum CanMessage {
         /// State of the brake of this joint.
         brake: Brakes,
     },
-    /// Quantities that a drive measures in addition to the position of its joint.
+    /// Velocity and force that a drive measures in addition to the position of its joint.
     Rates {
         /// Index of the coordinate.
         index: usize,
@@ -132,19 +131,21 @@ pub enum CanFrameError {
         needed: u8,
     },
     /// The command is unknown, or its complement is wrong.
-    #[error("command bytes {0:#04x}, {1:#04x}")]
+    #[error("the command bytes {0:#04x} and {1:#04x} are not a known command and its complement")]
     Command(u8, u8),
-    /// The contents byte differs from the settings of the codec.
-    #[error("the frame contains {given:#04x} instead of {needed:#04x}")]
+    /// The drive measures other quantities than the settings of the codec require.
+    #[error(
+        "the contents byte of the frame is {given:#04x} instead of {needed:#04x}: the drive must measure the \
+         quantities of `with_velocities` and `with_torques`"
+    )]
     Contents {
         /// Contents byte in the frame.
         given: u8,
         /// Contents byte according to the settings.
         needed: u8,
     },
-    /// A value is not finite, or exceeds the range of its count, which has four bytes, or two bytes for a
-    /// force.
-    #[error("value {value} at resolution {resolution} exceeds the range of its counts")]
+    /// A value is not finite, or exceeds the range of its count. A count has four bytes, or two bytes for a force.
+    #[error("the value {value} is not finite, or too large for the resolution {resolution}")]
     Range {
         /// Value that was given.
         value: f64,
@@ -167,13 +168,16 @@ pub struct CanCodec<const N: usize, const M: usize, const NY: usize = N> {
 }
 
 impl<const N: usize, const M: usize, const NY: usize> CanCodec<N, M, NY> {
-    /// A codec with identifiers from `base` on, and the resolution (the unit of a count) of each position
-    /// [rad or m; entries of a quaternion have no unit] and of each input [N m, N or A]. A negative
-    /// resolution reverses the direction of an encoder or drive.
+    /// A codec with identifiers from `base` on. The resolution is the value of one count, for each position [rad or m; no
+    /// unit for entries of a quaternion] and for each input [N m, N or A]. A negative resolution reverses the direction of
+    /// an encoder or drive.
     ///
     /// # Errors
-    /// [`CanFrameError::Settings`] for more than 48 coordinates or inputs, for a base above 0x780
-    /// (identifiers must have 11 bits), or for a resolution whose magnitude is not 1e-30 to 1e30.
+    /// [`CanFrameError::Settings`] in these cases:
+    ///
+    /// - more than 48 coordinates or inputs
+    /// - a base above 0x780, because identifiers must have 11 bits
+    /// - a resolution whose magnitude is not 1e-30 to 1e30
     pub fn new(
         base: u16,
         position_resolution: [f64; NY],
@@ -230,7 +234,7 @@ impl<const N: usize, const M: usize, const NY: usize> CanCodec<N, M, NY> {
         ))
     }
 
-    /// Contents byte of this robot's frames of velocities and forces; 0 if the drives measure neither.
+    /// Contents byte of the frames with velocities and forces; 0 if the drives measure neither.
     fn contents(&self) -> u8 {
         let bit = |present: bool, bit: u8| if present { bit } else { 0 };
         bit(self.velocity_resolution.is_some(), HAS_VELOCITY)
@@ -246,11 +250,11 @@ impl<const N: usize, const M: usize, const NY: usize> CanCodec<N, M, NY> {
     /// Encodes a message as a frame.
     ///
     /// # Errors
-    /// [`CanFrameError::Range`] for a value that is not finite or exceeds the range of its count.
-    /// [`CanFrameError::Settings`] for an index out of range, or for measured quantities that differ from the
-    /// settings.
+    /// - [`CanFrameError::Range`] for a value that is not finite or exceeds the range of its count.
+    /// - [`CanFrameError::Settings`] for an index out of range, or for measured quantities that differ from the settings.
     pub fn encode(&self, message: &CanMessage) -> Result<Frame, CanFrameError> {
-        const UNKNOWN: CanFrameError = CanFrameError::Settings("the frame has no such coordinate or input");
+        const UNKNOWN: CanFrameError =
+            CanFrameError::Settings("the robot has no coordinate or input with this index");
         let mut frame = Frame { identifier: self.base, length: 2, data: [0; 8] };
         match *message {
             CanMessage::Release => frame.data[..2].copy_from_slice(&[RELEASE, !RELEASE]),
@@ -298,8 +302,9 @@ impl<const N: usize, const M: usize, const NY: usize> CanCodec<N, M, NY> {
     /// Decodes a frame. No frame causes a panic.
     ///
     /// # Errors
-    /// [`CanFrameError::Identifier`] for other traffic on the bus. The other variants, except for `Range` and
-    /// `Settings`, are for damaged frames of this robot.
+    /// - [`CanFrameError::Identifier`] for other traffic on the bus.
+    /// - [`CanFrameError::Length`], [`CanFrameError::Command`] or [`CanFrameError::Contents`] for an invalid frame of this
+    ///   robot.
     pub fn decode(&self, frame: &Frame) -> Result<CanMessage, CanFrameError> {
         let other = CanFrameError::Identifier(frame.identifier);
         let offset = frame.identifier.checked_sub(self.base).ok_or(other)?;
@@ -363,10 +368,10 @@ impl<const N: usize, const M: usize, const NY: usize> CanCodec<N, M, NY> {
     }
 }
 
-/// A value with its resolution, or `None` if both are missing.
+/// A value with its resolution; `None` if both are missing.
 ///
 /// # Errors
-/// [`CanFrameError::Settings`] if only one of both is given.
+/// [`CanFrameError::Settings`] if only one of the two is given.
 fn paired<const L: usize>(
     value: Option<f64>,
     resolution: &Option<[f64; L]>,
@@ -376,7 +381,7 @@ fn paired<const L: usize>(
         (Some(value), Some(resolution)) => Ok(Some((value, resolution[index]))),
         (None, None) => Ok(None),
         _ => Err(CanFrameError::Settings(
-            "a message must have a velocity or torque exactly if the frame format has its resolution",
+            "the velocities and torques of a message must be those of `with_velocities` and `with_torques`",
         )),
     }
 }

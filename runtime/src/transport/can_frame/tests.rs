@@ -1,11 +1,11 @@
-//! The documented layout, byte by byte, and values that do not fit it.
+//! Tests of the documented layout byte by byte, and of values that do not fit it.
 
 use super::super::Reading;
 use super::*;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Axis 0 counts 0.001 degrees; axis 1 is mounted the other way round.
+/// The encoder of axis 0 counts 0.001 degrees. Axis 1 is mounted in the opposite direction.
 fn codec() -> CanCodec<2, 2> {
     CanCodec::new(0x100, [1e-3_f64.to_radians(), -1e-5], [1e-4, -1e-4]).unwrap()
 }
@@ -104,7 +104,7 @@ fn rates_have_the_documented_layout() {
     assert_eq!(frame.identifier, 0x171);
     assert_eq!(frame.bytes(), [0x0c, 0xfe, 0xff, 0xff, 0x06, 0xff, 9, 3]);
     assert_eq!(rates_codec().decode(&frame), Ok(rates));
-    assert_eq!(codec().decode(&frame), Err(CanFrameError::Identifier(0x171)), "drives that measure none");
+    assert_eq!(codec().decode(&frame), Err(CanFrameError::Identifier(0x171)), "the drives measure neither");
     let velocities = codec().with_velocities([1e-3; 2]).unwrap();
     assert_eq!(velocities.decode(&frame), Err(CanFrameError::Contents { given: 3, needed: 1 }));
     assert!(velocities.encode(&rates).is_err());
@@ -122,7 +122,7 @@ fn arbitrary_frames_do_not_panic() {
     for _ in 0..100_000 {
         let mut data = [0; 8];
         generator.fill_bytes(&mut data);
-        // Also what no bus delivers: lengths and identifiers out of range.
+        // Lengths and identifiers can be out of range, which no bus delivers.
         let frame = Frame { identifier: generator.random(), length: generator.random_range(0..12), data };
         let _ = frame.bytes();
         if let Ok(message) = codec.decode(&frame) {

@@ -1,4 +1,4 @@
-//! Datagrams between a controller and a plant process.
+//! Format of the datagrams between a controller and a plant process (a simulated robot).
 //!
 //! All numbers are little-endian.
 //!
@@ -9,7 +9,7 @@
 //! | 5 | kind, see [`Message`] |
 //! | 6 | N, the number of velocities |
 //! | 7 | M, the number of inputs |
-//! | 8–11 | number of the connection. In a command: the number that the plant offered. In an answer: the number of the plant's controller, 0 if there is no controller |
+//! | 8–11 | number of the connection. In a command: the number that the plant offered. In an answer: the number of the plant's present controller, 0 without a controller |
 //! | 12–19 | sequence number |
 //! | 20 | brakes: 0 unknown, 1 released, 2 engaged |
 //! | 21 | kind 6: quantities after the positions (1 velocities, 2 torques, 3 both). Kind 10 with a frame: number of the frame plus 1. Otherwise 0 |
@@ -18,20 +18,20 @@
 //! | 24… | values, 8 bytes each; their number depends on the kind |
 //! | last 4 | CRC-32 (IEEE 802.3) of all bytes before |
 //!
-//! There are NY positions and N velocities or torques, in the order of the model's entries. A quaternion is
-//! x, y, z, w, after the position of its joint.
+//! NY positions and N velocities or torques have the order of the entries of the model. A quaternion is x, y, z, w, after
+//! the position of its joint.
 //!
-//! A datagram is accepted only if every byte is valid and its length is exact. Measured values may be NaN,
-//! because the guard of the loop checks positions, velocities and quaternions. Inputs must be finite.
+//! A datagram is accepted only if every byte is valid and the length is exact. Inputs must be finite. Measured values can
+//! be NaN, because the loop checks positions, velocities and quaternions.
 //!
-//! A connection begins with a query of kind 9. The plant answers with a random number from the operating
-//! system, which every command of the connection must carry. Sequence numbers increase, and continue at 0
-//! after the largest one. Commands of another sender or an earlier connection, duplicates and late commands
-//! have no effect. The first command with an offered number makes its sender the plant's controller, in place
-//! of the previous controller, and engages the brakes.
+//! A connection begins with a query of kind 9. The plant answers with a random number from the operating system. Every
+//! command of the connection must contain this number. Sequence numbers increase, and continue at 0 after the largest
+//! number. Commands of another sender or of an earlier connection, duplicates and late commands have no effect. The first
+//! command with an offered number makes its sender the controller of the plant. It replaces the previous controller, and
+//! the plant engages its brakes.
 //!
-//! Version 4 has connections and pushes. Datagrams of earlier versions, whose commands anyone could repeat,
-//! are rejected.
+//! Version 4 introduced connections and pushes. Datagrams of earlier versions are rejected, because any sender could
+//! repeat their commands.
 
 #[cfg(test)]
 mod tests;
@@ -43,17 +43,17 @@ use thiserror::Error;
 const MAGIC: [u8; 4] = *b"GLNK";
 /// Version of the protocol.
 pub const VERSION: u8 = 4;
-/// Bits of byte 21.
+/// Bits of byte 21, which tell whether velocities and torques follow the positions.
 const VELOCITIES: u8 = 0x01;
 const TORQUES: u8 = 0x02;
 const HEADER: usize = 24;
 const CHECKSUM: usize = 4;
-/// Largest number of values in a datagram, with which it fits in one Ethernet frame.
+/// Largest number of values for which a datagram fits in one Ethernet frame.
 const MAX_VALUES: usize = 180;
 /// Length of the longest datagram (bytes).
 pub const MAX_DATAGRAM: usize = HEADER + 8 * MAX_VALUES + CHECKSUM;
 
-/// True motion of a simulated robot, for tests and displays. Controllers do not get it.
+/// True motion of a simulated robot without measurement errors, for tests and displays.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrueState<const N: usize, const NY: usize = N> {
     /// Positions [rad or m] and quaternions.
@@ -68,22 +68,21 @@ pub struct TrueState<const N: usize, const NY: usize = N> {
     pub fastest: [f64; N],
 }
 
-/// A temporary external force on a simulated robot.
+/// An external force that acts on a simulated robot for a limited time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Push<const N: usize> {
-    /// Forces at the joints.
+    /// The force is given as generalized forces.
     Joints {
         /// Duration of the force (s).
         duration: f64,
         /// Generalized forces [N m or N].
         forces: [f64; N],
     },
-    /// Force and moment at a frame that the plant knows, see
-    /// [`PlantServer::with_frame`](super::PlantServer::with_frame).
+    /// The force and a moment act at a frame of [`PlantServer::with_frame`](super::PlantServer::with_frame).
     Frame {
         /// Duration of the force (s).
         duration: f64,
-        /// Number of the frame, 0 to 254.
+        /// Number of the frame, 0 to 254, in the order of the calls of `with_frame`.
         frame: u8,
         /// Force (N) and moment (N m) at the origin of the frame, in the axes of the world.
         wrench: [f64; 6],
@@ -93,7 +92,8 @@ pub enum Push<const N: usize> {
 /// Content of a datagram.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Message<const N: usize, const M: usize, const NY: usize = N> {
-    /// Kind 1, to the plant: requests a measurement. In lock-step, the plant first advances by one period.
+    /// Kind 1, to the plant: requests a measurement. In lock-step ([`Pace`](super::Pace)), the plant first advances by one
+    /// period.
     Query,
     /// Kind 2, to the plant: sets the inputs [N m, N or A].
     Inputs([f64; M]),
@@ -103,7 +103,7 @@ pub enum Message<const N: usize, const M: usize, const NY: usize = N> {
     Brake,
     /// Kind 5, to the plant: requests the true state. The plant does not advance.
     Inspect,
-    /// Kind 6, from the plant: the measurement, as the answer to kinds 1, 3 and 10.
+    /// Kind 6, from the plant: the measurement, which answers kinds 1, 3 and 10.
     Measured {
         /// Positions [rad or m] and quaternions.
         positions: [f64; NY],
@@ -112,26 +112,26 @@ pub enum Message<const N: usize, const M: usize, const NY: usize = N> {
         /// Forces of the drives at the joints [N m or N]; `None` if they are not measured.
         torques: Option<[f64; N]>,
     },
-    /// Kind 7, from the plant in lock-step: the answer if a datagram was intentionally lost. After a query
-    /// the period is over.
+    /// Kind 7, from the plant in lock-step: the answer if the simulated loss of datagrams affects a message. If this message
+    /// was a query, the plant has still advanced by one period.
     Lost,
-    /// Kind 8, from the plant: the true state, as the answer to kind 5.
+    /// Kind 8, from the plant: the true state, which answers kind 5.
     TrueState(TrueState<N, NY>),
-    /// Kind 9, to the plant: requests a connection. The answer also has kind 9, and contains the offered
-    /// number of the connection.
+    /// Kind 9, to the plant: requests a connection. The answer also has kind 9 and contains the offered number of the
+    /// connection.
     Connect,
-    /// Kind 10, to the plant: pushes the robot. The plant accepts it from the controller, or once from any
-    /// sender with an offered number. The answer is a measurement.
+    /// Kind 10, to the plant: pushes the robot. The plant accepts a push from its controller. It also accepts one push from
+    /// any other sender with an offered number. The answer is a measurement.
     Push(Push<N>),
 }
 
-/// A message with its connection, sequence number and brakes.
+/// A message with the number of its connection, its sequence number, and the state of the brakes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Datagram<const N: usize, const M: usize, const NY: usize = N> {
-    /// Number of the connection; 0 if there is no connection.
+    /// Number of the connection; 0 without a connection.
     pub connection: u32,
-    /// Sequence number of the message, which increases within a connection. An answer has the number of its
-    /// query.
+    /// Sequence number of the message, which increases within a connection. An answer has the sequence number of the
+    /// message that it answers.
     pub sequence: u64,
     /// State of the brakes, in datagrams from the plant.
     pub brakes: Brakes,
@@ -139,10 +139,10 @@ pub struct Datagram<const N: usize, const M: usize, const NY: usize = N> {
     pub message: Message<N, M, NY>,
 }
 
-/// Reason for which a datagram was rejected.
+/// Reason why a datagram is rejected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum DatagramError {
-    /// The datagram is shorter than any datagram, or its length does not match its kind.
+    /// The datagram is shorter than the shortest valid datagram, or its length does not match its kind.
     #[error("the datagram has {given} bytes instead of {needed}")]
     Length {
         /// Number of bytes that were received.
@@ -171,7 +171,7 @@ pub enum DatagramError {
     #[error("the checksum of the datagram does not match")]
     Checksum,
     /// A byte has an invalid value: the kind, the brakes, the contents or padding.
-    #[error("byte {position} of the datagram is {value}")]
+    #[error("byte {position} of the datagram has the invalid value {value}")]
     Byte {
         /// Index of the byte.
         position: usize,
@@ -185,10 +185,10 @@ pub enum DatagramError {
         input: usize,
     },
     /// The duration or the force of a push is not finite, or the number of its frame is above 254.
-    #[error("a push is not finite, or its frame is above 254")]
+    #[error("the force or the duration of a push is not finite, or its frame number is above 254")]
     Push,
     /// The robot has too many coordinates or inputs for a datagram.
-    #[error("{values} values do not fit in a datagram of at most {MAX_VALUES}")]
+    #[error("the robot needs {values} values in a datagram, but at most {MAX_VALUES} values fit")]
     TooLarge {
         /// Number of values that the datagram would need.
         values: usize,
@@ -211,7 +211,7 @@ impl<const N: usize, const M: usize, const NY: usize> Message<N, M, NY> {
         }
     }
 
-    /// Value of byte 21.
+    /// Value of byte 21 of this datagram.
     fn contents(&self) -> u8 {
         match self {
             Self::Measured { velocities, torques, .. } => {
@@ -236,11 +236,12 @@ impl<const N: usize, const M: usize, const NY: usize> Message<N, M, NY> {
 }
 
 impl<const N: usize, const M: usize, const NY: usize> Datagram<N, M, NY> {
-    /// Writes the datagram into `buffer`. Returns its bytes.
+    /// Writes the datagram to `buffer` and returns the written bytes.
     ///
     /// # Errors
-    /// [`DatagramError::TooLarge`] if the values do not fit, [`DatagramError::Input`] for inputs that are not
-    /// finite, and [`DatagramError::Push`] for an invalid push.
+    /// - [`DatagramError::TooLarge`] if the values do not fit.
+    /// - [`DatagramError::Input`] for an input that is not finite.
+    /// - [`DatagramError::Push`] for an invalid push.
     pub fn encode<'a>(&self, buffer: &'a mut [u8; MAX_DATAGRAM]) -> Result<&'a [u8], DatagramError> {
         let [n, m, more] = sizes::<N, M, NY>()?;
         let (kind, contents) = (self.message.kind(), self.message.contents());
@@ -347,7 +348,7 @@ impl<const N: usize, const M: usize, const NY: usize> Datagram<N, M, NY> {
     }
 }
 
-/// The content of a known kind with the right number of values.
+/// Decodes the content of a datagram with a known kind and the right number of values.
 ///
 /// # Errors
 /// [`DatagramError::Input`] or [`DatagramError::Push`] for values that are not finite.
@@ -388,7 +389,9 @@ fn message<const N: usize, const M: usize, const NY: usize>(
     })
 }
 
-/// - `contents`: byte 21
+/// Decodes a push.
+///
+/// - `contents`: byte 21 of the datagram
 fn push<const N: usize>(contents: u8, bytes: &[u8]) -> Result<Push<N>, DatagramError> {
     let [duration] = floats(bytes, 0);
     let push = match contents.checked_sub(1) {
@@ -434,7 +437,7 @@ fn require_finite(inputs: &[f64]) -> Result<(), DatagramError> {
     }
 }
 
-/// The first L bytes. Missing bytes are 0, but the checks of the length exclude this case.
+/// The first L bytes. Missing bytes are 0, but earlier checks of the length exclude this case.
 fn array<const L: usize>(bytes: &[u8]) -> [u8; L] {
     core::array::from_fn(|i| bytes.get(i).copied().unwrap_or(0))
 }

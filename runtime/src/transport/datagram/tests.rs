@@ -1,4 +1,4 @@
-//! The documented layout, byte by byte, and values that do not fit it.
+//! Tests of the documented layout byte by byte, and of values that do not fit it.
 
 use super::*;
 use rand::{Rng, RngExt, SeedableRng};
@@ -62,7 +62,7 @@ fn the_layout_is_the_documented_one() {
     let head = b"GLNK\x04\x02\x01\x01\x01\0\0\0\x02\0\0\0\0\0\0\0\x01\0\0\0";
     assert_eq!(&bytes[..24], head);
     assert_eq!(&bytes[24..32], 1.0f64.to_le_bytes());
-    // The CRC's published check value: the same function over "123456789".
+    // This is the published check value of the CRC for "123456789".
     assert_eq!(crc32fast::hash(b"123456789"), 0xcbf4_3926);
     assert_eq!(bytes.len(), 36);
 }
@@ -76,7 +76,7 @@ fn positions_may_be_nan_inputs_not() {
     assert!(matches!(decoded.message, Message::Measured { positions: [x, ..], .. } if x.is_nan()));
     let nan = datagram(Message::Inputs([0.0, f64::NAN]));
     assert_eq!(nan.encode(&mut buffer), Err(DatagramError::Input { input: 1 }));
-    // Written by somebody else, with the right checksum.
+    // Another program can write such a datagram with the right checksum.
     let good = datagram(Message::Inputs([0.0, 0.0]));
     let length = good.encode(&mut buffer).unwrap().len();
     buffer[32..40].copy_from_slice(&f64::INFINITY.to_le_bytes());
@@ -131,7 +131,7 @@ fn other_versions_and_robots_are_named() {
     bytes[20] = 3;
     seal(bytes);
     let error = Small::decode(bytes).unwrap_err();
-    assert_eq!(error.to_string(), "byte 20 of the datagram is 3");
+    assert_eq!(error.to_string(), "byte 20 of the datagram has the invalid value 3");
 }
 
 #[test]
@@ -156,7 +156,7 @@ fn pushes_are_finite_and_their_frames_have_numbers() {
     ] {
         assert_eq!(datagram(Message::Push(push)).encode(&mut buffer), Err(DatagramError::Push));
     }
-    // Written by somebody else, with the right checksum.
+    // Another program can write such a datagram with the right checksum.
     let good = datagram(Message::Push(Push::Frame { duration, frame: 0, wrench }));
     let length = good.encode(&mut buffer).unwrap().len();
     buffer[HEADER..HEADER + 8].copy_from_slice(&f64::NAN.to_le_bytes());
@@ -193,7 +193,7 @@ fn a_robot_with_a_quaternion_has_ny_positions_and_n_velocities() {
     assert_eq!(bytes.len(), HEADER + 8 * (4 + 3 + 3) + CHECKSUM);
     let value = |k: usize| f64::from_le_bytes(array(&bytes[HEADER + 8 * k..]));
     assert_eq!([value(3), value(4), value(7)], [0.5, 1.0, 4.0]);
-    // Fewer positions than velocities are those of no robot.
+    // No robot has fewer positions than velocities.
     assert!(Datagram::<4, 1, 3>::decode(&[0; 100]).is_err());
 }
 
@@ -205,7 +205,7 @@ fn a_robot_too_large_is_an_error() {
     assert!(Datagram::<300, 2>::decode(&[0; 100]).is_err());
 }
 
-/// Noise, noise behind a true header, and noise with a true checksum: an answer always, a panic never.
+/// Random bytes, random bytes after a valid header, and random bytes with a valid checksum give a result without a panic.
 #[test]
 fn arbitrary_bytes_do_not_panic() {
     let mut generator = ChaCha8Rng::seed_from_u64(4);

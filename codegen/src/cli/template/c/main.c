@@ -4,9 +4,11 @@
 
 #include "robot.h"
 
-/* Step of the integration in s, number of steps, and steps between two printed lines. */
+/* Step of the integration in s. */
 static const double STEP = 1e-3;
+/* Number of steps. */
 static const int STEPS = 4000;
+/* Number of steps between two printed lines. */
 static const int PRINTED = 200;
 
 static void print(double time, const double *y, const double *v)
@@ -17,7 +19,7 @@ static void print(double time, const double *y, const double *v)
     printf("  %12.6f\n", robot_kinetic_energy(y, v) + robot_potential_energy(y));
 }
 
-/* The motors' inputs: here is where a controller goes. */
+/* Computes the inputs u of the motors. Replace this function by your controller. */
 static void inputs(const double *y, const double *v, double *u)
 {
     (void)y;
@@ -28,7 +30,7 @@ static void inputs(const double *y, const double *v, double *u)
 
 int main(void)
 {
-    /* From rest, the first joint at 1 rad (or m). */
+    /* The robot starts at rest, with the first joint at 1 rad (or 1 m). */
     double y[ROBOT_N] = {1.0};
     double v[ROBOT_N] = {0.0};
 

@@ -4,9 +4,11 @@
 
 #include "robot.h"
 
-/* Step of the integration in s, number of steps, and steps between two printed lines. */
+/* Step of the integration in s. */
 static const double STEP = 1e-3;
+/* Number of steps. */
 static const int STEPS = 1000;
+/* Number of steps between two printed lines. */
 static const int PRINTED = 100;
 
 static void print(double time, const double *y, const double *v)
@@ -17,7 +19,7 @@ static void print(double time, const double *y, const double *v)
     printf("  %12.6f\n", robot_kinetic_energy(y, v) + robot_potential_energy(y));
 }
 
-/* The inputs: here is where a controller goes. */
+/* Computes the inputs u. Replace this function by your controller. */
 static void inputs(const double *y, const double *v, double *u)
 {
     (void)y;
@@ -28,7 +30,7 @@ static void inputs(const double *y, const double *v, double *u)
 
 int main(void)
 {
-    /* From the neutral positions, whose quaternion is the identity, at 1 rad/s about the base's x. */
+    /* The robot starts at its neutral positions, and its base turns at 1 rad/s about its x axis. */
     double y[ROBOT_NY];
     double v[ROBOT_N] = {0.0, 0.0, 0.0, 1.0};
 

@@ -7,19 +7,21 @@ import numpy as np
 
 STEP = 1e-3
 """Step of the integration in s."""
-STEPS, PRINTED = 4000, 200
-"""Number of steps, and steps between two printed lines."""
+STEPS = 4000
+"""Number of steps."""
+PRINTED = 200
+"""Number of steps between two printed lines."""
 
 robot = gelenk.load(Path(__file__).with_name("robot.toml"))
 
 
 def inputs(y: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """The motors' inputs: here is where a controller goes."""
+    """Returns the inputs of the motors. Replace this function by your controller."""
     return np.zeros(robot.M)
 
 
 def main() -> None:
-    # From rest, the first joint at 1 rad (or m).
+    # The robot starts at rest, with the first joint at 1 rad (or 1 m).
     y, v = np.zeros(robot.N), np.zeros(robot.N)
     y[0] = 1.0
     print("  ".join([f"{'t [s]':>8}", *(f"{name:>12}" for name in robot.JOINT_NAMES), f"{'energy [J]':>12}"]))

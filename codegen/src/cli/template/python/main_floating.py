@@ -7,19 +7,21 @@ import numpy as np
 
 STEP = 1e-3
 """Step of the integration in s."""
-STEPS, PRINTED = 1000, 100
-"""Number of steps, and steps between two printed lines."""
+STEPS = 1000
+"""Number of steps."""
+PRINTED = 100
+"""Number of steps between two printed lines."""
 
 robot = gelenk.load(Path(__file__).with_name("robot.toml"))
 
 
 def inputs(y: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """The inputs: here is where a controller goes."""
+    """Returns the inputs. Replace this function by your controller."""
     return np.zeros(robot.M)
 
 
 def main() -> None:
-    # From the neutral positions, whose quaternion is the identity, at 1 rad/s about the base's x.
+    # The robot starts at its neutral positions, and its base turns at 1 rad/s about its x axis.
     y, v = np.array(robot.NEUTRAL), np.zeros(robot.N)
     v[3] = 1.0
     print("  ".join([f"{'t [s]':>8}", *(f"{name:>12}" for name in robot.POSITION_NAMES), f"{'energy [J]':>12}"]))

@@ -1,4 +1,4 @@
-// Follows references of another controller by the inverse dynamics at the measured state.
+// Controller that tracks the references of another controller with the inverse dynamics at the measured state.
 
 #include "controller_interface/chainable_controller_interface.hpp"
 #include "pluginlib/class_list_macros.hpp"
@@ -8,12 +8,12 @@
 namespace my_package
 {
 
-/// Computed torque (Siciliano et al., Robotics, 2009, section 8.5.2):
+/// Computed-torque control (Siciliano et al., Robotics, 2009, section 8.5.2):
 ///
 ///     τ = M(y) (ÿ_d + K_d (ẏ_d − ẏ) + K_p (y_d − y)) + k(y, ẏ) − q(y, ẏ)
 ///
-/// The reference interfaces are positions, velocities and accelerations of all joints. Until a controller in front of this one
-/// sets them, the robot holds its posture.
+/// The reference interfaces are positions, velocities and accelerations of all joints, in the order of robot.toml. The robot
+/// holds its posture until another controller sets the references.
 class ComputedTorque : public Joints<controller_interface::ChainableControllerInterface>
 {
 public:
@@ -59,7 +59,7 @@ protected:
     return interfaces;
   }
 
-  /// Without a controller in front of this one, the robot stops at the last reference.
+  /// Stops the robot at the last reference if no other controller sets references.
   return_type update_reference_from_subscribers(const rclcpp::Time &, const rclcpp::Duration &) override
   {
     std::fill(reference_interfaces_.begin() + ROBOT_N, reference_interfaces_.end(), 0.0);
@@ -92,13 +92,13 @@ private:
     return std::isfinite(value) ? value : otherwise;
   }
 
-  /// Takes gains from a parameter, which has them in the order of the parameter `joints`.
+  /// Reads gains from a parameter, in the order of the parameter `joints`. Returns whether all gains are valid.
   bool take(const std::string & parameter, Vector & gains) const
   {
     const std::vector<double> values = get_node()->get_parameter(parameter).as_double_array();
     const auto is_gain = [](double gain) {return std::isfinite(gain) && gain >= 0.0;};
     if (values.size() != ROBOT_N || !std::all_of(values.begin(), values.end(), is_gain)) {
-      fail("parameter '" + parameter + "' has no positive number for each of 'joints'");
+      fail("parameter '" + parameter + "' needs one non-negative number for each entry of 'joints'");
       return false;
     }
     for (std::size_t i = 0; i < ROBOT_N; ++i) {

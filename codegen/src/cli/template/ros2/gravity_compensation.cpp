@@ -1,4 +1,4 @@
-// Holds the robot against gravity; it can be moved by hand.
+// Controller that compensates gravity, so that the robot can be moved by hand.
 
 #include "controller_interface/controller_interface.hpp"
 #include "pluginlib/class_list_macros.hpp"
@@ -8,7 +8,7 @@
 namespace my_package
 {
 
-/// Efforts against the weight at the measured positions.
+/// Commands the gravity torques at the measured positions.
 class GravityCompensation : public Joints<controller_interface::ControllerInterface>
 {
 public:

@@ -1,4 +1,4 @@
-// The joints of robot.toml by name: their states and effort commands, for both controllers.
+// States and effort commands of the joints of robot.toml, which both controllers use.
 
 #ifndef MY_PACKAGE__JOINTS_HPP_
 #define MY_PACKAGE__JOINTS_HPP_
@@ -25,7 +25,7 @@
 #endif
 static_assert(
   std::is_invocable_v<decltype(&robot_gravity_forces), const double *, double *>,
-  "robot.toml has free parameters or driven joints, for which controllers have no values");
+  "robot.toml has free parameters or driven joints, for which the controllers have no values");
 
 namespace my_package
 {
@@ -36,7 +36,7 @@ using Vector = std::array<double, ROBOT_N>;
 
 /// A controller that reads positions and velocities of all joints of robot.toml and commands their efforts.
 ///
-/// `update` neither allocates nor locks: what it needs is found by name in `on_configure` and `on_activate`.
+/// `update` neither allocates nor locks. `on_configure` and `on_activate` find the interfaces by name.
 template <class Base>
 class Joints : public Base
 {
@@ -66,8 +66,8 @@ public:
       const auto count = std::count(names_.begin(), names_.end(), ROBOT_JOINT_NAMES[i]);
       if (count != 1) {
         return fail(
-          std::string("parameter 'joints' has the joint '") + ROBOT_JOINT_NAMES[i] + "' of robot.toml " +
-          (count == 0 ? "not at all" : "more than once"));
+          std::string("parameter 'joints' ") + (count == 0 ? "lacks" : "contains more than once") +
+          " the joint '" + ROBOT_JOINT_NAMES[i] + "' of robot.toml");
       }
       place_[i] = std::find(names_.begin(), names_.end(), ROBOT_JOINT_NAMES[i]) - names_.begin();
     }
@@ -114,7 +114,7 @@ protected:
     return CallbackReturn::ERROR;
   }
 
-  /// Reads the state. A value that another thread holds is that of the period before.
+  /// Reads the state. If another thread holds a value, the value of the previous period is kept.
   ///
   /// Returns whether all values are finite.
   bool read()
@@ -128,8 +128,8 @@ protected:
     return is_finite;
   }
 
-  /// Commands efforts [N m or N], within the limits of robot.toml; none if one is not finite. A command that another thread
-  /// holds stays that of the period before.
+  /// Commands efforts in N m or N, clamped to the limits of robot.toml. If an effort is not finite, none is commanded and the
+  /// result is an error. If another thread holds a command, the command of the previous period is kept.
   return_type command(const Vector & efforts)
   {
     for (const double effort : efforts) {
@@ -141,7 +141,7 @@ protected:
     return return_type::OK;
   }
 
-  /// Returns whether all efforts were written.
+  /// Writes efforts, clamped to the limits. Returns whether all efforts were written.
   bool write(const Vector & efforts)
   {
     bool is_written = true;
@@ -153,9 +153,9 @@ protected:
     return is_written;
   }
 
-  /// Positions [rad or m] and velocities, in the order of robot.toml.
+  /// Positions in rad or m, and velocities in rad/s or m/s, in the order of robot.toml.
   Vector y_{}, v_{};
-  /// Place of each joint of robot.toml in the parameter `joints`.
+  /// Index of each joint of robot.toml in the parameter `joints`.
   std::array<std::size_t, ROBOT_N> place_{};
 
 private:

@@ -3,7 +3,7 @@
 fn main() {
     gelenk_codegen::build("robot.toml");
 
-    // With dry friction (`coulomb`), controllers need a smooth model, `robot_control`, beside the exact one for plants. This line
-    // instead writes both:
+        // If the robot has dry friction (`coulomb`), controllers need a smooth model, `robot_control`, in addition to the exact
+        // model for plants. This line, instead of the line above, writes both:
     // gelenk_codegen::Builder::new().description("robot.toml").control_model(50.0).generate();
 }

@@ -13,15 +13,16 @@ gelenk_runtime::dynamics!(
 
 /// Step of the integration in s.
 const STEP: f64 = 1e-3;
-/// Duration of the simulation in s, and time between two printed lines in steps.
+/// Duration of the simulation in s.
 const DURATION: f64 = 4.0;
+/// Number of steps between two printed lines.
 const PRINTED: usize = 200;
 
 /// Coordinates and velocities.
 type State = ([f64; robot::N], [f64; robot::N]);
 
 fn main() {
-    // From rest, the first joint at 1 rad (or m).
+    // The robot starts at rest, with the first joint at 1 rad (or 1 m).
     let mut state: State = ([0.0; robot::N], [0.0; robot::N]);
     state.0[0] = 1.0;
     println!(
@@ -44,7 +45,7 @@ fn main() {
     }
 }
 
-/// The motors' inputs: here is where a controller goes.
+/// Inputs of the motors. Replace this function by your controller.
 fn inputs(_state: &State) -> [f64; robot::M] {
     [0.0; robot::M]
 }

@@ -1,5 +1,5 @@
-//! Simulates the robot of `robot.toml` under control. Where its inputs can carry it, as those of a quadrotor, predictive control
-//! brings it to a place and turns it there. Else it falls, and a PD law at its joints holds their posture.
+//! Simulates the robot of `robot.toml` under control. If its inputs can carry its weight, for example those of a quadrotor, a
+//! predictive controller moves it to another pose. Otherwise it falls, and a PD law holds the posture of its joints.
 
 use std::error::Error;
 use std::process::ExitCode;
@@ -20,18 +20,21 @@ gelenk_runtime::dynamics!(
     pub struct Robot = robot
 );
 
-/// Positions: those of the base with its quaternion x y z w, then those of the joints.
+/// Positions of the base (x y z and the quaternion x y z w), then those of the joints.
 type Positions = [f64; robot::NY];
-/// Velocities of the base, linear and angular in its own axes, then those of the joints.
+/// Velocities of the base (linear and angular, in the axes of the base), then those of the joints.
 type Velocities = [f64; robot::N];
 type Inputs = [f64; robot::M];
 
-/// Period of the control in s, periods that the predictive controller looks ahead, and periods between two printed lines.
+/// Period of the predictive controller in s.
 const PERIOD: f64 = 0.02;
+/// Number of periods that the predictive controller looks ahead.
 const HORIZON: usize = 20;
+/// Number of periods between two printed lines.
 const PRINTED: u32 = 10;
-/// Period of the PD law in s, and periods between two printed lines: joints with little inertia need a fast one.
+/// Period of the PD law in s. Joints with little inertia need a short period.
 const FAST: f64 = 1e-3;
+/// Number of periods of the PD law between two printed lines.
 const FAST_PRINTED: u32 = 200;
 
 fn main() -> ExitCode {
@@ -59,7 +62,7 @@ fn run() -> Result<(), Box<dyn Error>> {
     }
 }
 
-/// Why the inputs cannot hold the robot at rest; `None` where they can.
+/// Returns the reason why the inputs cannot hold the robot at rest; `None` if they can hold it.
 fn missing(home: &Positions) -> Option<String> {
     let hold = match FeedForward::new(Robot) {
         Ok(forward) => forward.at(&Sample::at_rest(*home)),
@@ -81,7 +84,7 @@ fn missing(home: &Positions) -> Option<String> {
     })
 }
 
-/// The base at the origin, each joint at 0 or at the nearest position within its limits.
+/// Positions with the base at the origin and each joint at 0, or at the position within its limits nearest to 0.
 fn home() -> Positions {
     let (mut home, limits) = (Robot.neutral(), Robot.limits().position);
     for (joint, position) in plain_entries(Robot.quaternion_joints(), robot::N) {
@@ -91,7 +94,7 @@ fn home() -> Positions {
     home
 }
 
-/// From a tilted pose away from its path, the robot rises by a metre within three seconds and turns by a radian.
+/// Simulates predictive control. From a tilted pose away from its path, the robot rises by 1 m and turns by 1 rad within 3 s.
 fn carry(home: &Positions) -> Result<(), Box<dyn Error>> {
     let goal = Robot.integrate(home, &base([0.0, 0.0, 1.0, 0.0, 0.0, 1.0]));
     let start = Robot.integrate(home, &base([0.3, -0.2, 0.0, 0.3, 0.2, 0.0]));
@@ -116,7 +119,7 @@ fn carry(home: &Positions) -> Result<(), Box<dyn Error>> {
         };
         last_inputs = controller.step(&cycle)?.inputs;
         if k % PRINTED == 0 {
-            // Metres and radians together.
+            // The norm combines metres and radians.
             let desired = motion.sample(time).positions;
             let error = length(&Robot.difference(&desired, &plant.state().0));
             println!("{time:8.3}  {error:16.6}  {}", row(&last_inputs));
@@ -126,7 +129,7 @@ fn carry(home: &Positions) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The joints return to their posture while the base falls.
+/// Simulates a PD law. The joints return to their posture while the base falls.
 fn fall(home: &Positions) -> Result<(), Box<dyn Error>> {
     let mut away = [0.0; robot::N];
     for (joint, _) in plain_entries(Robot.quaternion_joints(), robot::N) {
@@ -157,7 +160,7 @@ fn fall(home: &Positions) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Inputs that pull the joints back to their posture, within their limits; here is where your controller goes.
+/// Inputs of a PD law that returns the joints to their posture, within the limits. Replace this function by your controller.
 fn joint_pd(
     home: &Positions,
     gains: &JointGains<{ robot::N }>,
@@ -186,7 +189,7 @@ fn plant(
     Ok(plant)
 }
 
-/// A motion of the base, linear and angular, with the joints at rest.
+/// Velocities with a linear and angular motion of the base, and the joints at rest.
 fn base(of_base: [f64; 6]) -> Velocities {
     let mut motion = [0.0; robot::N];
     motion[..6].copy_from_slice(&of_base);

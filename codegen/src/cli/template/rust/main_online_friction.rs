@@ -1,5 +1,5 @@
-//! Moves the robot of `robot.toml` by feed-forward and PD, and learns its friction meanwhile. The simulated robot has 30 % less
-//! friction than the description, as with warm gears.
+//! Moves the robot of `robot.toml` by feed-forward and PD, and learns its friction online. The simulated robot has 30 % less
+//! friction than the description, for example because its gears are warm.
 
 use std::error::Error;
 use std::process::ExitCode;
@@ -19,9 +19,11 @@ gelenk_runtime::dynamics!(
     pub struct Robot = robot
 );
 
-/// Period of the control and duration of the motion in s, and periods between two printed lines.
+/// Period of the control in s.
 const PERIOD: f64 = 0.01;
+/// Duration of the motion in s.
 const DURATION: f64 = 60.0;
+/// Number of periods between two printed lines.
 const PRINTED: u32 = 500;
 /// Share of the described friction that the simulated robot lacks.
 const LESS: f64 = 0.3;
@@ -75,7 +77,7 @@ fn run() -> Result<(), Box<dyn Error>> {
 /// Speed at which friction is printed in rad/s or m/s.
 const SPEED: f64 = 0.5;
 
-/// Friction of a joint: learned, with half of its interval, and described.
+/// Friction of a joint as text: the learned value ± half of its interval, then the described value.
 fn law<C>(controller: &Adaptive<C, Robot, { robot::N }, { robot::M }>, joint: usize) -> String {
     let described = Robot.friction_torques(&Robot.neutral(), &[SPEED; robot::N])[joint];
     match controller.adaptation().friction(joint, described, SPEED) {

@@ -5,7 +5,7 @@ use crate::graph::Scalar;
 use crate::spatial::{Force, Motion, Vector3};
 
 /// A body in the frame of its tree's root. Vectors are in the axes of the root's working frame. Moments and
-/// accelerations are about the origin of that frame. Velocities are relative to the base.
+/// accelerations refer to the origin of that frame. Velocities are relative to the base.
 #[derive(Clone, Copy)]
 pub(super) struct BaseBody<'g> {
     pub(super) axes: [Vector3<Scalar<'g>>; 3],
@@ -21,8 +21,8 @@ impl<'g> BaseBody<'g> {
         self.axes[0].scaled(v[0]) + self.axes[1].scaled(v[1]) + self.axes[2].scaled(v[2])
     }
 
-    /// Transforms a disturbance of the body to the frame, with the acceleration of the point at the frame's
-    /// origin.
+    /// Transforms a disturbance of the body to the root's frame. Its acceleration is then that of the point
+    /// at this frame's origin.
     pub(super) fn disturbed(&self, local: &Disturbed<'g>) -> Disturbed<'g> {
         let (omega, beta) = (self.direction(local.omega), self.direction(local.beta));
         let at_origin =

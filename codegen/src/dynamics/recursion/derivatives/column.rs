@@ -5,18 +5,18 @@ use crate::graph::Scalar;
 use crate::kinematics::Mechanism;
 use crate::spatial::{Force, Vector3};
 
-/// A column of the derivatives on the path to the base. It has three wrenches, and the change of the column's
-/// joint force by disturbances of the current body.
+/// A column of the derivatives on its path to the base. It consists of three wrenches and of the sensitivity
+/// of the column's joint force to disturbances of the current body.
 #[derive(Clone, Copy)]
 pub(super) struct Column<'g> {
-    /// Derivative of the wrench by the joint's acceleration. Its components are also the change of the
-    /// joint's force by δa and β.
+    /// Derivative of the wrench with respect to the joint's acceleration. Its components are also the
+    /// sensitivity of the joint's force to δa and β.
     pub(super) inertial: Force<'g>,
-    /// Derivative of the wrench by the joint's velocity.
+    /// Derivative of the wrench with respect to the joint's velocity.
     pub(super) damping: Force<'g>,
-    /// Derivative of the wrench by the joint's coordinate.
+    /// Derivative of the wrench with respect to the joint's coordinate.
     pub(super) stiffness: Force<'g>,
-    /// Change of the joint's force by δω.
+    /// Sensitivity of the joint's force to δω.
     pub(super) by_omega: Vector3<Scalar<'g>>,
 }
 
@@ -28,7 +28,7 @@ impl<'g> Column<'g> {
     }
 }
 
-/// Disturbances of a body by a unit of its joint's coordinate and velocity.
+/// Disturbances of a body for a unit of its joint's coordinate and of its joint's velocity.
 #[derive(Clone, Copy)]
 pub(super) struct Disturbance<'g> {
     pub(super) by_coordinate: Disturbed<'g>,

@@ -18,8 +18,8 @@ pub(super) struct Flow<'g> {
     pub(super) spin: Matrix3<'g>,
 }
 
-/// Lever of a joint along z in the body's frame, and twice the velocities of both levers: along z in the
-/// body's frame, and from the parent's origin to the joint's axis in the parent's frame.
+/// Lever of a joint along z in the body's frame, and twice the velocities of two levers: the lever along z in
+/// the body's frame, and the lever from the parent's origin to the joint's axis in the parent's frame.
 #[derive(Clone, Copy)]
 pub(super) struct Lever<'g> {
     pub(super) along: Scalar<'g>,
@@ -36,7 +36,7 @@ pub(super) fn levers<'g>(
     let zero = mechanism.graph.constant(0.0);
     let lever = |(index, body): (usize, &Body<Scalar<'g>>)| {
         let rate = match body.axis {
-            // All bodies of a chain have the motion of the last body.
+            // All bodies of a chain have the motion of the chain's last body.
             _ if body.chain.is_some() => zero,
             JointAxis::Revolute => zero,
             JointAxis::Prismatic => body.transmission.motion(input.v),
@@ -68,7 +68,7 @@ pub(super) fn twice_across(omega: Vector3<Scalar<'_>>) -> Vector3<Scalar<'_>> {
 }
 
 impl<'g> Flow<'g> {
-    /// Force and moment about the origin that a disturbance of the body requires.
+    /// Force, and moment about the origin, that a disturbance of the body requires.
     pub(super) fn response(&self, disturbed: &Disturbed<'g>) -> Force<'g> {
         let Disturbed { omega, beta, acceleration } = *disturbed;
         let moments = self.composite.moments;
@@ -81,8 +81,8 @@ impl<'g> Flow<'g> {
     }
 }
 
-/// Transforms 2P and 2K to a point from which the old point has the position `lever`. `velocity` is twice the
-/// rate of the lever.
+/// Transforms 2P and 2K to another point, from which the old point has the position `lever`. `velocity` is
+/// twice the rate of the lever.
 pub(super) fn shift_flow<'g>(
     moments: MassMoments<Scalar<'g>>,
     momentum: Vector3<Scalar<'g>>,

@@ -1,14 +1,14 @@
 //! Analytic derivatives of the inverse dynamics by composite bodies.
 //!
 //! A disturbance of a body consists of an angular velocity δω, of β = δω̇ + ω × δω, and of an acceleration δa
-//! of the body's origin. Every point of the body and of the bodies beyond it has the position r and velocity
-//! ṙ relative to this origin. It gets the additional acceleration
+//! of the body's origin. A point of this body, or of a body beyond it, has the position r and the velocity ṙ
+//! relative to this origin. The additional acceleration of the point is
 //!
 //! ```text
 //! δr̈ = δa + β × r + 2 δω × ṙ
 //! ```
 //!
-//! δω and β are the same in all these bodies. The resulting force and moment depend only on the composite
+//! δω and β are the same for all these bodies. The resulting force and moment depend only on the composite
 //! moments m, h = ∫ r dm, Σ = ∫ r rᵀ dm, 2 P = 2 ∫ ṙ dm and 2 K = 2 ∫ ṙ rᵀ dm:
 //!
 //! ```text
@@ -16,15 +16,15 @@
 //! δn = h × δa + (tr Σ − Σ) β + (tr 2K − 2K) δω
 //! ```
 //!
-//! With U = ω̇× + ω× ω× and the joint's axis z, a unit of a joint's position or velocity gives:
+//! With U = ω̇× + ω× ω× and the joint's axis z, a unit of a joint's position or velocity causes:
 //!
 //! - position of a revolute joint: `δω = ω × z`, `β = U z`, `δa = a × z`
 //! - velocity of a revolute joint: `δω = z`, `β = 2 ω × z`
 //! - position of a prismatic joint: `δa = U z`
 //! - velocity of a prismatic joint: `δa = 2 ω × z`
 //!
-//! These are the derivatives of Carpentier and Mansard (2018) and of Singh, Russell and Wensing (2022) with
-//! classical accelerations instead of spatial ones. They require no linear velocities.
+//! These are the derivatives of Carpentier and Mansard (2018) and of Singh, Russell and Wensing (2022). They
+//! use classical accelerations instead of spatial accelerations, so they require no linear velocities.
 
 mod base_body;
 mod column;
@@ -50,35 +50,37 @@ use crate::spatial::Force;
 /// Inverse dynamics, with the mass matrix and the derivatives.
 #[derive(Debug, Clone)]
 pub struct ForceDerivatives<'g> {
-    /// Forces by coordinate. [`inverse_dynamics_derivatives`] computes `M ÿ + k − q_gravity`.
+    /// Forces by coordinate. In the result of [`inverse_dynamics_derivatives`] they are
+    /// `M ÿ + k − q_gravity`.
     pub forces: Vec<Scalar<'g>>,
-    /// Derivatives of the forces by y. Row i belongs to force i.
+    /// Derivatives of the forces with respect to y. Row i belongs to force i.
     pub by_coordinates: Matrix<'g>,
-    /// Derivatives of the forces by ẏ. Row i belongs to force i.
+    /// Derivatives of the forces with respect to ẏ. Row i belongs to force i.
     pub by_velocities: Matrix<'g>,
     /// Mass matrix M.
     pub mass_matrix: Matrix<'g>,
 }
 
-/// Frame in which the entries of pairs of joints are computed. A column of the derivatives belongs to one
-/// joint; its entries belong to the joints before it.
+/// Frame in which the entries of pairs of joints are computed. Each column of the derivatives belongs to one
+/// joint, and its entries belong to the joints before this joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PairFrame {
     /// The working frame of each body on the path to the base. The column is transformed from body to body.
     Links,
-    /// The frame of the tree's first body. The column is not transformed, but each product has all
-    /// components. All bodies must have the same unit of length.
+    /// The frame of the tree's first body. Columns need no transformation from body to body, but each product
+    /// has all components. All bodies must have the same unit of length.
     Root,
 }
 
-/// Derives `M ÿ + k − q_gravity`, the derivatives by y and ẏ, and M, in the working frames of a formulation.
+/// Computes `M ÿ + k − q_gravity`, its derivatives with respect to y and ẏ, and M, in the working frames of a
+/// formulation.
 pub fn inverse_dynamics_derivatives<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     formulation: &Formulation,
     pairs: PairFrame,
     input: MotionInput<'_, 'g>,
 ) -> ForceDerivatives<'g> {
-    // The wrench of each body is used, so no part of a wrench may bypass a body.
+    // The whole wrench of each body is needed, so moments must be passed from body to parent.
     let formulation = &formulation.without_shortcuts();
     let parts = inverse_dynamics_parts(mechanism, formulation, input);
     let zeros = vec![vec![mechanism.graph.constant(0.0); mechanism.coordinates]; mechanism.coordinates];
@@ -128,16 +130,16 @@ pub fn inverse_dynamics_derivatives<'g>(
     result
 }
 
-/// Joint or rotor to which a column belongs on its path to the base.
+/// The joint or rotor to which a column belongs.
 struct Source<'g> {
     /// The body of the joint; `None` if the column belongs to a rotor.
     joint: Option<usize>,
-    /// Coordinates of the column, with the factor of the column for each coordinate.
+    /// Coordinates of the column, each with its factor.
     coordinates: Vec<Followed<Scalar<'g>>>,
 }
 
 impl<'g> Tree<'_, 'g> {
-    /// Transforms a column from a body to the base, and adds the entries of each joint on the path.
+    /// Transforms a column from a body to the base, and adds its entries for each joint on the path.
     fn walk(
         &self,
         start: usize,
@@ -191,7 +193,7 @@ impl<'g> Tree<'_, 'g> {
         }
     }
 
-    /// Adds the entries for the velocities of a joint with a quaternion that are before `end` in its chain.
+    /// Adds the entries for the velocities of a joint with a quaternion that precede `end` in its chain.
     /// The column is in the frame of the chain's last body.
     fn read_chain(
         &self,
@@ -206,7 +208,8 @@ impl<'g> Tree<'_, 'g> {
         }
     }
 
-    /// Transforms a column from the last body of a chain to the first body. Only the axes change.
+    /// Transforms a column from the frame of a chain's last body to the frame of its first body. Only the
+    /// axes change.
     fn pass_chain(&self, place: ChainPlace, mut column: Column<'g>) -> Column<'g> {
         for index in (place.first + 1..=place.last).rev() {
             column = self.pass_on(index, &column);
@@ -214,9 +217,9 @@ impl<'g> Tree<'_, 'g> {
         column
     }
 
-    /// Continues the column of a velocity of a joint with a quaternion. The column is in the frame of the
-    /// moved body; for the joints before it the rotation of this frame is added to the derivative by the
-    /// coordinate.
+    /// Continues the column of a velocity of a joint with a quaternion towards the base. The column is in the
+    /// frame of the moved body. For the joints before it, the rotation of this frame is added to the
+    /// derivative with respect to the coordinate.
     fn leave_chain(
         &self,
         index: usize,
@@ -234,7 +237,7 @@ impl<'g> Tree<'_, 'g> {
         self.walk(place.first, source, column, result);
     }
 
-    /// Adds the entries of the column for its own joint.
+    /// Adds the diagonal entries: the entries of the column for the column's joint.
     fn read_own(
         &self,
         index: usize,
@@ -252,7 +255,7 @@ impl<'g> Tree<'_, 'g> {
         }
     }
 
-    /// Component of a transformed force along the joint of a body.
+    /// Component of a transformed force along the joint of a body, in the frame of the pairs.
     fn met_by(&self, index: usize, f: Force<'g>) -> Scalar<'g> {
         match self.base.get(index) {
             None => self.own_force(index, f),
@@ -260,7 +263,7 @@ impl<'g> Tree<'_, 'g> {
         }
     }
 
-    /// Component of a force along the joint of its own body.
+    /// Component of a force along the joint of a body, in the body's working frame.
     fn own_force(&self, index: usize, f: Force<'g>) -> Scalar<'g> {
         let Body { axis, chain, .. } = &self.mechanism.bodies[index];
         match chain {

@@ -1,4 +1,4 @@
-//! The recursive derivatives against forward differentiation of the recursive equations.
+//! Compares the recursive derivatives with forward differentiation of the recursive equations.
 
 use super::{PairFrame, inverse_dynamics_derivatives};
 use crate::dynamics::formulation::Formulation;

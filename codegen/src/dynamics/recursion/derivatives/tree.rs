@@ -1,5 +1,5 @@
-//! A mechanism in motion: the columns of the derivatives at each body, and their transformation to the
-//! parent.
+//! A mechanism in motion: the columns of the derivatives at each body, and the transformation of columns to
+//! the parent.
 
 use super::base_body::BaseBody;
 use super::column::{Column, Disturbance, Disturbed};
@@ -78,7 +78,7 @@ impl<'g> Tree<'_, 'g> {
     }
 
     /// Column of body `index` for a unit of acceleration, velocity and position of its coordinate. If the
-    /// joint follows several coordinates, the unit is that of the joint.
+    /// joint follows several coordinates, the unit is a unit of the joint's motion.
     ///
     /// - `needed`: wrench that the body and all bodies beyond it require
     pub(super) fn column(&self, index: usize, flow: &Flow<'g>, needed: &Force<'g>) -> Column<'g> {
@@ -105,7 +105,7 @@ impl<'g> Tree<'_, 'g> {
             JointAxis::Prismatic => flow.momentum.cross(screw.linear),
         };
         if self.looks_the_same_turned(index) {
-            // The wrench does not depend on the angle. The sums above would only leave rounding.
+            // The wrench does not depend on the angle. The sums above would leave rounding errors.
             stiffness = Force::zero(zero);
         }
         let single = self.mechanism.bodies[index].transmission.single();
@@ -119,7 +119,7 @@ impl<'g> Tree<'_, 'g> {
     }
 
     /// Column of the last body of a chain for a unit of acceleration, velocity and position along one
-    /// velocity of the joint. It is in the moving frame of this body.
+    /// velocity of the joint. The column is in the moving frame of this body.
     fn chain_column(
         &self,
         index: usize,
@@ -145,7 +145,7 @@ impl<'g> Tree<'_, 'g> {
         }
     }
 
-    /// Whether a body is a leaf with a revolute joint, and its mass is rotationally symmetric about the
+    /// Whether a body is a leaf with a revolute joint and has a mass that is rotationally symmetric about the
     /// joint's axis.
     fn looks_the_same_turned(&self, index: usize) -> bool {
         let moments = self.placements[index].moments;
@@ -228,7 +228,7 @@ impl<'g> Tree<'_, 'g> {
                     let parent = &bodies[parent];
                     let origin = parent.origin + parent.direction(placement.translation);
                     let velocity = parent.twice_velocity + parent.direction(lever.across_velocity);
-                    // Column k of R is the unit vector k after the twist, then turned.
+                    // Column k of R is the k-th unit vector after the twist and the rotation of the joint.
                     let [x, y, z] = unit.map(|axis| parent.direction(body.twist.to_parent(axis)));
                     match placement.turn {
                         Some((s, c)) => {
@@ -258,7 +258,7 @@ impl<'g> Tree<'_, 'g> {
         bodies
     }
 
-    /// Transforms a column to the frame of its path to the base.
+    /// Transforms a column to the frame in which it is passed to the base.
     pub(super) fn depart(&self, index: usize, column: Column<'g>) -> Column<'g> {
         self.base.get(index).map_or(column, |body| body.column(&column))
     }
@@ -275,7 +275,7 @@ impl<'g> Tree<'_, 'g> {
         false
     }
 
-    /// Coordinates of the column of a body, with the factor of the column for each coordinate.
+    /// Coordinates of the column of a body, each with its factor.
     pub(super) fn coordinates_of(&self, index: usize) -> Vec<Followed<Scalar<'g>>> {
         let transmission = &self.mechanism.bodies[index].transmission;
         match transmission.single() {

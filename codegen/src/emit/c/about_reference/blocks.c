@@ -1,8 +1,8 @@
 
 #ifndef GELENK_ABOUT_BLOCKS
 #define GELENK_ABOUT_BLOCKS
-// The product of a matrix by one that has a block for each joint: N rows, and N columns, or NY where its columns are
-// position entries.
+// Product of a matrix and a block-diagonal matrix with one block per joint: N rows, and N columns, or NY
+// columns if the columns are position entries.
 static void gelenk_about_blocks(int rows, const double *a, const double *blocks, int columns, double *product)
 {
     const int are_positions = columns != GELENK_N;

@@ -3,7 +3,7 @@
 //!
 //! The texts call only each other. They use the module's constants JOINT_POSITIONS, FIRST_POSITIONS and
 //! FIRST_VELOCITIES. Each text has an include guard, because the source for acados may include the source for
-//! CasADi.
+//! CasADi, which contains the same texts.
 
 /// Text of `gelenk_about_blocks`: product of a matrix and a block-diagonal matrix with one block per joint.
 pub(super) const BLOCKS: &str = include_str!("blocks.c");
@@ -11,7 +11,7 @@ pub(super) const BLOCKS: &str = include_str!("blocks.c");
 /// Text of `gelenk_about_rows`: product of a block-diagonal matrix with one block per joint and a matrix.
 pub(super) const ROWS: &str = include_str!("rows.c");
 
-/// Text of `gelenk_about_rates`: rate of d with its derivatives. The derivative by the velocities is the
-/// inverse of the derivative of ⊕ by d. It is therefore the derivative of d = y ⊖ y_ref by small motions of
-/// y.
+/// Text of `gelenk_about_rates`: rate of d with its derivatives. Its derivative with respect to the
+/// velocities is the inverse of the derivative of y ⊕ d with respect to d. Therefore it is also the
+/// derivative of d = y ⊖ y_ref with respect to small motions of y.
 pub(super) const RATES: &str = include_str!("rates.c");

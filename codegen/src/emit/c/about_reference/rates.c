@@ -1,9 +1,11 @@
 
 #ifndef GELENK_ABOUT_RATES
 #define GELENK_ABOUT_RATES
-// 1/x^2 - cot x / x and its first two derivatives by z = x^2; NaN from x = pi on, where it has a pole.
+// 1/x^2 - cot x / x and its first two derivatives with respect to z = x^2; NaN for x >= pi, because x = pi is
+// a pole.
 //
-// It is the sum of 2 / (k^2 pi^2 - z). The first two terms stand by themselves, the others as a power series.
+// The value is the sum of 2 / (k^2 pi^2 - z). The first two terms are computed exactly, the others by a power
+// series.
 static void gelenk_about_cotangent(double z, double *f)
 {
     static const double series[18] = {
@@ -30,7 +32,7 @@ static void gelenk_about_cotangent(double z, double *f)
     f[2] = bend;
 }
 
-// The bracket of two velocities (linear, angular).
+// The Lie bracket of two velocities (linear, angular).
 static void gelenk_about_bracket(const double *a, const double *b, double *c)
 {
     for (int i = 0; i < 3; ++i) {
@@ -40,8 +42,9 @@ static void gelenk_about_bracket(const double *a, const double *b, double *c)
     }
 }
 
-// The rate of d at the velocity v, v + 1/2 [d, v] + b [d, [d, v]]. The factor b, given with its derivatives, is a function
-// of the square of the angle; its change along the linear part of d is the dual part of the factor.
+// The rate of d at the velocity v: v + 1/2 [d, v] + b [d, [d, v]]. The factor b is given with its
+// derivatives. It is a function of the square of the angle. Its change along the linear part of d is the dual
+// part of the factor.
 static void gelenk_about_rate(const double *d, const double *b, const double *v, double *rate)
 {
     double once[6], twice[6];
@@ -54,7 +57,7 @@ static void gelenk_about_rate(const double *d, const double *b, const double *v,
         rate[i] += dual * twice[3 + i];
 }
 
-// Its derivative by an entry of d.
+// The derivative of this rate with respect to one entry of d.
 static void gelenk_about_rate_by(const double *d, const double *b, const double *v, int entry, double *column)
 {
     double e[6] = {0.0}, once[6], twice[6], by_once[6], outer[6], inner[6];
@@ -72,9 +75,10 @@ static void gelenk_about_rate_by(const double *d, const double *b, const double 
         column[i] += along * b[1] * (outer[3 + i] + inner[3 + i]) + (mixed * b[1] + along * b[2] * square) * twice[3 + i];
 }
 
-// The rate of d in y (+) d at the velocity v, and its derivatives by d and by v, N x N; null pointers are not written to.
+// The rate of d in y (+) d at the velocity v, and its N x N derivatives with respect to d and v. Null
+// pointers are not written to.
 //
-// It is exact, or that of the Runge-Kutta steps, whose factor is 1/12.
+// The rate is exact, or it is the rate in the Runge-Kutta steps, which have the factor b = 1/12.
 static void gelenk_about_rates(
     const double *d, const double *v, int is_exact, double *rate, double *by_d, double *by_v)
 {
@@ -99,7 +103,8 @@ static void gelenk_about_rates(
         memcpy(&own[skipped], &d[first], (6 - skipped) * sizeof *own);
         memcpy(&moving[skipped], &v[first], (6 - skipped) * sizeof *own);
         if (is_exact) {
-            // In terms of half the angle, whose square is a quarter.
+            // The function has half the angle as argument, whose square is a quarter of the square of the
+            // angle.
             gelenk_about_cotangent(0.25 * (own[3] * own[3] + own[4] * own[4] + own[5] * own[5]), b);
             b[0] /= 4.0;
             b[1] /= 16.0;

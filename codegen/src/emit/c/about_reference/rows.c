@@ -1,7 +1,7 @@
 
 #ifndef GELENK_ABOUT_ROWS
 #define GELENK_ABOUT_ROWS
-// N rows of a matrix, multiplied from the left by one that has a block for each joint.
+// Multiplies N rows of a matrix from the left by a block-diagonal matrix with one block per joint.
 static void gelenk_about_rows(const double *blocks, int columns, double *matrix)
 {
     for (int joint = 0; joint < GELENK_JOINTS; ++joint) {

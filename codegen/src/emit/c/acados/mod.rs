@@ -1,7 +1,7 @@
-//! Files for acados: discrete dynamics in C, and a Python file with an optimal control problem.
+//! Files for acados: discrete dynamics in C, and a Python file that defines an optimal control problem.
 //!
 //! acados calls generic functions `int f(void **in, void **out, void *params)`. Vectors and matrices are
-//! types of BLASFEO, whose storage depends on the processor, so the source accesses them with macros of the
+//! types of BLASFEO. Their storage depends on the processor, so the source accesses them with macros of the
 //! headers of acados. `setup.rs` prints the Python file, and `python.rs` prints the literals in this file.
 
 mod python;
@@ -38,29 +38,29 @@ pub(super) fn dynamics(context: &Context<'_>) -> String {
     .concat()
 }
 
-/// Includes of the module's source, and of the source for CasADi if it is generated. Costs and constraints in
-/// CasADi call it.
+/// Includes the module's source, and the source for CasADi if it is generated, because costs and constraints
+/// in CasADi call it.
 fn sources(context: &Context<'_>) -> String {
     let with_casadi = context.options.companions.contains(&Companion::Casadi);
     let names = [Some(".c"), with_casadi.then_some("_casadi.c")].into_iter().flatten();
     let includes: String = names.map(|ending| format!("#include \"{}{ending}\"\n", context.name)).collect();
-    format!("\n// acados compiles one source: this one, with all others in it.\n{includes}")
+    format!("\n// acados compiles only this source, so it includes all other sources.\n{includes}")
 }
 
 fn overview(has_quaternions: bool) -> Vec<Block> {
     let state = match has_quaternions {
         false => {
             "Discrete dynamics for acados: generic external functions of the state x = (y, ẏ), the inputs u, and the parameters \
-             p, which are the period in s and then the free parameters in the order of their struct."
+             p: the period in s, and then the free parameters in the order of their struct."
         }
         true => {
             "Discrete dynamics for acados: generic external functions of the state x = (d, v), the inputs u, and the parameters \
-             p, which are the period in s, the reference positions at its begin and at its end, with quaternions of unit \
-             length, and then the free parameters in the order of their struct. Positions are y_ref ⊕ d; rotations in d are \
+             p: the period in s, the reference positions at the beginning and end of the period (with quaternions of unit \
+             length), and then the free parameters in the order of their struct. Positions are y_ref ⊕ d; rotations in d are \
              at most half a turn."
         }
     };
-    let jacobian = "The Jacobian is transposed, as acados stores it: a row for each input, then one for each entry of x.";
+    let jacobian = "The Jacobian is transposed, as acados requires: one row for each input, then one row for each entry of x.";
     [state, jacobian].iter().map(|text| Block::Paragraph((*text).to_owned())).collect()
 }
 

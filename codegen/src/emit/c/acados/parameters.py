@@ -1,5 +1,6 @@
 def parameters(period: float, values: Mapping[str, float] | None = None) -> np.ndarray:
-    """The parameters p of a stage: its period in s, then the free parameters, as described where `values` has none."""
+    """Returns the parameters p of a stage: the period in s, then the free parameters. Parameters that `values` does not contain have
+    the values of the description."""
     values = values or {}
     unknown = [name for name in values if name not in PARAMETERS]
     if unknown:

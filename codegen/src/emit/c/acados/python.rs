@@ -27,14 +27,14 @@ pub(super) fn string(text: &str) -> String {
 /// Texts as a tuple of string literals.
 pub(super) fn strings<'a>(texts: impl Iterator<Item = &'a str>) -> String {
     let texts: Vec<String> = texts.map(string).collect();
-    // A tuple of one has a comma.
+    // A tuple with one entry needs a comma.
     let comma = if texts.len() == 1 { "," } else { "" };
     format!("({}{comma})", texts.join(", "))
 }
 
-/// Numbers as an array of NumPy, rows first.
+/// Numbers as a NumPy array, row-major.
 ///
-/// - `columns`: number of columns of a matrix, which may have no rows; `None` for a vector
+/// - `columns`: number of columns of a matrix, which may have 0 rows; `None` for a vector
 pub(super) fn array(numbers: &[f64], columns: Option<usize>) -> String {
     let list = |numbers: &[f64]| {
         let numbers: Vec<String> = numbers.iter().map(|&each| number(each)).collect();

@@ -1,11 +1,11 @@
 def parameters(
     period: float, values: Mapping[str, float] | None = None, y_ref: Any = NEUTRAL, y_ref_next: Any = None
 ) -> np.ndarray:
-    """The parameters p of a stage: its period in s, the reference positions that x = (d, v) is about at its begin and at its end,
-    then the free parameters, as described where `values` has none.
+    """Returns the parameters p of a stage: the period in s, the reference positions of x = (d, v) at the beginning and end of the
+    period, then the free parameters. Parameters that `values` does not contain have the values of the description.
 
-    - `y_ref`: NY reference positions, whose quaternions are made unit ones
-    - `y_ref_next`: those of the next stage, by default the same
+    - `y_ref`: NY reference positions, whose quaternions are normalized
+    - `y_ref_next`: reference positions of the next stage, by default the same positions
     """
     values = values or {}
     unknown = [name for name in values if name not in PARAMETERS]
@@ -18,9 +18,9 @@ def parameters(
 
 
 def refer(solver: AcadosOcpSolver, ocp: AcadosOcp, references: Any, values: Mapping[str, float] | None = None) -> None:
-    """Sets the reference positions of a solver: a row of NY for each stage, one more than there are periods.
+    """Sets the reference positions of a solver: one row of NY entries for each stage. There is one more stage than there are periods.
 
-    The limits of positions move with them. The state of stage 0 has to be given anew: `difference(references[0], y)`, then v.
+    The limits of positions are shifted accordingly. Afterwards, set the state of stage 0 to `difference(references[0], y)`, then v.
     """
     references = np.asarray(references, float)
     constraints, steps = ocp.constraints, ocp.solver_options.time_steps
@@ -42,7 +42,7 @@ def refer(solver: AcadosOcpSolver, ocp: AcadosOcp, references: Any, values: Mapp
 
 
 def normalized(y: Any) -> np.ndarray:
-    """Positions whose quaternions have unit length."""
+    """Returns the positions with quaternions of unit length."""
     y = np.array(y, float)
     if y.shape != (NY,):
         raise ValueError(f"positions have the shape {y.shape}, not ({NY},)")
@@ -57,7 +57,7 @@ def normalized(y: Any) -> np.ndarray:
 
 
 def difference(y_ref: Any, y: Any) -> np.ndarray:
-    """The motion d from reference positions to others, y = y_ref ⊕ d: N velocities for one second."""
+    """Returns the displacement d with y = y_ref ⊕ d: N velocities that lead from y_ref to y in one second."""
     start, end = normalized(y_ref), normalized(y)
     d = []
     for entries, first in zip(JOINT_POSITIONS, FIRST_POSITIONS):
@@ -73,27 +73,27 @@ def difference(y_ref: Any, y: Any) -> np.ndarray:
 
 
 def _rotation(q: np.ndarray, r: np.ndarray) -> np.ndarray:
-    """The shortest rotation vector from an attitude to another one, in the axes of the first."""
+    """Returns the shortest rotation vector from the attitude q to the attitude r, in the axes of q."""
     axis = q[3] * r[:3] - r[3] * q[:3] - np.cross(q[:3], r[:3])
     cosine, sine = q @ r, np.linalg.norm(axis)
-    # Both signs of a quaternion are the same attitude.
+    # A quaternion and its negative describe the same attitude.
     angle = 2 * np.arctan2(sine, abs(cosine))
     return axis * (np.sign(cosine) or 1.0) * (angle / sine if sine > 0 else 2.0)
 
 
 def _way(q: np.ndarray, way: np.ndarray, turned: np.ndarray) -> np.ndarray:
-    """The linear velocity that, with a rotation, leads along a way in one second."""
+    """Returns the linear velocity that, together with the rotation `turned`, causes the displacement `way` in one second."""
     v = -q[:3]
     inside = way + 2 * q[3] * np.cross(v, way) + 2 * np.cross(v, np.cross(v, way))
     half = np.linalg.norm(turned) / 2
-    # (1 - x cot x) / x² tends to 1/3; its series loses no digits for small angles.
+    # (1 - x cot x) / x² tends to 1/3. For small angles, the series loses no digits.
     factor = (1 - half / np.tan(half)) / half**2 if half > 0.1 else 1 / 3 + half**2 / 45 + 2 * half**4 / 945 + half**6 / 4725
     across = np.cross(turned, inside)
     return inside - across / 2 + factor / 4 * np.cross(turned, across)
 
 
 def _coordinates(y: np.ndarray) -> np.ndarray:
-    """For each velocity the position that is its integral; 0 for those of quaternions, which have no limits."""
+    """Returns, for each velocity, the position that is its integral; 0 for joints with quaternions, which have no position limits."""
     shift = np.zeros(N)
     for entries, first, velocity in zip(JOINT_POSITIONS, FIRST_POSITIONS, FIRST_VELOCITIES):
         if entries == 1:

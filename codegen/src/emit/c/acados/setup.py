@@ -1,4 +1,4 @@
-"""The robot for acados: model, dimensions, limits and sources of an optimal control problem.
+"""A robot for acados: defines an optimal control problem with the robot's dynamics and limits.
 
     import gelenk_acados as robot
 
@@ -24,7 +24,7 @@ import numpy as np
 
 
 def _find_template() -> None:
-    """Makes `acados_template` importable where a wheel holds it within its package `acados`, with the libraries of acados."""
+    """Makes `acados_template` importable if the wheel `acados` contains it together with the libraries of acados."""
     wheel = importlib.util.find_spec("acados")
     if importlib.util.find_spec("acados_template") is not None or wheel is None or wheel.origin is None:
         return
@@ -32,7 +32,7 @@ def _find_template() -> None:
     sys.path.append(str(package))
     os.environ.setdefault("ACADOS_SOURCE_DIR", str(package / "install"))
     os.environ.setdefault("ACADOS_PYTHON_INTERFACE_PATH", str(package / "acados_template"))
-    # libacados needs these, and does not find them by itself.
+    # libacados needs these libraries, but does not find them.
     for name in ("blasfeo", "hpipm", "qpOASES_e"):
         for library in sorted((package / "install" / "lib").glob(f"lib{name}.*")):
             ctypes.CDLL(str(library))
@@ -42,18 +42,18 @@ _find_template()
 from acados_template import AcadosModel, AcadosOcp, AcadosOcpSolver  # noqa: E402
 
 FOLDER = Path(__file__).resolve().parent
-"""Where the sources in C lie."""
+"""Folder of the C sources."""
 # constants
 
 UNLIMITED = 1e9
-"""What acados is given for infinity."""
+"""Value of an infinite bound for acados."""
 
 
 # parameters
 
 
 def model() -> AcadosModel:
-    """The names of states, inputs and parameters, and where acados finds the dynamics."""
+    """Returns the model: symbols of states, inputs and parameters, and the functions of the dynamics."""
     made = AcadosModel()
     made.name = NAME
     made.x = casadi.SX.sym("x", 2 * N)
@@ -75,15 +75,15 @@ def ocp(
     peak: bool = True,
     compile_flags: str = "-O2",
 ) -> AcadosOcp:
-    """A problem over so many periods, with the robot's dynamics and limits, and without a cost.
+    """Returns a problem over `intervals` periods, with the robot's dynamics and limits, and without a cost.
 
     - `period`: length of a period in s
-    - `values`: of free parameters; those without one are as described
-    - `peak`: whether the limits of motors and joints are those that they bear for a short time
-    - `compile_flags`: those of the C compiler, e.g. `"-O3 -march=native"`
+    - `values`: values of free parameters; all other parameters have the values of the description
+    - `peak`: whether the peak limits of motors and joints are used instead of the nominal limits
+    - `compile_flags`: flags of the C compiler, e.g. `"-O3 -march=native"`
 
-    It is solved by real-time iterations with Gauss-Newton Hessians, and begins in x = 0 until `solver.set(0, "lbx", x)` and
-    `solver.set(0, "ubx", x)` say otherwise.
+    The problem is solved by real-time iterations with Gauss-Newton Hessians. Its initial state is x = 0 until
+    `solver.set(0, "lbx", x)` and `solver.set(0, "ubx", x)` set another state.
     """
     made = AcadosOcp()
     made.model = model()
@@ -97,7 +97,7 @@ def ocp(
     options.nlp_solver_type = "SQP_RTI"
     options.hessian_approx = "GAUSS_NEWTON"
     options.qp_solver = "PARTIAL_CONDENSING_HPIPM"
-    # The source includes the module, which lies beside this file.
+    # The source includes the module, which is in the folder of this file.
     options.ext_fun_compile_flags = f'{compile_flags} -I"{FOLDER}"'
     made.parameter_values = parameters(period, values)
     made.constraints.x0 = np.zeros(2 * N)
@@ -106,10 +106,10 @@ def ocp(
 
 
 def limit(ocp: AcadosOcp, *, peak: bool = True) -> None:
-    """Sets the limits of the description: of inputs, of positions and velocities, of joints that follow others, of forces at joints
-    on which several inputs act, of motors that give less torque the faster they turn. Bounds are hard."""
+    """Sets the limits of the description as hard bounds: inputs, positions and velocities of joints, joints that follow others, forces
+    at joints on which several inputs act, and torque-speed lines of motors."""
     for what in LEFT_OUT:
-        warnings.warn(f"{what} are not among the bounds: they are no constant function of x and u", stacklevel=3)
+        warnings.warn(f"{what} are not among the bounds, because they are not constant bounds of x and u", stacklevel=3)
     constraints = ocp.constraints
     bounds, rows = input_limits(peak)
     constraints.idxbu, constraints.lbu, constraints.ubu = _finite(bounds)
@@ -117,7 +117,7 @@ def limit(ocp: AcadosOcp, *, peak: bool = True) -> None:
     states = _finite(np.concatenate([POSITION_LIMITS, speeds]))
     constraints.idxbx, constraints.lbx, constraints.ubx = states
     constraints.idxbx_e, constraints.lbx_e, constraints.ubx_e = states
-    # Rows lg <= C x + D u <= ug; those with u say nothing at the end.
+    # Rows lg <= C x + D u <= ug. Rows with u are omitted at the last stage, which has no input.
     of_states, sides = _of_followers()
     by_states, by_inputs, line_sides = _of_motors()
     constraints.C = np.concatenate([of_states, np.zeros((len(rows), 2 * N)), by_states])
@@ -128,7 +128,8 @@ def limit(ocp: AcadosOcp, *, peak: bool = True) -> None:
 
 
 def input_limits(peak: bool = True) -> tuple[np.ndarray, np.ndarray]:
-    """Lowest and highest inputs by motors and joints; rows (B, lowest, highest force) of joints on which several inputs act."""
+    """Returns the lowest and highest value of each input from the limits of motors and joints, and a row (entries of B, lowest force,
+    highest force) for each joint on which several inputs act."""
     motors = PEAK_INPUT_LIMITS if peak else INPUT_LIMITS
     low, high = np.maximum(-motors, INPUT_RANGES[:, 0]), np.minimum(motors, INPUT_RANGES[:, 1])
     rows = []
@@ -143,8 +144,8 @@ def input_limits(peak: bool = True) -> tuple[np.ndarray, np.ndarray]:
 
 
 def soften(ocp: AcadosOcp, linear: float, quadratic: float) -> None:
-    """Makes the bounds of states soft: a violation s costs linear s + quadratic s² / 2 for each second, at the end for one period.
-    Rows with inputs stay hard."""
+    """Makes the bounds of states soft. A violation s costs linear s + quadratic s² / 2 per second; at the last stage it counts for one
+    period. Rows with inputs stay hard."""
     constraints, cost, steps = ocp.constraints, ocp.cost, _intervals(ocp)
     constraints.idxsbx, constraints.idxsbx_e = np.arange(constraints.idxbx.size), np.arange(constraints.idxbx_e.size)
     followers = np.flatnonzero(np.any(constraints.C, axis=1) & ~np.any(constraints.D, axis=1))
@@ -158,12 +159,12 @@ def soften(ocp: AcadosOcp, linear: float, quadratic: float) -> None:
 
 
 def track(ocp: AcadosOcp, state_weight: Any, input_weight: Any, terminal_weight: Any = None) -> None:
-    """Sets the cost of following references, (x − x_d)ᵀ Q (x − x_d) / 2 + (u − u_d)ᵀ R (u − u_d) / 2 for each second.
+    """Sets the cost of deviations from references x_d and u_d: (x − x_d)ᵀ Q (x − x_d) / 2 + (u − u_d)ᵀ R (u − u_d) / 2 per second.
 
     - `state_weight`, `input_weight`: Q and R, matrices or their diagonals
-    - `terminal_weight`: P of the cost (x − x_d)ᵀ P (x − x_d) / 2 at the end; by default Q times a period
+    - `terminal_weight`: P of the cost (x − x_d)ᵀ P (x − x_d) / 2 at the last stage; by default Q times the period
 
-    `solver.set(stage, "yref", (x_d, u_d))` sets the references, at the end those of x alone. They are 0 until then.
+    `solver.set(stage, "yref", (x_d, u_d))` sets the references of a stage. The last stage only has x_d. References are 0 until set.
     """
     states, inputs = _square(state_weight), _square(input_weight)
     last = states * ocp.solver_options.tf / _intervals(ocp) if terminal_weight is None else _square(terminal_weight)
@@ -176,13 +177,13 @@ def track(ocp: AcadosOcp, state_weight: Any, input_weight: Any, terminal_weight:
 
 
 def solver(ocp: AcadosOcp, **options: Any) -> AcadosOcpSolver:
-    """The compiled solver of a problem, each stage with the period that its time steps say.
+    """Returns the compiled solver of a problem. The period of each stage is taken from the time steps of the problem.
 
-    acados looks for sources in the current folder alone: while it generates, that is the folder of this file. What it writes goes
-    where it would go otherwise. `options` are those of `AcadosOcpSolver`.
+    acados searches sources only in the current folder. Therefore the folder of this file is the current folder during the
+    generation. Output files are written to the usual folders. `options` are the options of `AcadosOcpSolver`.
     """
     before = Path.cwd()
-    # In later versions the folder is an option of code generation.
+    # In later versions of acados, this folder is an option of code generation.
     owner = getattr(ocp, "code_gen_opts", ocp)
     owner.code_export_directory = os.path.abspath(owner.code_export_directory)
     options["json_file"] = os.path.abspath(options.get("json_file", f"{NAME}_acados_ocp.json"))
@@ -206,7 +207,7 @@ def _square(weight: Any) -> np.ndarray:
 
 
 def _finite(ranges: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Which of these have a bound, and their bounds."""
+    """Returns the indices of ranges with a finite bound, and their lower and upper bounds."""
     limited = np.flatnonzero(np.isfinite(ranges).any(axis=1))
     return limited, *_within(ranges[limited])
 
@@ -216,7 +217,7 @@ def _within(ranges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _of_followers() -> tuple[np.ndarray, np.ndarray]:
-    """Rows of x and their sides: limited positions and speeds of joints that follow others."""
+    """Returns rows of x and their bounds, for limited positions and speeds of joints that follow others."""
     ratios = DEPENDENT_JOINT_RATIOS
     none = np.zeros_like(ratios)
     rows = np.concatenate([np.hstack([ratios, none]), np.hstack([none, ratios])])
@@ -227,7 +228,7 @@ def _of_followers() -> tuple[np.ndarray, np.ndarray]:
 
 
 def _of_motors() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Rows of x and of u, and their sides: torque-speed lines, |u + C v| <= limit."""
+    """Returns rows of x, rows of u and their bounds, for torque-speed lines |u + C v| <= limit."""
     limited = np.flatnonzero(np.isfinite(TORQUE_SPEED_LIMITS))
     slopes, limits = TORQUE_SPEED_SLOPES[limited], TORQUE_SPEED_LIMITS[limited]
     return np.hstack([np.zeros_like(slopes), slopes]), np.eye(M)[limited], np.stack([-limits, limits], axis=1)

@@ -1,4 +1,5 @@
-//! The Python file with an optimal control problem. Constants of the robot are inserted into a fixed text.
+//! Prints the Python file that defines an optimal control problem. Constants of the robot are inserted into a
+//! fixed text.
 
 use super::super::context::Context;
 use super::functions;
@@ -7,21 +8,21 @@ use crate::emit::header;
 use crate::functions::function::{Constant, ConstantValue};
 use crate::program::interpret::interpret;
 
-/// The file without the constants and without the code for the parameters of a stage.
+/// Fixed text of the file, without the constants and the code for the parameters of a stage.
 const TEXT: &str = include_str!("setup.py");
 
-/// Code for the parameters of a stage.
+/// Code for the parameters of a stage of robots without quaternions.
 const PARAMETERS: &str = include_str!("parameters.py");
 
-/// Code for the parameters of a stage that include reference positions.
+/// Code for the parameters of a stage of robots with quaternions, which include reference positions.
 const REFERENCES: &str = include_str!("references.py");
 
-const STATE: &str = "The dynamics are discrete: x = (y, ẏ) after a period over which the inputs u are held. The parameters p are the period in
-s, then the free parameters of the description.";
+const STATE: &str = "The dynamics are discrete: they give x = (y, ẏ) after a period with constant inputs u. The parameters p are the period in s,
+then the free parameters of the description.";
 
-const STATE_ABOUT: &str = "The dynamics are discrete: x = (d, v) after a period over which the inputs u are held. Positions are y_ref ⊕ d, a small
-motion from reference positions of each stage; d is at most half a turn. The parameters p are the period in s, the references
-at its begin and at its end, then the free parameters of the description.";
+const STATE_ABOUT: &str = "The dynamics are discrete: they give x = (d, v) after a period with constant inputs u. The positions are
+y_ref ⊕ d with the reference positions y_ref of each stage. Rotations in d are at most half a turn. The parameters p are the
+period in s, the reference positions at the beginning and end of the period, then the free parameters of the description.";
 
 /// Prints the file `<name>_acados.py`.
 pub(in crate::emit::c) fn text(context: &Context<'_>) -> String {
@@ -37,12 +38,12 @@ pub(in crate::emit::c) fn text(context: &Context<'_>) -> String {
     format!("{top}{}", text.replace("# constants\n", &constants))
 }
 
-/// Values of a robot for the constants of the file.
+/// Data of a robot for the constants of the file.
 struct Robot<'a> {
     context: &'a Context<'a>,
     n: usize,
     m: usize,
-    /// Entries of B, rows first, at the description's values of free parameters; `None` if B depends on
+    /// Entries of B, row-major, for the parameter values of the description; `None` if B depends on
     /// positions.
     input_matrix: Option<Vec<f64>>,
 }
@@ -85,9 +86,13 @@ impl<'a> Robot<'a> {
         };
         vec![
             entry("NAME", string(prefix.trim_end_matches('_')), "Name of the model."),
-            entry("SOURCE", string(&source), "The source that acados compiles."),
-            entry("STEP", string(&step), "The dynamics in it."),
-            entry("STEP_DERIVATIVES", string(&step_derivatives), "The dynamics with their derivatives."),
+            entry("SOURCE", string(&source), "Source file that acados compiles."),
+            entry("STEP", string(&step), "Name of the function for the dynamics."),
+            entry(
+                "STEP_DERIVATIVES",
+                string(&step_derivatives),
+                "Name of the function for the dynamics with their derivatives.",
+            ),
             entry("N", self.n.to_string(), "Number of coordinates."),
             entry("M", self.m.to_string(), "Number of inputs."),
             entry(coordinates[0], texts(coordinates[0]), names_of),
@@ -98,7 +103,7 @@ impl<'a> Robot<'a> {
             entry(
                 "PARAMETERS",
                 format!("{{{}}}", parameters.join(", ")),
-                "Described values of the free parameters, in the order of p after the period.",
+                "Values of the free parameters in the description, in the order of p after the period.",
             ),
         ]
     }
@@ -120,12 +125,12 @@ impl<'a> Robot<'a> {
         vec![
             entry("NY", ny.to_string(), "Number of position entries."),
             indices("JOINT_POSITIONS", "Number of position entries of each joint."),
-            indices("FIRST_POSITIONS", "The first position entry of each joint."),
-            indices("FIRST_VELOCITIES", "The first velocity of each joint."),
+            indices("FIRST_POSITIONS", "Index of the first position entry of each joint."),
+            indices("FIRST_VELOCITIES", "Index of the first velocity of each joint."),
             entry(
                 "NEUTRAL",
                 array(&self.flat("NEUTRAL", ny), None),
-                "Positions at which no joint is turned or displaced.",
+                "Positions at which all joint angles and displacements are 0.",
             ),
         ]
     }
@@ -150,9 +155,13 @@ impl<'a> Robot<'a> {
             of_followers(
                 "DEPENDENT_JOINT_RATIOS",
                 Some(self.n),
-                "Positions of joints that follow others, by the coordinates.",
+                "Derivatives of the positions of followers (joints that follow others) with respect to the coordinates.",
             ),
-            of_followers("DEPENDENT_JOINT_OFFSETS", None, "Positions of the followers at coordinates 0."),
+            of_followers(
+                "DEPENDENT_JOINT_OFFSETS",
+                None,
+                "Positions of the followers if all coordinates are 0.",
+            ),
             of_followers("DEPENDENT_POSITION_LIMITS", Some(2), "Lowest and highest position of followers."),
             of_followers("DEPENDENT_VELOCITY_LIMITS", None, "Highest speed of followers."),
         ]
@@ -165,8 +174,8 @@ impl<'a> Robot<'a> {
         let slopes = Some(self.flat("TORQUE_SPEED_SLOPES", self.m)).filter(|slopes| !slopes.is_empty());
         let numbers = |name, about| entry(name, array(&self.numbers(name, self.m), None), about);
         vec![
-            numbers("INPUT_LIMITS", "Largest magnitude of each input that its motor bears continuously."),
-            numbers("PEAK_INPUT_LIMITS", "The same for a short time."),
+            numbers("INPUT_LIMITS", "Largest continuous magnitude of each input."),
+            numbers("PEAK_INPUT_LIMITS", "Largest short-time magnitude of each input."),
             entry(
                 "INPUT_RANGES",
                 array(&ranges.unwrap_or(unlimited), Some(2)),
@@ -175,21 +184,21 @@ impl<'a> Robot<'a> {
             entry(
                 "TORQUE_SPEED_SLOPES",
                 array(slopes.as_ref().unwrap_or(&zeros), Some(self.n)),
-                "C in |u + C v| <= limit, the torque-speed lines of the motors: a row for each input.",
+                "Matrix C of the torque-speed lines |u + C v| <= limit of the motors, with one row for each input.",
             ),
             numbers(
                 "TORQUE_SPEED_LIMITS",
-                "Limits of these lines, by input; infinite if a motor has no line.",
+                "Limit of the torque-speed line of each input; infinite if a motor has no line.",
             ),
             entry(
                 "INPUT_MATRIX",
                 array(self.input_matrix.as_ref().unwrap_or(&zeros), Some(self.m.max(1))),
-                "B with the described parameters: forces at the joints by inputs; 0 where it depends on positions.",
+                "Input matrix B for the parameter values of the description; 0 if B depends on positions.",
             ),
         ]
     }
 
-    /// Names of the limits that are not constant bounds of x and u.
+    /// Names of limits that are not included, because they are not constant bounds of x and u.
     fn left_out(&self) -> Entry {
         let has_efforts = ["EFFORT_LIMITS", "PEAK_EFFORT_LIMITS"]
             .iter()
@@ -198,7 +207,7 @@ impl<'a> Robot<'a> {
             (has_efforts && self.input_matrix.is_none()).then_some("limits of forces at the joints");
         let is_missing = self.value("FOLLOWER_NAMES").is_some() || self.follow_driven_joints();
         let followers = is_missing.then_some("limits of joints that follow others");
-        let about = "Described limits that are not constant bounds of x and u.";
+        let about = "Limits of the description that are not included, because they are not constant bounds of x and u.";
         entry("LEFT_OUT", strings(efforts.into_iter().chain(followers)), about)
     }
 
@@ -213,7 +222,7 @@ impl<'a> Robot<'a> {
         found.map(|constant| &constant.value)
     }
 
-    /// Entries of a constant of numbers; infinite if the module does not have it.
+    /// Entries of a constant of numbers; infinite if the module does not have the constant.
     fn numbers(&self, name: &str, count: usize) -> Vec<f64> {
         match self.value(name) {
             Some(ConstantValue::Numbers(_, numbers)) => numbers.clone(),
@@ -221,7 +230,7 @@ impl<'a> Robot<'a> {
         }
     }
 
-    /// Entries of a constant with `count` rows, rows first; empty if the module does not have it.
+    /// Entries of a constant with `count` rows, row-major; empty if the module does not have the constant.
     fn flat(&self, name: &str, count: usize) -> Vec<f64> {
         match self.value(name) {
             _ if count == 0 => vec![],

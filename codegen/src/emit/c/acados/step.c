@@ -1,5 +1,5 @@
 
-/// The state after a period over which u is held: in x, u; out x.
+/// The state x after a period with constant inputs u. Arguments: x, u. Result: x.
 int gelenk_acados_step(void **in, void **out, void *params)
 {
     const double *p = (const double *)params;
@@ -12,7 +12,8 @@ int gelenk_acados_step(void **in, void **out, void *params)
     return 0;
 }
 
-/// The same state, and its derivatives by u and by x: in x, u; out x, the transposed Jacobian.
+/// The state x after a period with constant inputs u, and its derivatives with respect to u and x. Arguments:
+/// x, u. Results: x, and the transposed Jacobian.
 int gelenk_acados_step_derivatives(void **in, void **out, void *params)
 {
     enum { N = GELENK_N, M = GELENK_M };
@@ -27,7 +28,7 @@ int gelenk_acados_step_derivatives(void **in, void **out, void *params)
     for (int row = 0; row < 2 * N; ++row) {
         for (int input = 0; input < M; ++input)
             BLASFEO_DMATEL(to->A, to->ai + input, to->aj + row) = by_u[row * M + input];
-        // by_x has blocks of N x N, those of the positions first.
+        // by_x has blocks of N x N entries. The blocks of the positions are first.
         const double *blocks = &by_x[row / N * 2 * N * N + row % N * N];
         for (int entry = 0; entry < 2 * N; ++entry)
             BLASFEO_DMATEL(to->A, to->ai + M + entry, to->aj + row) = blocks[entry / N * N * N + entry % N];

@@ -1,5 +1,5 @@
 
-/// The state after a period over which u is held: in x, u; out x.
+/// The state x after a period with constant inputs u. Arguments: x, u. Result: x.
 int gelenk_acados_step(void **in, void **out, void *params)
 {
     enum { N = GELENK_N, NY = GELENK_NY };
@@ -15,7 +15,8 @@ int gelenk_acados_step(void **in, void **out, void *params)
     return 0;
 }
 
-/// The same state, and its derivatives by u and by x: in x, u; out x, the transposed Jacobian.
+/// The state x after a period with constant inputs u, and its derivatives with respect to u and x. Arguments:
+/// x, u. Results: x, and the transposed Jacobian.
 int gelenk_acados_step_derivatives(void **in, void **out, void *params)
 {
     enum { N = GELENK_N, NY = GELENK_NY, M = GELENK_M, BLOCK = GELENK_N * GELENK_N };
@@ -32,7 +33,7 @@ int gelenk_acados_step_derivatives(void **in, void **out, void *params)
     gelenk_difference(y_ref_next, y_next, next);
     gelenk_acados_write(next, 2 * N, out[0]);
     gelenk_about_rates(next, next, 1, NULL, NULL, back);
-    // by_x has blocks of N x N, those of the positions first.
+    // by_x has blocks of N x N entries. The blocks of the positions are first.
     gelenk_about_rows(back, N, by_x);
     gelenk_about_rows(back, N, &by_x[BLOCK]);
     gelenk_about_rows(back, M, by_u);

@@ -1,4 +1,4 @@
-// to = matrix vector for a symmetric matrix.
+// Product to = matrix vector of a symmetric matrix and a vector.
 GELENK_INLINE void gelenk_apply(const double *GELENK_RESTRICT matrix, const double *GELENK_RESTRICT vector,
     double *GELENK_RESTRICT to)
 {

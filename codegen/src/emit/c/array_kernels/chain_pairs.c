@@ -1,5 +1,6 @@
-// A matrix over the pairs of a chain's joints, a part of a row at a time: the sum over r of before_i[r][i] before_j[r][j]
-// for j < i, diagonal[i], and the sum over r of beyond_i[r][i] beyond_j[r][j] for j > i.
+// A matrix over the pairs of a chain's joints, computed in parts of rows. Its entries are the sum over r of
+// before_i[r][i] before_j[r][j] if j < i, diagonal[i] if j = i, and the sum over r of beyond_i[r][i]
+// beyond_j[r][j] if j > i.
 GELENK_INLINE void gelenk_pairs(int before, const double *before_i, const double *before_j, int beyond,
     const double *beyond_i, const double *beyond_j, const double *diagonal, int width, double *GELENK_RESTRICT to)
 {

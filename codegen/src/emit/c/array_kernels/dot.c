@@ -1,5 +1,5 @@
-// a b in four partial sums: one alone would wait for each of its terms. The remaining terms stand in no loop, which would
-// keep the sums out of registers.
+// Product a b in four partial sums. A single sum would wait for each of its terms. The remaining terms are
+// added without a loop, which would keep the sums out of registers.
 GELENK_INLINE double gelenk_dot(int count, const double *a, const double *b)
 {
     double sums[4] = {0.0, 0.0, 0.0, 0.0};

@@ -1,4 +1,5 @@
-// to = -left right, two rows at a time, which share what is read of the right matrix.
+// Product to = -left right, two rows at a time, so that entries of the right matrix are loaded once for both
+// rows.
 GELENK_INLINE void gelenk_negative_product(const double *left, const double *right, int width,
     double *GELENK_RESTRICT to)
 {

@@ -1,4 +1,4 @@
-// These columns, and their bits. Operators work on each of them.
+// The columns of a part of a row, and their bits. Operators act on each column.
 #if GELENK_PART == 1
 typedef double gelenk_part;
 typedef uint64_t gelenk_part_bits;
@@ -19,7 +19,7 @@ GELENK_INLINE void gelenk_put_part(double *row, gelenk_part part)
     memcpy(row, &part, sizeof part);
 }
 
-// One number for all columns: zero taken away leaves every number as it is.
+// The same number in all columns. The subtraction of zero does not change a number.
 GELENK_INLINE gelenk_part gelenk_same_part(double x)
 {
     const gelenk_part zero = {0};

@@ -1,4 +1,4 @@
-// a where the bits are set, b where they are not.
+// a if the bits are set, otherwise b.
 GELENK_INLINE gelenk_part gelenk_choose_part(gelenk_part_bits bits, gelenk_part a, gelenk_part b)
 {
     gelenk_part_bits a_bits, b_bits;
@@ -9,14 +9,15 @@ GELENK_INLINE gelenk_part gelenk_choose_part(gelenk_part_bits bits, gelenk_part 
     return a;
 }
 
-// Comparisons of columns: all bits of those are set for which they hold, none of the others.
+// Comparison of columns. All bits of a column are set if the comparison is true for this column; otherwise
+// none is set.
 #if GELENK_PART == 1
 #define GELENK_HOLDS(comparison) (0 - (gelenk_part_bits)(comparison))
 #else
 #define GELENK_HOLDS(comparison) ((gelenk_part_bits)(comparison))
 #endif
 
-// The numbers of the columns of the part that begins at a column.
+// The indices of the columns of the part that begins at column `first`.
 GELENK_INLINE gelenk_part_bits gelenk_columns(int first)
 {
     static const uint64_t from_zero[8] = {0, 1, 2, 3, 4, 5, 6, 7};
@@ -25,7 +26,7 @@ GELENK_INLINE gelenk_part_bits gelenk_columns(int first)
     return columns + (uint64_t)first;
 }
 
-// The bits of column i.
+// A mask with the bits of column i.
 GELENK_INLINE gelenk_part_bits gelenk_column(int first, int i)
 {
     return GELENK_HOLDS(gelenk_columns(first) == (uint64_t)i);

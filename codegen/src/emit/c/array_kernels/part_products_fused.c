@@ -15,7 +15,7 @@ GELENK_INLINE gelenk_part gelenk_add_part(gelenk_part sum, gelenk_part a, gelenk
     gelenk_put_part(sums, sum);
     gelenk_put_part(each_a, a);
     gelenk_put_part(each_b, b);
-    // Unrolled, the loop would become operations on single numbers.
+    // If the loop was unrolled, it would become operations on single numbers.
 #if __GNUC__ >= 8
 #pragma GCC unroll 1
 #endif

@@ -1,4 +1,4 @@
-// As many columns of a row as a register holds.
+// Number of columns of a part of a row, which fills a register.
 #if defined(__GNUC__) && defined(__AVX512F__) && GELENK_K == 8
 #define GELENK_PART 8
 #elif defined(__GNUC__) && defined(__AVX__)

@@ -1,4 +1,4 @@
-// The bits of the columns of a part that have a relation.
+// A mask with the bits of the columns that have this relation.
 GELENK_INLINE gelenk_part_bits gelenk_related(const int64_t *relations, int relation)
 {
     gelenk_part_bits bits;
@@ -6,9 +6,12 @@ GELENK_INLINE gelenk_part_bits gelenk_related(const int64_t *relations, int rela
     return GELENK_HOLDS(bits == (uint64_t)relation);
 }
 
-// A matrix over the pairs of a tree's joints, a part of a row at a time: the sum over r of before_i[r][i] before_j[r][j]
-// where j is before i on its path to the base (its relation is -1), diagonal[i], the sum over r of beyond_i[r][i]
-// beyond_j[r][j] where i is before j (1), and 0 elsewhere.
+// A matrix over the pairs of a tree's joints, computed in parts of rows. Its entries are
+//
+// - the sum over r of before_i[r][i] before_j[r][j] if j is before i on its path to the base (relation -1)
+// - diagonal[i] if j = i
+// - the sum over r of beyond_i[r][i] beyond_j[r][j] if i is before j (relation 1)
+// - 0 otherwise
 GELENK_INLINE void gelenk_pairs(int before, const double *before_i, const double *before_j, int beyond,
     const double *beyond_i, const double *beyond_j, const double *diagonal, int width, double *GELENK_RESTRICT to)
 {

@@ -7,7 +7,8 @@ static casadi_int gelenk_casadi_entries_of(const casadi_int *s)
     return s[2] == 1 ? s[0] * s[1] : s[2 + s[1]];
 }
 
-// A column of a derivative: the difference of two matrices with the same sparsity, column by column.
+// Writes one column of a derivative: the difference quotient of two matrices with the same sparsity, column
+// by column.
 static void gelenk_casadi_slope(
     const casadi_int *s, const casadi_real *above, const casadi_real *below, double step, casadi_real *column)
 {
@@ -22,8 +23,9 @@ static void gelenk_casadi_slope(
             column[j * s[0] + row[i]] = (above[i] - below[i]) / step;
 }
 
-// Central differences of an evaluation with dense inputs, by the first `by` of its `inputs` inputs. A result has a row for
-// each entry of an output and a column for each entry of an input. The error is about 1e-8 of the largest entry.
+// Central differences of a function with dense inputs, with respect to the first `by` of its `inputs` inputs.
+// Each result has one row per entry of an output and one column per entry of an input. The error is about
+// 1e-8 of the largest entry.
 static int gelenk_casadi_differences(gelenk_casadi_evaluation *function, gelenk_casadi_sparsity *sparsity_in,
     gelenk_casadi_sparsity *sparsity_out, int by, int inputs, int outputs, const casadi_real **arg, casadi_real **res,
     const casadi_real **moved, casadi_real **all, casadi_real *w, int mem)
@@ -45,7 +47,8 @@ static int gelenk_casadi_differences(gelenk_casadi_evaluation *function, gelenk_
         for (casadi_int k = 0; k < width; ++k)
             input[k] = arg[j] ? arg[j][k] : 0.0;
         for (casadi_int k = 0; k < width; ++k) {
-            // The cube root of the rounding error balances it against the third derivative.
+            // This step size balances the rounding error and the error from the third derivative. It is a
+            // cube root of the rounding unit.
             const double at = input[k], size = at < 0 ? -at : at, step = 6e-6 * (size > 1.0 ? size : 1.0);
             for (int side = 0; side < 2; ++side) {
                 casadi_real *to = side ? below : above;

@@ -1,11 +1,11 @@
-//! Functions for CasADi as data: inputs, outputs, and the place of each output entry in the array `e` of
+//! Functions for CasADi as data: inputs, outputs, and the index of each output entry in the array `e` of
 //! computed values.
 
 /// A function for CasADi with its derivatives.
 pub(super) struct External {
     /// The function that computes the value.
     pub(super) value: Evaluation,
-    /// The functions that compute the first and second derivatives; `None` if the module lacks the first
+    /// The functions that compute the first and second derivatives; `None` if the module has no first
     /// derivatives.
     pub(super) derivatives: Option<[Evaluation; 2]>,
 }
@@ -24,16 +24,16 @@ pub(super) struct Evaluation {
     pub(super) body: Body,
 }
 
-/// Computation of the outputs of a function.
+/// Method to compute the outputs of a function.
 pub(super) enum Body {
-    /// The statements fill an array `e` of this size from index [`VALUES`] on. The outputs are entries of
+    /// Statements fill an array `e` of the given size, from index [`VALUES`] on. The outputs are entries of
     /// `e`.
     Filled { statements: Vec<String>, size: usize },
-    /// The outputs are central differences of another function by its first inputs.
+    /// The outputs are central differences of another function with respect to its first inputs.
     Differences {
         /// Name of the differentiated function.
         of: String,
-        /// Number of inputs by which the function is differentiated, and number of its outputs.
+        /// Number of inputs with respect to which the function is differentiated, and number of its outputs.
         counts: [usize; 2],
         /// Length of the work array.
         work: usize,
@@ -46,11 +46,11 @@ pub(super) struct Input {
     pub(super) name: String,
     pub(super) rows: usize,
     pub(super) columns: usize,
-    /// Whether the input is the free parameters, for which the module has a struct.
+    /// Whether the input consists of the free parameters, for which the module has a struct.
     pub(super) are_parameters: bool,
 }
 
-/// An output of a function. Entries that are zero in every state are left out.
+/// An output of a function. It does not contain entries that are zero in every state.
 pub(super) struct Block {
     pub(super) name: String,
     pub(super) rows: usize,
@@ -109,7 +109,7 @@ impl External {
     }
 }
 
-/// Inputs of the derivatives of a function: the function's inputs, then the function's outputs.
+/// Inputs of a function's derivatives: the function's inputs, then its outputs.
 fn with_outputs(evaluation: &Evaluation) -> Vec<Input> {
     let of_outputs = evaluation.outputs.iter().map(|output| {
         let name = format!("out_{}", output.name);
@@ -118,8 +118,8 @@ fn with_outputs(evaluation: &Evaluation) -> Vec<Input> {
     evaluation.inputs.iter().cloned().chain(of_outputs).collect()
 }
 
-/// Second derivatives as central differences by the first `by` inputs. The further inputs are the outputs of
-/// the function, on which no derivative depends.
+/// Second derivatives by central differences with respect to the first `by` inputs. All further inputs are
+/// outputs of the function, and derivatives do not depend on them.
 fn second_derivatives(jacobian: &Evaluation, by: usize) -> Evaluation {
     let blocks = jacobian.outputs.iter().flat_map(|output| {
         jacobian.inputs.iter().enumerate().map(move |(index, input)| {
@@ -134,7 +134,7 @@ fn second_derivatives(jacobian: &Evaluation, by: usize) -> Evaluation {
     let counts = [by, jacobian.outputs.len()];
     Evaluation {
         name: format!("jac_{}", jacobian.name),
-        about: format!("Derivatives of `{}`, by central differences.", jacobian.name),
+        about: format!("Derivatives of `{}` by central differences.", jacobian.name),
         outputs: blocks.collect(),
         body: Body::Differences { of: jacobian.name.clone(), counts, work: 2 * entries + longest },
         inputs: with_outputs(jacobian),
@@ -147,8 +147,8 @@ pub(super) fn room(entries: usize) -> usize {
     entries.max(1)
 }
 
-/// Computation of derivatives: statements that fill `e`, the size of `e`, and the outputs that are read from
-/// `e`.
+/// Code under construction for derivatives: statements that fill `e`, the size of `e`, and the outputs that
+/// are read from `e`.
 pub(super) struct Derivatives {
     pub(super) statements: Vec<String>,
     pub(super) size: usize,
@@ -168,7 +168,7 @@ impl Derivatives {
     }
 }
 
-/// A result in `e`: its first index, and a flag for each entry that can be non-zero.
+/// A result in `e`: index of its first entry, and a flag for each entry that can be non-zero.
 pub(super) struct Stored {
     pub(super) start: usize,
     pub(super) nonzero: Vec<bool>,

@@ -31,11 +31,11 @@ impl Robot<'_> {
         let call = self.call("forward_dynamics", a)?;
         let (about, rates) = match self.has_reference() {
             false => (
-                "Forward dynamics: ẋ = (ẏ, ÿ) of x = (y, ẏ) under the inputs u.",
+                "Forward dynamics: ẋ = (ẏ, ÿ) of the state x = (y, ẏ) with the inputs u.",
                 format!("memcpy(&e[{rate}], v, {n} * sizeof *e);"),
             ),
             true => (
-                "Forward dynamics: ẋ = (ḋ, v̇) of x = (d, v) under the inputs u, at the positions y_ref ⊕ d. A rotation in d is \
+                "Forward dynamics: ẋ = (ḋ, v̇) of the state x = (d, v) with the inputs u, at the positions y_ref ⊕ d. A rotation in d is \
                  less than a full turn; otherwise ḋ is not a number.",
                 format!("{}(x, v, 1, &e[{rate}], NULL, NULL);", self.context.function("about_rates")),
             ),
@@ -69,7 +69,7 @@ impl Robot<'_> {
                 (Some(row), Some(column), _) => by_v.at(row * n + column),
             }
         }));
-        // The first half of the rows does not depend on the further inputs.
+        // The first half of the rows does not depend on the inputs after x.
         let lower = |name: &str, columns: usize, by: &Stored| {
             Block::new(name, [2 * n, columns], |row, column| by.at(row.checked_sub(n)? * columns + column))
         };
@@ -88,8 +88,8 @@ impl Robot<'_> {
         let n = self.n;
         let positions = self.name_of(Given::Positions);
         let about = match self.has_reference() {
-            false => "Inverse dynamics: the forces B u of a motion.",
-            true => "Inverse dynamics: the forces B u of a motion at the positions y_ref ⊕ d.",
+            false => "Inverse dynamics: the forces B u that produce a motion.",
+            true => "Inverse dynamics: the forces B u that produce a motion at the positions y_ref ⊕ d.",
         };
         let mut statements = self.begin(Given::Positions);
         statements.push(self.call("inverse_dynamics", VALUES)?);
@@ -141,8 +141,8 @@ impl Robot<'_> {
                 let difference = self.context.function("difference");
                 statements.push(format!("{difference}(unit_next, &e[{VALUES}], &e[{d}]);"));
                 statements.push(format!("memcpy(&e[{}], &e[{v}], {n} * sizeof *e);", d + n));
-                let about = "State after one period (s) with constant u. x = (d, v) belongs to the positions \
-                        y_ref ⊕ d before, and to y_ref_next ⊕ d after the period. Rotations in d are at most \
+                let about = "State after one period (s) with constant u. The positions of x = (d, v) are y_ref ⊕ d \
+                        before the period, and y_ref_next ⊕ d after the period. Rotations in d are at most \
                         half a turn.";
                 (about, d..d + 2 * n)
             }
@@ -177,7 +177,7 @@ impl Robot<'_> {
         let [by_x, by_u] = [after + ny + n, after + ny + n + 4 * n * n];
         let width = 1 + self.parameters().unwrap_or(0);
         let others = made.room(2 * n * width);
-        // These derivatives take as long as all other ones, and solvers seldom need them.
+        // These derivatives take as long as all others together, and solvers seldom need them.
         let places = [Some(2), self.parameters().map(|_| if self.has_reference() { 5 } else { 3 })];
         let wanted = places.into_iter().flatten().map(|place| format!("res[{place}]"));
         let wanted = wanted.collect::<Vec<_>>().join(" || ");
@@ -192,7 +192,7 @@ impl Robot<'_> {
                 self.name("step_about")
             ));
         }
-        // Blocks of N × N entries. The blocks of y⁺ are first.
+        // Blocks of N × N entries. The blocks of the positions y⁺ are first.
         let by_state = |row: usize, column: usize| {
             let block = 2 * (row / n) + column / n;
             Some(by_x + block * n * n + row % n * n + column % n)
@@ -214,8 +214,8 @@ impl Robot<'_> {
         Some(made)
     }
 
-    /// Call of the function that `sensitivities.rs` prints; `None` if the module lacks a function that it
-    /// calls.
+    /// Call of the function that `sensitivities.rs` prints; `None` if the module lacks a function that this
+    /// function calls.
     fn sensitivities(&self, place: usize) -> Option<String> {
         let by_parameters = self.parameters().map(|_| "forward_dynamics_by_parameters");
         let called = ["forward_dynamics", "linearize"].into_iter().chain(by_parameters);
@@ -228,7 +228,7 @@ impl Robot<'_> {
     fn frame(&self, frame: &str) -> Option<External> {
         let [position, rotation] = [VALUES, VALUES + 3];
         let turned = |row: usize, column: usize| Some(rotation + 3 * row + column);
-        let about = "Pose of a frame in the base frame: the origin [m], and the rotation matrix, whose columns are its axes.";
+        let about = "Pose of a frame in the base frame: the origin [m], and the rotation matrix, whose columns are the frame's axes.";
         let positions = self.name_of(Given::Positions);
         let mut statements = self.begin(Given::Positions);
         statements.push(self.call(&of_frame(frame, FrameKind::Pose), position)?);
@@ -263,7 +263,7 @@ impl Robot<'_> {
             let (position, rotation) = (stored.next()?, stored.next()?);
             let place = |row: usize, column: usize| position.at(row * count + column);
             made.blocks.push(Block::new("jac_position_p", [3, count], place));
-            // CasADi has columns first, the module rows first.
+            // CasADi stores matrices column by column, the module row by row.
             let place =
                 |entry: usize, column: usize| rotation.at((3 * (entry % 3) + entry / 3) * count + column);
             of_rotation.push(Block::new("jac_rotation_p", [9, count], place));

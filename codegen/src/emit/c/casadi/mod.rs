@@ -1,12 +1,16 @@
-//! External functions for CasADi, with Jacobians.
+//! Prints external functions for CasADi, with Jacobians.
 //!
 //! `casadi.external` finds a function by its name, and the function's derivatives by the name `jac_<name>`.
-//! The derivatives have one output for each pair of output and input, outputs first. The derivatives of
-//! `jac_<name>` are `jac_jac_<name>`, central differences by `differences.c`. `functions.rs` has the
-//! functions and the places of their entries. `robot.rs` makes calls of the module, and `text.rs` prints the
-//! interface to CasADi. `sensitivities.rs` has the derivatives of a step by the period and the free
-//! parameters. States of robots with quaternions are small motions from reference positions; `positions.c`,
-//! `tangents.c` and `steps.c` complete the texts of `about_reference/` for them.
+//! The derivatives have one output for each pair of output and input; the pairs of the first output come
+//! first. The derivatives of `jac_<name>` are `jac_jac_<name>`, which are central differences
+//! (`differences.c`).
+//!
+//! - `functions.rs`: the functions, and the places of their entries
+//! - `robot.rs`: calls of the module
+//! - `text.rs`: the interface to CasADi
+//! - `sensitivities.rs`: derivatives of a step with respect to the period and the free parameters
+//! - `positions.c`, `tangents.c`, `steps.c`: additions to the texts of `about_reference/` for robots with
+//!   quaternions, whose states are small motions from reference positions
 
 mod external;
 mod functions;
@@ -31,7 +35,7 @@ pub(super) fn text(context: &Context<'_>) -> String {
         evaluations.iter().map(|each| format!("\n{}", text::function(context, each))).collect();
     let is_called = |name: &str| functions.contains(&format!("{name}("));
     let with_steps = is_called("casadi_step_about");
-    // Compilers warn of functions that are not called.
+    // Only functions that are called are printed, because compilers warn about unused functions.
     let shared = [
         (is_called("casadi_positions"), include_str!("positions.c")),
         (is_called("casadi_tangents"), about_reference::BLOCKS),

@@ -1,4 +1,4 @@
-//! Calls of a module by functions for CasADi. If joints have quaternions, positions are small motions d from
+//! Calls of a module by functions for CasADi. For robots with quaternions, positions are small motions d from
 //! a reference.
 
 use super::super::context::Context;
@@ -16,24 +16,24 @@ pub(super) struct Robot<'a> {
     pub(super) m: usize,
 }
 
-/// Derivatives of a result by the arguments that determine the positions.
+/// Derivatives of a result with respect to the arguments that determine the positions.
 pub(super) struct ByPositions {
-    /// Derivatives by the positions, or by the small motions d from the reference.
+    /// Derivatives with respect to the positions, or to the small motions d from the reference.
     pub(super) own: Stored,
-    /// Derivatives by the entries of the reference; `None` if there is no reference.
+    /// Derivatives with respect to the entries of the reference; `None` if there is no reference.
     pub(super) reference: Option<Stored>,
 }
 
-/// Argument of a function that determines the positions.
+/// The argument of a function that determines the positions.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Given {
-    /// The state x of positions and velocities.
+    /// The state x of positions (or small motions d) and velocities.
     State,
     /// The positions y, or the small motions d.
     Positions,
 }
 
-/// Variable by which the positions are differentiated.
+/// Variable with respect to which the positions are differentiated.
 #[derive(Clone, Copy)]
 enum Chart {
     /// The small motions d.
@@ -52,7 +52,7 @@ impl Robot<'_> {
         self.context.module.positions
     }
 
-    /// Name of the argument.
+    /// Name of the argument in C.
     pub(super) fn name_of(&self, argument: Given) -> &'static str {
         match argument {
             Given::State => "x",
@@ -98,7 +98,8 @@ impl Robot<'_> {
     }
 
     /// Begins the computation of derivatives, with the statements of [`Self::begin`]. For robots with
-    /// quaternions the derivatives of the positions by d and by the reference are computed, too.
+    /// quaternions, the derivatives of the positions with respect to d and to the reference are computed,
+    /// too.
     pub(super) fn begin_derivatives(&self, given: Given) -> Derivatives {
         let (mut statements, argument) = (self.begin(given), self.name_of(given));
         if self.has_reference() {
@@ -109,7 +110,7 @@ impl Robot<'_> {
         Derivatives::new(statements)
     }
 
-    /// Derivatives of the rate of d by d and by v; `None` if positions are not small motions.
+    /// Derivatives of the rate of d with respect to d and v; `None` if positions are not small motions.
     pub(super) fn rates(&self, made: &mut Derivatives) -> Option<[Stored; 2]> {
         let n = self.n;
         let [by_d, by_v] = self.has_reference().then(|| [made.room(n * n), made.room(n * n)])?;
@@ -129,8 +130,8 @@ impl Robot<'_> {
         Some([of_d, Stored { start: by_v, nonzero: all }])
     }
 
-    /// Derivatives by the arguments that determine the positions, from the derivatives `along` small motions
-    /// with one column per velocity.
+    /// Computes the derivatives with respect to the arguments that determine the positions. `along` contains
+    /// the derivatives along small motions, with one column per velocity.
     pub(super) fn by_positions(&self, made: &mut Derivatives, along: Stored) -> ByPositions {
         if !self.has_reference() {
             return ByPositions { own: along, reference: None };
@@ -165,7 +166,7 @@ impl Robot<'_> {
         }
     }
 
-    /// Flags for the entries that can be non-zero, of a matrix with one block per joint and one row per
+    /// Flags for the entries that can be non-zero in a matrix with one block per joint and one row per
     /// velocity.
     fn nonzero_blocks(&self, chart: Chart) -> Vec<bool> {
         let columns = self.columns(chart);
@@ -175,7 +176,7 @@ impl Robot<'_> {
                 Chart::Motion => joint.velocities(),
                 Chart::Reference => joint.position..joint.position + joint.entries,
             };
-            // The rotation of a floating joint does not depend on its translation.
+            // The orientation of a floating joint does not depend on its translation.
             let linear = if joint.entries == 7 { 3 } else { 0 };
             for (i, row) in joint.velocities().enumerate() {
                 for (j, column) in of_columns.clone().enumerate() {
@@ -186,7 +187,7 @@ impl Robot<'_> {
         nonzero
     }
 
-    /// Positions and velocities of the joints; empty for robots without quaternions.
+    /// Indices of the positions and velocities of the joints; empty for robots without quaternions.
     fn joints(&self) -> Vec<JointEntries> {
         let (mut position, mut velocity) = (0, 0);
         let place = |&entries: &usize| {
@@ -198,8 +199,8 @@ impl Robot<'_> {
         self.context.module.joint_positions.iter().map(place).collect()
     }
 
-    /// Adds the call of a function that writes its results to `e`. Returns the places of the results in `e`;
-    /// `None` if [`Self::call`] returns `None`.
+    /// Adds the call of a function that writes its results to `e`. Returns the places of the results in `e`,
+    /// or `None` if [`Self::call`] returns `None`.
     pub(super) fn stored(&self, made: &mut Derivatives, name: &str) -> Option<std::vec::IntoIter<Stored>> {
         let nonzero = self.nonzero(name)?;
         let call = self.call(name, made.size)?;
@@ -210,7 +211,7 @@ impl Robot<'_> {
     }
 
     /// Call of a function of the module that writes its results to `e` from index `place` on. `None` if the
-    /// module lacks the function, or if the function has wrenches or driven joints as arguments.
+    /// module lacks the function, or if wrenches or driven joints are arguments of the function.
     pub(super) fn call(&self, name: &str, place: usize) -> Option<String> {
         let function = self.callable(name)?;
         let mut words: Vec<String> = vec![];
@@ -236,7 +237,7 @@ impl Robot<'_> {
         self.interface.functions.iter().find(|function| function.name == name)
     }
 
-    /// For each result of a function the flags of the entries that can be non-zero.
+    /// For each result of a function, the flags of the entries that can be non-zero.
     fn nonzero(&self, name: &str) -> Option<Vec<Vec<bool>>> {
         let functions = self.interface.functions.iter().zip(&self.context.module.functions);
         let found: Option<(&Callable, &Function)> = functions.into_iter().find(|(face, _)| face.name == name);
@@ -244,7 +245,7 @@ impl Robot<'_> {
     }
 }
 
-/// Places of the positions and velocities of a joint.
+/// Indices of the positions and velocities of a joint.
 struct JointEntries {
     /// Number of the joint's position entries.
     entries: usize,

@@ -1,12 +1,12 @@
-//! Function for the derivatives of a step by the period and the free parameters.
+//! Prints the function for the derivatives of a step with respect to the period and the free parameters.
 
 use super::super::context::Context;
 use crate::functions::function::ConstantValue;
 
 /// Prints the function; `None` if it is not called.
 ///
-/// The rows of the function's result `d` are the small motions of the positions, then the velocities. The
-/// columns are the period, then the free parameters.
+/// The function's result `d` has one row for each small motion of the positions, then one row for each
+/// velocity. The first column belongs to the period, the other columns to the free parameters.
 ///
 /// - `is_called`: whether functions for CasADi call the function
 pub(super) fn text(context: &Context<'_>, is_called: bool) -> Option<String> {

@@ -1,5 +1,5 @@
 
-// Adds the product of N x N entries and N x Q entries.
+// Adds the product of a matrix with N x N entries and a matrix with N x `columns` entries.
 static void gelenk_casadi_add(const double *a, int columns, const double *b, double *sum)
 {
     for (int i = 0; i < GELENK_N; ++i)
@@ -14,7 +14,8 @@ static void gelenk_casadi_sensitivities(const double *y, const double *v, const 
     enum { N = GELENK_N, M = GELENK_M, P = P_COUNT, Q = 1 + P, STEPS = S_COUNT };
     static const double parts[4] = {0.0, 0.5, 0.5, 1.0}, weights[4] = {1.0, 2.0, 2.0, 1.0};
     const double h = period / STEPS;
-    // First the displacement within a step, or its rate, then the velocities, or the accelerations.
+    // In each array, the displacements within a step (or their rates) are first, then the velocities (or the
+    // accelerations).
     double y_at[GELENK_NY], reached[GELENK_NY], v_at[N], z[2 * N], slope[2 * N], sum[2 * N];
     double dz[2 * N * Q], dslope[2 * N * Q], dsum[2 * N * Q], moved[N * Q];
     double by_y[N * N], by_v[N * N], by_u[N * M + 1], c[N], drift[N * N], by_p[N * P + 1] = {0.0};
@@ -28,7 +29,7 @@ static void gelenk_casadi_sensitivities(const double *y, const double *v, const 
         memset(sum, 0, sizeof sum);
         memset(dsum, 0, sizeof dsum);
         for (int stage = 0; stage < 5; ++stage) {
-            // The fifth is the end of the step.
+            // The fifth stage is the end of the step.
             const double part = stage < 4 ? parts[stage] : 1.0 / 6.0;
             const double *value = stage < 4 ? slope : sum, *derivative = stage < 4 ? dslope : dsum;
             for (int i = 0; i < 2 * N; ++i) {

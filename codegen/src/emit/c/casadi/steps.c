@@ -1,6 +1,7 @@
 
-// Turns the derivatives of a step along small motions into those of d_next = y_next (-) y_ref_next by d, by the entries of
-// both references, by the inputs, and by others. In by_x the blocks of the positions stand first.
+// Converts the derivatives of a step along small motions to derivatives of d_next = y_next (-) y_ref_next
+// with respect to d, to the entries of both references, to the inputs, and to others. The blocks of the
+// positions are first in by_x.
 static void gelenk_casadi_step_about(const double *y_ref_next, const double *unit_next, const double *y_next, const double *by_d,
     const double *by_ref, double *by_x, double *by_u, double *by_y_ref, double *by_y_ref_next, int others, double *by_others)
 {
@@ -18,7 +19,8 @@ static void gelenk_casadi_step_about(const double *y_ref_next, const double *uni
         gelenk_about_blocks(N, by_y, by_d, N, product);
         memcpy(by_y, product, sizeof product);
     }
-    // A reference that moves is left behind.
+    // The displacement from a reference decreases by the motion of the reference, so this derivative is
+    // negative.
     gelenk_casadi_tangents(y_ref_next, unit_next, d_next, product, by_y_ref_next);
     gelenk_about_rows(back, NY, by_y_ref_next);
     for (int i = 0; i < N * NY; ++i)

@@ -1,5 +1,6 @@
 
-// The small motion by each entry of a quaternion q, 3 rows of NY entries, from its direction.
+// The small motion per unit of each entry of a quaternion q: 3 rows of NY entries. `unit` is the normalized
+// quaternion.
 static void gelenk_casadi_attitude(const double *q, const double *unit, double *rows)
 {
     const double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
@@ -9,7 +10,8 @@ static void gelenk_casadi_attitude(const double *q, const double *unit, double *
         memcpy(&rows[i * GELENK_NY], turn[i], sizeof turn[i]);
 }
 
-// The small motion by each entry of the positions y, whose quaternions are made unit ones: N x NY.
+// The small motion per unit of each entry of the positions y: N x NY. The quaternions of y are normalized to
+// `unit`.
 static void gelenk_casadi_entries(const double *y, const double *unit, double *matrix)
 {
     memset(matrix, 0, GELENK_N * GELENK_NY * sizeof *matrix);
@@ -23,7 +25,7 @@ static void gelenk_casadi_entries(const double *y, const double *unit, double *m
         const double *q = &unit[from + entries - 4];
         const int turning = entries == 7 ? 3 : 0;
         gelenk_casadi_attitude(&y[from + entries - 4], q, &block[turning * (GELENK_NY + 1)]);
-        // The inverse rotation turns the way into the axes of the body.
+        // The inverse rotation transforms the translation to the axes of the body.
         for (int i = 0; i < turning; ++i)
             for (int j = 0; j < 3; ++j) {
                 const double inner = i == j ? q[3] * q[3] - q[0] * q[0] - q[1] * q[1] - q[2] * q[2] : 0.0;
@@ -33,7 +35,8 @@ static void gelenk_casadi_entries(const double *y, const double *unit, double *m
     }
 }
 
-// The derivatives of y_ref (+) d by d, N x N, and by the entries of y_ref, N x NY.
+// The derivatives of y_ref (+) d with respect to d (N x N), and with respect to the entries of y_ref (N x
+// NY).
 static void gelenk_casadi_tangents(const double *y_ref, const double *unit, const double *d, double *by_d, double *by_ref)
 {
     double by_y[GELENK_N * GELENK_N], entries[GELENK_N * GELENK_NY];

@@ -6,7 +6,7 @@ use super::external::{self, Body, Evaluation, External, Input, ONE};
 use crate::emit::documentation::Block;
 use crate::emit::text::code;
 
-/// Comment with a list of all functions, for the top of the file.
+/// Comment at the top of the file with a list of all functions.
 pub(super) fn overview(context: &Context<'_>, externals: &[External]) -> String {
     let item = |external: &External| {
         let External { value, derivatives } = external;
@@ -26,8 +26,8 @@ pub(super) fn overview(context: &Context<'_>, externals: &[External]) -> String 
             .to_owned(),
     );
     let tail = Block::Paragraph(
-        "Each function has derivatives `jac_<name>`, which CasADi finds by name: sparse, with the entries that \
-         can be non-zero. Second derivatives `jac_jac_<name>` are central differences of these. `p` are the \
+        "The derivatives of a function are `jac_<name>`, which CasADi finds by its name. They are sparse, with the entries \
+         that can be non-zero. Second derivatives `jac_jac_<name>` are central differences of `jac_<name>`. `p` contains the \
          free parameters in the order of their struct."
             .to_owned(),
     );
@@ -37,8 +37,8 @@ pub(super) fn overview(context: &Context<'_>, externals: &[External]) -> String 
     format!("//\n{}", comment::documentation(&blocks).replace("///", "//"))
 }
 
-const REFERENCE: &str = "Positions are given as d, a small motion from the reference y_ref: y = y_ref ⊕ d. The quaternions of a \
-    reference are normalized, and derivatives by them include this; an evaluation fails if one is zero or not finite.";
+const REFERENCE: &str = "Positions are given as a small motion d from the reference y_ref: y = y_ref ⊕ d. The quaternions of a \
+    reference are normalized, and derivatives include this normalization. An evaluation fails if a quaternion is zero or not finite.";
 
 /// Text that all functions share, after the include of the module.
 pub(super) fn shared(context: &Context<'_>) -> String {
@@ -71,15 +71,15 @@ const SHARED: &str = r#"
 extern "C" {
 #endif
 
-// The entries of an output, column by column, from their places in e; nothing where the output is not wanted.
+// Copies the entries of an output from their places in e, column by column. Outputs that are not requested are skipped.
 static void gelenk_casadi_gather(casadi_real *to, const double *e, const int *places, int count)
 {
     for (int i = 0; to && i < count; ++i)
         to[i] = e[places[i]];
 }
 
-// Derivatives of a rotation matrix r by each coordinate, w × r, from the angular rows w of its Jacobian: nine rows, those
-// of the first axis first.
+// Derivatives w × r of a rotation matrix r with respect to each coordinate, from the angular rows w of the Jacobian. The
+// result has nine rows. The rows of the first axis are first.
 static inline void gelenk_casadi_turn(const double *r, const double *w, int columns, double *d)
 {
     for (int axis = 0; axis < 3; ++axis)
@@ -95,7 +95,7 @@ static inline void gelenk_casadi_turn(const double *r, const double *w, int colu
 /// End of the file.
 pub(super) const END: &str = "\n#ifdef __cplusplus\n}\n#endif\n";
 
-/// Prints a function, and the functions with which CasADi queries its inputs, outputs and sparsity.
+/// Prints a function, together with the functions by which CasADi queries its inputs, outputs and sparsity.
 pub(super) fn function(context: &Context<'_>, evaluation: &Evaluation) -> String {
     let Evaluation { name, about, inputs, outputs, .. } = evaluation;
     let define = |head: &str, statements: &[String]| {
@@ -153,7 +153,8 @@ fn work(body: &Body) -> usize {
 ///
 /// - `of`: name of the function
 /// - `inputs`: number of inputs of the differences: the inputs and the outputs of the function
-/// - `by`, `outputs`: number of inputs by which the function is differentiated, and number of its outputs
+/// - `by`: number of inputs with respect to which the function is differentiated
+/// - `outputs`: number of outputs of the function
 fn differences(context: &Context<'_>, of: &str, inputs: usize, [by, outputs]: [usize; 2]) -> Vec<String> {
     let [own, differences] = [inputs - outputs, outputs].map(|count| count.max(1));
     let call = context.function("casadi_differences");
@@ -233,7 +234,7 @@ fn sparsity(
         .iter()
         .enumerate()
         .map(|(index, numbers)| {
-            // Trailing zeros are left out. A matrix without entries has only them.
+            // Trailing zeros are left out. At least one number remains, because C has no empty arrays.
             let last = numbers.iter().rposition(|number| *number > 0).map_or(1, |last| last + 1);
             let listed: Vec<String> = numbers[..last].iter().map(ToString::to_string).collect();
             format!("static const casadi_int s{index}[{}] = {};", numbers.len(), layout::braces(4, &listed))

@@ -11,14 +11,14 @@ GELENK_OF_GROUP void gelenk_put(double *x, gelenk_group group)
     memcpy(x, &group, sizeof group);
 }
 
-// One number for all states: zero taken away leaves every number as it is.
+// The same number for all states. The subtraction of zero does not change a number.
 GELENK_OF_GROUP gelenk_group gelenk_same(double x)
 {
     gelenk_group zero = {0};
     return x - zero;
 }
 
-// The same entry of several states, which stand so many numbers apart.
+// The same entry of several states. `step` is the distance between the entries of adjacent states.
 GELENK_OF_GROUP gelenk_group gelenk_gather(const double *x, int step)
 {
 #if GELENK_WIDTH == 8
@@ -56,7 +56,7 @@ GELENK_OF_GROUP void gelenk_scatter(double *x, int step, gelenk_group group)
 #endif
 }
 
-// Two entries that follow one another.
+// Writes two adjacent entries of several states.
 #if defined(__GNUC__) && defined(__has_builtin)
 #if __has_builtin(__builtin_shufflevector)
 #define GELENK_HAS_SHUFFLE

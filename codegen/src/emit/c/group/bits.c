@@ -13,7 +13,7 @@ GELENK_OF_GROUP gelenk_group gelenk_group_from_bits(gelenk_group_bits bits)
     return x;
 }
 
-// Comparisons: all bits of those states are set for which they hold, none of the others.
+// Comparisons: all bits of a state are set if the comparison is true for this state; otherwise none is set.
 #if defined(__GNUC__)
 #define GELENK_MASK(comparison) ((gelenk_group_bits)(comparison))
 #else
@@ -30,7 +30,7 @@ GELENK_OF_GROUP gelenk_group_bits gelenk_at_most(gelenk_group a, gelenk_group b)
     return GELENK_MASK(a <= b);
 }
 
-// Tells whether a comparison holds for all states.
+// Whether a comparison is true for all states.
 GELENK_OF_GROUP int gelenk_all(gelenk_group_bits mask)
 {
     uint64_t each[GELENK_WIDTH], all = UINT64_MAX;
@@ -41,13 +41,13 @@ GELENK_OF_GROUP int gelenk_all(gelenk_group_bits mask)
     return all != 0;
 }
 
-// a where the comparison holds, else b.
+// a if the comparison is true, otherwise b.
 GELENK_OF_GROUP gelenk_group gelenk_choose(gelenk_group_bits mask, gelenk_group a, gelenk_group b)
 {
     return gelenk_group_from_bits((gelenk_group_as_bits(a) & mask) | (gelenk_group_as_bits(b) & ~mask));
 }
 
-// The size of x with the sign of another number.
+// The magnitude of x with the sign of another number.
 GELENK_OF_GROUP gelenk_group gelenk_with_sign(gelenk_group x, gelenk_group sign)
 {
     const uint64_t size = UINT64_MAX >> 1;

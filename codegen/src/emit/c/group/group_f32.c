@@ -1,5 +1,5 @@
 
-// A quantity of as many states as a register holds, and its bits. Operators work on each of them.
+// The values of several states, which fill a register, and their bits. Operators act on each value.
 #if !defined(__GNUC__)
 #define GELENK_WIDTH 1
 #define GELENK_OF_GROUP static inline

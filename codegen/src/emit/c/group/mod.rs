@@ -8,8 +8,8 @@ use super::literal::in_scalar;
 use crate::emit::kernels;
 use crate::emit::options::Scalar;
 
-/// Number of states of a call. In double precision they need one register of AVX-512, two of AVX2, four of
-/// SSE2 or Neon.
+/// Number of states per call. In double precision, eight states need one register of AVX-512, two registers
+/// of AVX2, and four registers of SSE2 or Neon.
 pub(super) const COUNT: usize = 8;
 
 /// Name of the vector type for the values of several states.
@@ -22,8 +22,7 @@ pub(super) fn same(context: &Context<'_>, number: &str) -> String {
     format!("{}({number})", context.function("same"))
 }
 
-/// Text that reads one entry of an argument for several states. The arrays of the states are stored one after
-/// the other.
+/// Text that reads one entry of an argument for several states. The arrays of the states are adjacent.
 ///
 /// - `len`: number of entries of the argument for one state
 pub(super) fn gather(context: &Context<'_>, argument: &str, index: usize, len: usize) -> String {
@@ -74,7 +73,7 @@ fn own(context: &Context<'_>, kernel: Kernel) -> String {
     context.function(&name)
 }
 
-/// Name of a function that calls a scalar function state by state. Compilers vectorize its loop if the scalar
+/// Name of a function that calls a scalar function for each state. Compilers vectorize its loop if the scalar
 /// function is one instruction.
 fn one_by_one(context: &Context<'_>, callee: &str, stem: &str, arguments: usize) -> String {
     let names = &["x", "y", "z"][..arguments.min(3)];
@@ -95,7 +94,7 @@ fn one_by_one(context: &Context<'_>, callee: &str, stem: &str, arguments: usize)
     })
 }
 
-/// The text of the types and functions that functions over several states use.
+/// Text of the types and functions that functions over several states use.
 pub(super) fn text(context: &Context<'_>) -> String {
     if !context.has_lanes() {
         return String::new();

@@ -3,9 +3,10 @@
 #include <stdint.h>
 #include <string.h>
 
-// Loops over many states, as NumPy calls generalized universal functions: `args` has the first state of each
-// operand, `dimensions` begins with the number of states, `steps` with the bytes from one state to the next. The
-// bytes from one entry to the next follow, for each dimension of each operand.
+// Loops over many states, which NumPy calls as generalized universal functions. `args` contains the first
+// state of each operand. `dimensions` begins with the number of states. `steps` begins with the number of
+// bytes from one state to the next. The number of bytes from one entry to the next follows, for each
+// dimension of each operand.
 #if defined(_WIN32)
 #define GELENK_EXPORT __declspec(dllexport)
 #elif defined(__GNUC__)
@@ -18,24 +19,25 @@
 extern "C" {
 #endif
 
-// An operand: the number of its lengths, their product, and the lengths, outermost first.
+// An operand: its number of dimensions, the product of their lengths, and the lengths, outermost first.
 typedef struct {
     int rank;
     int entries;
     int lengths[4];
 } gelenk_operand;
 
-// A function, and its operands: those that are read stand first. There may be a form of it over several states.
+// A function and its operands. Operands that are read are first. `lanes` is a version for several states, or
+// NULL.
 typedef struct {
     void (*call)(double *const *x);
     void (*lanes)(double *const *x);
     int inputs;
     int count;
-    int parameters; // the operand of the free parameters, -1 where there are none
+    int parameters; // index of the operand of the free parameters, -1 if there are none
     const gelenk_operand *operands;
 } gelenk_function;
 
-// Tells whether the entries stand one behind the other.
+// Whether the entries are adjacent in memory.
 static int gelenk_is_dense(const gelenk_operand *operand, const intptr_t *steps)
 {
     intptr_t expected = (intptr_t)sizeof(double);

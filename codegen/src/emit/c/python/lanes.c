@@ -1,6 +1,6 @@
 
-// Eight states where those of some operands do not stand one behind the other, as one that counts for all: these pass
-// through `buffer`.
+// Processes eight states. Operands whose states are not adjacent, or whose single state counts for all, are
+// copied through `buffer`.
 static void gelenk_run_by_buffer(
     const gelenk_function *function, double **x, double *buffer, char **args, intptr_t first, const intptr_t *steps)
 {
@@ -23,8 +23,8 @@ static void gelenk_run_by_buffer(
     }
 }
 
-// As many states as fill runs of the form over several, where there is one. The same free parameters hold for all of
-// them: others are left to the form over one. Returns the number of states that are done.
+// Processes groups of eight states if the function has a version for several states and all states have the
+// same free parameters. Returns the number of processed states.
 static intptr_t gelenk_loop_lanes(
     const gelenk_function *function, double **x, double *buffer, char **args, intptr_t states, const intptr_t *steps)
 {

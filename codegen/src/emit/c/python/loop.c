@@ -1,5 +1,5 @@
 
-// One state after the other, all entries in their places.
+// Processes the states one by one. All operands are read and written in place.
 static void gelenk_loop_direct(
     const gelenk_function *function, double **x, char **args, intptr_t first, intptr_t states, const intptr_t *steps)
 {
@@ -10,7 +10,7 @@ static void gelenk_loop_direct(
     }
 }
 
-// One state after the other, by way of `buffer`, which holds the entries of all operands.
+// Processes the states one by one. The entries of all operands are copied through `buffer`.
 static void gelenk_loop_by_buffer(
     const gelenk_function *function, double **x, double *buffer, char **args, intptr_t states, const intptr_t *steps)
 {
@@ -37,7 +37,7 @@ static void gelenk_loop_by_buffer(
     }
 }
 
-// Calls a function for each state. Operands whose entries stand apart pass through `buffer`.
+// Calls a function for each state. Operands whose entries are not adjacent are copied through `buffer`.
 static void gelenk_loop(
     const gelenk_function *function, double **x, double *buffer, char **args, intptr_t states, const intptr_t *steps)
 {

@@ -1,4 +1,4 @@
-/// `to = matrix vector` for a symmetric matrix.
+/// Product `to = matrix vector` of a symmetric matrix and a vector.
 #[inline]
 pub fn apply<const N: usize, const L: usize>(
     matrix: &[[f64; L]; N],

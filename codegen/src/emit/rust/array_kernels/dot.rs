@@ -1,4 +1,4 @@
-/// `a b` in four partial sums; a single sum would wait for each of its terms.
+/// Product `a b` in four partial sums, because a single sum would wait for each of its terms.
 #[inline]
 pub fn dot<const R: usize>(a: &[f64; R], b: &[f64; R]) -> f64 {
     let mut sums = [0.0; 4];

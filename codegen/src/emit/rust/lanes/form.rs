@@ -25,7 +25,7 @@ enum InstructionSet {
 impl InstructionSet {
     const ALL: [Self; 3] = [Self::Target, Self::Avx2, Self::Avx512];
 
-    /// Ending of the function's name.
+    /// Suffix of the function's name.
     fn suffix(self) -> &'static str {
         match self {
             Self::Target => "",
@@ -43,8 +43,8 @@ impl InstructionSet {
         }
     }
 
-    /// Number of states that the text computes at a time. The states fit in one register, so there is no loop
-    /// over registers that the compiler would unroll. With all eight states in two AVX2 registers,
+    /// Number of states that the text computes at a time. These states fit in one register, so there is no
+    /// loop over registers that the compiler could unroll. With eight states in two AVX2 registers,
     /// `linearize` of a UR5 did not fit in the instruction cache and took 114 ns instead of 76 ns per state.
     fn width(self, scalar: Scalar) -> usize {
         match (self, scalar) {
@@ -54,10 +54,10 @@ impl InstructionSet {
     }
 }
 
-/// Name of the function whose versions are listed in a table for the runtime.
+/// Name of the function whose versions are listed in a table, from which the runtime selects a version.
 const TABLED: &str = "linearize";
 
-/// Names of variables in the text over lanes, which arguments and values must not have.
+/// Names of variables in the text over lanes. Arguments and values must not have these names.
 const LOCALS: [&str; 8] = ["p", "group", "lane", "W", "angles", "sines", "cosines", "values"];
 
 /// The loops over states, and one public function for each instruction set.
@@ -74,7 +74,7 @@ pub(super) fn items(body: &Body<'_>, name: &Ident, plan: &Plan, unused: &[TokenS
 /// Parts of the text that the functions of all instruction sets have in common.
 struct Form<'a> {
     context: &'a Context<'a>,
-    /// The body of one lane (state).
+    /// The body for one lane (state).
     body: Body<'a>,
     plan: &'a Plan,
     name: &'a Ident,
@@ -84,7 +84,7 @@ struct Form<'a> {
     names: Vec<Ident>,
     /// Names of the results.
     results: Vec<Ident>,
-    /// For each part the name of the array of values that later parts read.
+    /// For each part, the name of the array of values that later parts read.
     values: Vec<Ident>,
 }
 
@@ -118,11 +118,11 @@ impl<'a> Form<'a> {
         }
     }
 
-    /// The private function with the loops over states. It is inlined into the function of each instruction
+    /// The private function with the loops over states. It is inlined into the function for each instruction
     /// set.
     fn each(&self, unused: &[TokenStream]) -> TokenStream {
         let (each, arguments) = (self.each_name(), &self.arguments);
-        let documentation = format!("`{}` of eight states, `W` at a time.", self.name);
+        let documentation = format!("`{}` for eight states, `W` states at a time.", self.name);
         let names = self.body.value_names().chain(&self.names);
         let len = Literal::usize_unsuffixed(LANES);
         let angles = self.angles();
@@ -250,8 +250,8 @@ impl<'a> Form<'a> {
         quote!(let #locals = #call; #(#stores)*)
     }
 
-    /// Statements of a part of a function that writes its results in place. The results of one state are
-    /// copied to the results of all states.
+    /// Statements of a part of a function that writes its results in place. They copy the results of one
+    /// state to the results of all states.
     fn storing(&self, index: usize, callee: &Ident, arguments: &TokenStream) -> TokenStream {
         let part = &self.plan.parts[index];
         let all = self.locals();
@@ -304,8 +304,9 @@ impl<'a> Form<'a> {
             (&self.arguments, format_ident!("{}_LANES", self.name.to_string().to_uppercase()));
         let forms = InstructionSet::ALL.map(|set| format_ident!("{}_lanes{}", self.name, set.suffix()));
         let any = &forms[0];
-        let documentation =
-            format!("`{any}` for any processor, for avx2, for avx512f: the runtime's choice.");
+        let documentation = format!(
+            "The versions of `{any}` for any processor, for avx2 and for avx512f. The runtime selects one of them."
+        );
         let documentation = DocComment::new(&documentation).tokens();
         quote! {
             #documentation
@@ -319,8 +320,8 @@ impl<'a> Form<'a> {
         }
     }
 
-    /// The public function for one instruction set. It is never inlined, because in a loop of the caller the
-    /// compiler would undo the lanes.
+    /// The public function for one instruction set. It is never inlined. Inside a loop of the caller, the
+    /// compiler would undo the vectorization over states.
     fn public(&self, set: InstructionSet) -> TokenStream {
         let (each, arguments, names) = (self.each_name(), &self.arguments, &self.names);
         let name = format_ident!("{}_lanes{}", self.name, set.suffix());
@@ -329,13 +330,13 @@ impl<'a> Form<'a> {
         let first = features.and_then(|features| features.split(',').next());
         let needed = first.map_or(String::new(), |first| format!("; for processors with {first}"));
         let documentation =
-            format!("`{}` of eight states, bit-identical to single calls{needed}.", self.name);
+            format!("`{}` for eight states, bit-identical to single calls{needed}.", self.name);
         let mut documentation = DocComment::new(&documentation);
         documentation.paragraph("Previous values of the results are not read.");
         if first.is_some() {
             documentation.heading("Safety");
             documentation.paragraph(
-                "The processor must have these instructions: check with `is_x86_feature_detected!`.",
+                "The processor must have these instructions. Check this with `is_x86_feature_detected!`.",
             );
         }
         let features = features.map(|features| {

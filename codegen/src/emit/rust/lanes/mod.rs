@@ -1,10 +1,10 @@
-//! Prints functions over lanes: eight states at once. The results have the same bits as those of functions
-//! over one state.
+//! Prints functions over lanes: eight states at once. The results are bit-identical to the results of
+//! functions over one state.
 //!
 //! Sines and cosines are computed first, in a separate loop. The other statements are in inlined functions of
-//! one state, which are called in a loop over the states. The compiler makes SIMD code of a loop without
-//! inner loops and with constant indices, however long its body is. Arrays of lanes with operators would
-//! prevent this. A long function is divided into several such loops ([`Plan`]).
+//! one state, which are called in a loop over the states. The compiler vectorizes a loop without inner loops
+//! and with constant indices, even if its body is long. Arrays of lanes with operators would prevent the
+//! vectorization. A long function is divided into several such loops ([`Plan`]).
 
 mod form;
 mod scalar;
@@ -21,8 +21,8 @@ use crate::program::Operand;
 use crate::program::flow::{Flow, operands};
 use crate::program::lanes::Plan;
 
-/// Number of states of a call. In double precision they need one register of AVX-512, two of AVX2, four of
-/// SSE2 or Neon.
+/// Number of states per call. In double precision, eight states need one register of AVX-512, two registers
+/// of AVX2, and four registers of SSE2 or Neon.
 const LANES: usize = 8;
 
 /// Largest number of statements of one loop over the states. Times of `linearize` per state [ns] on an EPYC
@@ -37,20 +37,20 @@ const LANES: usize = 8;
 /// | 250 | 83 | 80 | 241 | 163 |
 /// | 500 | 106 | 75 | 417 | 295 |
 ///
-/// Each value between loops has its own place on the stack. If later values reused the places, the compiler
-/// could not keep values in registers, and the times would be 95 ns to 128 ns.
+/// Each value that is needed after its loop has its own place on the stack. If later values reused these
+/// places, the compiler could not keep values in registers, and the times would be 95 ns to 128 ns.
 const LONGEST_LOOP: usize = 100;
 
-/// Names of items for lanes, which other items must not have.
+/// Names of items for lanes. Other items must not have these names.
 pub(super) const RESERVED: [&str; 3] = ["Lanes", "Group", "LINEARIZE_LANES"];
 
-/// The types that the printed functions use: one for eight states, and one for the values between the loops
-/// of a function.
+/// The types that the printed functions use: a type for eight states, and a type for the values between the
+/// loops of a function.
 pub(super) fn types(context: &Context<'_>) -> Vec<TokenStream> {
     let (ty, len) = (context.ty(), Literal::usize_unsuffixed(LANES));
     let lanes = context.has_lanes.get().then(|| {
         quote! {
-            #[doc = " One quantity of eight states side by side, aligned for SIMD registers."]
+            #[doc = " Values of one quantity for eight states, aligned for SIMD registers."]
             #[derive(Debug, Clone, Copy, PartialEq)]
             #[repr(align(64))]
             pub struct Lanes(pub [#ty; #len]);
@@ -58,7 +58,7 @@ pub(super) fn types(context: &Context<'_>) -> Vec<TokenStream> {
     });
     let group = context.has_groups.get().then(|| {
         quote! {
-            #[doc = " One quantity of those states that are computed at a time."]
+            #[doc = " Values of one quantity for the states that are computed at a time."]
             #[derive(Clone, Copy)]
             #[repr(align(64))]
             struct Group<const W: usize>([#ty; W]);
@@ -67,8 +67,8 @@ pub(super) fn types(context: &Context<'_>) -> Vec<TokenStream> {
     lanes.into_iter().chain(group).collect()
 }
 
-/// Division of a function into loops over lanes; `None` if no version over lanes is requested or elementary
-/// functions are those of std.
+/// Division of a function into loops over lanes. `None` if no version over lanes is requested, or if the
+/// elementary functions are those of std.
 pub(super) fn plan(context: &Context<'_>, function: &Function) -> Option<Plan> {
     if !context.module.lanes.contains(&function.name) {
         return None;
@@ -78,7 +78,7 @@ pub(super) fn plan(context: &Context<'_>, function: &Function) -> Option<Plan> {
     Some(plan.unwrap_or_else(|| unreachable!("`Module::lanes` have a form over lanes")))
 }
 
-/// The public functions of one state, the bodies for lanes, and the functions over lanes.
+/// The public functions for one state, the bodies for lanes, and the functions over lanes.
 pub(super) fn items(
     context: &Context<'_>,
     function: &Function,
@@ -92,7 +92,8 @@ pub(super) fn items(
     let angles = angles.map(|&index| body.program.instructions[index].operation);
     let read: Vec<Operand> = angles.flat_map(operands).collect();
     let unused = parts::unused(&body, &plan.parts, read.into_iter());
-    // The function of one state has its own text, because the bodies for lanes would make it slower.
+    // The function for one state has its own text, because it would be slower if it called the bodies for
+    // lanes.
     let mut items = straight::items(context, function, name);
     items.extend(scalar::items(&body, name, &signature, plan));
     items.extend(form::items(&body, name, plan, &unused));

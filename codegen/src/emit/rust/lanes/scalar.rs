@@ -1,4 +1,4 @@
-//! Prints the bodies of a function over lanes: functions of one state that are called in a loop.
+//! Prints the bodies of a function over lanes. A body is a function of one state that is called in a loop.
 
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
@@ -58,7 +58,7 @@ fn part(body: &Body<'_>, name: &Ident, signature: &Signature, plan: &Plan, index
     let names = names.chain(results).chain(&body.arguments).chain([name]);
     let documentation = match plan.parts.len() {
         1 => format!("`{name}` from sines and cosines."),
-        _ => format!("Part {} of `{name}` from sines, cosines and what earlier parts made.", index + 1),
+        _ => format!("Part {} of `{name}` from sines, cosines and values of earlier parts.", index + 1),
     };
     item(
         &DocComment::new(&documentation),
@@ -74,7 +74,7 @@ fn part(body: &Body<'_>, name: &Ident, signature: &Signature, plan: &Plan, index
     )
 }
 
-/// Statements of a part. The last part also has the result entries that are numbers, inputs, sines or
+/// Statements of a part. The last part also contains the result entries that are numbers, inputs, sines or
 /// cosines.
 fn part_statements(body: &Body<'_>, plan: &Plan, part: &Part, is_last: bool) -> TokenStream {
     let statements = body.statements_among(part.range.clone(), |index| plan.is_in_part[index]);

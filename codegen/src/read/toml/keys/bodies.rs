@@ -8,12 +8,12 @@ pub(super) static BODY: Keys = Keys {
     name: "body",
     what: "a body",
     groups: &[&[
-        key("name", Value::Name, r#""payload""#, "name of the body; several bodies on a link need names").default("the link's"),
+        key("name", Value::Name, r#""payload""#, "name of the body; several bodies on a link need names").default("the link's name"),
         key("link", Value::Name, r#""forearm""#, "the link that the body is fixed to").default("the body's name"),
         key("mass", Value::Formula, "2.5", "mass, at least 0; required for a new body; an inertia without mass gives a warning").unit("kg"),
         key("center_of_mass", VECTOR, "[0, 0, 0.1]", "centre of mass in the frame of the link").unit("m").default("[0, 0, 0]").also(&["com", "cog", "center_of_gravity"]),
         key("inertia", Value::Either(&[Value::Formula, VECTOR, Value::Table(&INERTIA)]), "[0.1, 0.1, 0.02]", "inertia about the centre of mass: one moment for all axes, three principal moments, or the matrix as a table").unit("kg m²").default("0"),
-        key("origin", POSE, "{ xyz = [0.2, 0, 0.05] }", "frame of the body in the link's frame; centre and inertia are given in it").default("identity"),
+        key("origin", POSE, "{ xyz = [0.2, 0, 0.05] }", "frame of the body in the link's frame; centre and inertia are given in this frame").default("identity"),
         key("accept_unphysical", Value::Flag, "true", "accepts a published inertia that no real body has").default("false"),
     ]],
 };

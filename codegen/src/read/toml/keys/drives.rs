@@ -8,7 +8,7 @@ use super::values::NUMBERS;
 pub(super) static DRIVE: Keys = Keys {
     name: "drive",
     what: "a drive",
-    groups: &[&[key("name", Value::Name, r#""motor""#, "name of the input").default("the joint's")], MOTOR],
+    groups: &[&[key("name", Value::Name, r#""motor""#, "name of the input").default("the joint's name")], MOTOR],
 };
 
 #[rustfmt::skip]
@@ -26,7 +26,7 @@ pub(super) static SHARED_DRIVE: Keys = Keys {
 
 #[rustfmt::skip]
 static MOTOR: &[Key] = &[
-    key("gear_ratio", Value::Formula, "100", "i, motor angle divided by joint angle; may be negative").default("1"),
+    key("gear_ratio", Value::Formula, "100", "gear ratio i: motor angle divided by joint angle; may be negative").default("1"),
     key("rotor_inertia", Value::Formula, "2e-5", "inertia J_R of the rotor about its own axis").unit("kg m²").default("0").also(&["inertia"]),
     key("coupling", Value::Words(&["body", "diagonal"]), r#""diagonal""#, "`body`: the rotor is a body that spins with i ẏ relative to its carrier; `diagonal`: only i² J_R enters M").default(r#"`"body"`"#),
     key("carrier", Value::Name, r#""forearm""#, "link that carries the rotor").default("the joint's parent"),

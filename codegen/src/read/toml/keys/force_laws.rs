@@ -24,7 +24,7 @@ static LAWS: &[Key] = &[
     key("viscous", Value::Formula, "0.4", "viscous friction d v").unit("N m s/rad or N s/m").also(&["damping"]),
     key("coulomb", Value::Either(&[Value::Formula, Value::Table(&COULOMB)]), "{ value = 0.2, slope = 50 }", "dry friction T sign(v), exactly 0 at rest; smooth as a table with `slope`").unit("N m or N").also(&["static", "dry", "kinetic"]),
     key("stribeck", Value::Table(&STRIBECK), "{ a1 = 0.4, a2 = 0.2, a3 = 50, a4 = 0.1, a5 = 20 }", "a1 v + a2 tanh(a3 v) + a4 exp(−a5 |v|) tanh(3 a3 v), with more friction at low speeds"),
-    key("terms", WEIGHTED, r#"[["v", 0.4], ["tanh(5*v)", 3.9]]"#, "weighted sum of functions of `v` and `y`, as written by identification"),
+    key("terms", WEIGHTED, r#"[["v", 0.4], ["tanh(5*v)", 3.9]]"#, "weighted sum of functions of `v` and `y`, as `gelenk identify` writes it"),
     key("law", Value::Number, r#""0.4*v + 0.2*tanh(20*v)""#, "formula in `v` and `y`; a linear formula is split into coefficient · basis"),
 ];
 
@@ -33,10 +33,10 @@ static COULOMB: Keys = Keys {
     name: "coulomb",
     what: "Coulomb friction",
     groups: &[&[
-        key("value", Value::Formula, "0.2", "T in both directions").unit("N m or N"),
+        key("value", Value::Formula, "0.2", "friction T in both directions").unit("N m or N"),
         key("positive", Value::Formula, "0.4", "friction for v > 0").unit("N m or N"),
         key("negative", Value::Formula, "-0.3", "friction for v < 0").unit("N m or N"),
-        key("slope", Value::Positive, "50", "s of tanh(s v) in place of sign(v)").unit("s/rad or s/m").default("the exact sign"),
+        key("slope", Value::Positive, "50", "slope s of tanh(s v), which replaces sign(v)").unit("s/rad or s/m").default("the exact sign"),
     ]],
 };
 
@@ -48,7 +48,7 @@ static STRIBECK: Keys = Keys {
         key("a1", Value::Formula, "0.4", "viscous friction").unit("N m s/rad or N s/m").needed(),
         key("a2", Value::Formula, "0.2", "Coulomb friction").unit("N m or N").needed(),
         key("a3", Value::Formula, "50", "slope of the smooth sign").unit("s/rad or s/m").needed(),
-        key("a4", Value::Formula, "0.1", "static friction above Coulomb friction").unit("N m or N").needed(),
+        key("a4", Value::Formula, "0.1", "excess of static friction over Coulomb friction").unit("N m or N").needed(),
         key("a5", Value::Formula, "20", "decay rate of a4 with speed, at least 0").unit("s/rad or s/m").needed(),
     ]],
 };
@@ -58,8 +58,8 @@ pub(super) static SPRING: Keys = Keys {
     name: "spring",
     what: "a spring",
     groups: &[&[
-        key("stiffness", Value::Formula, "100", "c of −c (y − rest) − d v").unit("N m/rad or N/m").default("0"),
+        key("stiffness", Value::Formula, "100", "stiffness c in the force −c (y − rest) − d v").unit("N m/rad or N/m").default("0"),
         key("rest", Value::Formula, "0.2", "position without force").unit("rad or m").default("0"),
-        key("damping", Value::Formula, "2", "d of −c (y − rest) − d v, not negative").unit("N m s/rad or N s/m").default("0"),
+        key("damping", Value::Formula, "2", "damping d in the force −c (y − rest) − d v, not negative").unit("N m s/rad or N s/m").default("0"),
     ]],
 };

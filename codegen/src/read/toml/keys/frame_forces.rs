@@ -8,7 +8,7 @@ pub(super) static FORCE: Keys = Keys {
     name: "force",
     what: "a force",
     groups: &[&[
-        key("name", Value::Name, r#""ram""#, "name for messages and generated code").default("the input's, or those of the frames"),
+        key("name", Value::Name, r#""ram""#, "name for messages and generated code").default("the input's name, or the frames' names"),
         key("between", Value::List(&Value::Name, Some(2)), r#"["anchor", "hook"]"#, "two frames or links, on bodies that move relative to each other").needed(),
         key("law", Value::Number, r#""1200*(l - 0.3) + 40*dl""#, "force over the distance l and its rate dl, positive if it pulls: a spring, a gas spring, a damper").unit("N").also(&["type", "stiffness", "rest", "damping"]),
         key("input", Value::Name, r#""cylinder""#, "name of an input, a force that pulls together; may be combined with `law`").unit("N"),

@@ -19,7 +19,7 @@ pub(crate) struct Key {
     pub(crate) value: Value,
     /// SI unit of the value; empty if the value has no unit or several units.
     pub(crate) unit: &'static str,
-    /// Value or meaning of an absent key, as text.
+    /// Value that applies if the key is absent, or the meaning of its absence, as text.
     #[cfg_attr(not(feature = "cli"), expect(dead_code, reason = "of the schema alone"))]
     pub(crate) default: &'static str,
     /// Example of a value in TOML.
@@ -95,7 +95,7 @@ impl Key {
     pub(crate) fn description(&self) -> String {
         let unit = if self.unit.is_empty() { String::new() } else { format!(" ({})", self.unit) };
         let default = match (self.is_needed, self.default) {
-            (true, _) => "; needed".to_owned(),
+            (true, _) => "; required".to_owned(),
             (false, "") => String::new(),
             (false, default) => format!("; default: {default}"),
         };

@@ -1,9 +1,9 @@
-//! Discrete time of a linear robot, against the exponential of its matrix.
+//! Compares the discrete-time functions of a linear robot with the exponential of its matrix.
 
 use super::*;
 
-/// Two masses on springs and dampers, `M ÿ = −K y − D ẏ + B u + f`, in physical units; linear, so that the
-/// zero-order hold and the sensitivities of a step are those of the robot itself.
+/// Two masses on springs and dampers, `M ÿ = −K y − D ẏ + B u + f`. The robot is linear, so the zero-order hold and the
+/// sensitivities of a step are exact.
 mod masses {
     pub use super::super::cart_pole::{
         EFFORT_LIMITS, FRICTION_JUMPS, INPUT_LIMITS, INPUT_NAMES, JOINT_NAMES, PEAK_EFFORT_LIMITS,
@@ -56,7 +56,7 @@ mod masses {
 
 crate::dynamics!(struct Masses = masses: Differentiable + Discretizable);
 
-/// The same robot as one matrix, lifted by u and 1, for nalgebra's exponential (Padé, Higham 2005).
+/// The matrix of the robot, extended by rows for u and 1, and its exponential by nalgebra (Padé, Higham 2005).
 fn lifted_exponential(period: f64) -> nalgebra::SMatrix<f64, 6, 6> {
     let mut lifted = nalgebra::SMatrix::<f64, 6, 6>::zeros();
     let (by_y, by_v, by_u, affine) = masses::linearize(&Y, &V, &[0.0]);
@@ -95,8 +95,7 @@ fn the_zero_order_hold_is_the_exponential_of_the_lifted_matrix() {
     }
 }
 
-/// On a linear robot a step of length h is the Taylor polynomial of degree 4 of the exponential: error h⁵/120
-/// ‖A‖⁵.
+/// For a linear robot, a step of length h is the Taylor polynomial of degree 4 of the exponential. The error is h⁵/120 ‖A‖⁵.
 #[test]
 fn a_step_of_a_linear_robot_is_its_exponential_to_order_four() {
     let (u, period) = ([1.5], 0.01);

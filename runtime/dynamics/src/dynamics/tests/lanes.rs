@@ -1,4 +1,5 @@
-//! Linearization over the lanes of modules: generated ones, and two whose lanes call the function of one state.
+//! Tests of the linearization by functions for eight states. The modules are generated modules, and two modules whose functions for
+//! eight states call the function for one state.
 
 use super::super::*;
 use core::sync::atomic::{AtomicUsize, Ordering};
@@ -102,21 +103,22 @@ fn instructions() -> Vec<Instructions> {
     #[cfg(target_arch = "x86_64")]
     {
         if std::is_x86_feature_detected!("avx2") {
-            // SAFETY: the processor has it.
+            // SAFETY: the processor has AVX2.
             all.push(unsafe { Instructions::avx2() });
         }
         if std::is_x86_feature_detected!("avx512bw")
             && std::is_x86_feature_detected!("avx512dq")
             && std::is_x86_feature_detected!("avx512vl")
         {
-            // SAFETY: the processor has them.
+            // SAFETY: the processor has these instructions.
             all.push(unsafe { Instructions::avx512() });
         }
     }
     all
 }
 
-/// Partial batches too have the bits of single points, with all instructions; how often lanes were called.
+/// Asserts that results of batches equal those of single points bit for bit, also for partial batches and all instructions. Counts
+/// the calls of functions for eight states.
 fn has_the_bits_of_one_by_one<D, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
     calls: &AtomicUsize,
@@ -141,7 +143,7 @@ where
                 let one = robot.linearize(&point.positions, &point.velocities, &point.inputs);
                 assert_eq!(*result, one, "{instructions:?}");
             }
-            assert_eq!(results[count], Linearization::ZERO, "nothing is written behind the last point");
+            assert_eq!(results[count], Linearization::ZERO, "nothing is written after the last point");
         }
     }
     calls.load(Ordering::Relaxed) - before
@@ -154,13 +156,13 @@ fn linearizations_over_lanes_have_the_bits_of_single_ones() {
     has_the_bits_of_one_by_one(&Ur5, &none);
     let mut heavier = Pendulum::default();
     heavier.parameters.m2 *= 2.0;
-    // One for 3 and for 8 points, three for 20 and for 21.
+    // One call is expected for 3 and for 8 points, and three calls for 20 and for 21 points.
     let expected = 8 * instructions().len();
     assert_eq!(has_the_bits_of_one_by_one(&heavier, &pendulum::CALLS), expected);
     assert_eq!(has_the_bits_of_one_by_one(&Flight, &flight::CALLS), expected);
 }
 
-/// A wrapper that knows nothing of lanes.
+/// A wrapper without functions for eight states is linearized point by point.
 #[test]
 fn other_robots_are_linearized_at_their_times() {
     struct Timed(f64);

@@ -1,4 +1,4 @@
-//! A serial arm with its regressor by recursion, written without the generator: a second opinion about W.
+//! A serial arm with its regressor by recursion, written without the generator: an independent check of the regressor W.
 
 use super::super::super::robot::{JointLimits, Robot};
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -11,11 +11,11 @@ pub(in super::super) struct Chain {
     pub(in super::super) gears: Vec<f64>,
     /// Largest forces.
     pub(in super::super) efforts: Vec<f64>,
-    /// Whether inputs are currents, so that B holds motor constants.
+    /// Whether inputs are currents. B then contains motor constants.
     pub(in super::super) currents: bool,
 }
 
-/// A joint's place on its parent, its axis, and the ten parameters of what it moves.
+/// A joint's place on its parent, its axis, and the ten parameters of the body that it moves.
 pub(in super::super) struct Link {
     pub(in super::super) origin: Vector3<f64>,
     pub(in super::super) rotation: Rotation3<f64>,
@@ -87,7 +87,7 @@ impl Chain {
             let to_parent = [0, 1, 2].map(|r| [turn[(r, 0)], turn[(r, 1)], turn[(r, 2)]]);
             let back = transpose(&to_parent);
             let (origin, axis): ([f64; 3], [f64; 3]) = (link.origin.into(), link.axis.into());
-            // What the parent does, seen at the child's origin and in its axes.
+            // Motion of the parent at the child's origin, in the child's axes.
             let turned = add(cross(alpha, origin), cross(omega, cross(omega, origin)));
             acceleration = times(&back, add(acceleration, turned));
             let carried = times(&back, omega);

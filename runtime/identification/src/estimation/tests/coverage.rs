@@ -1,5 +1,4 @@
-//! Whether intervals hold what they promise, over logs as users have them: closed loop, encoders, the whole
-//! preparation.
+//! Coverage of the intervals over realistic logs: closed loop, encoders, and the whole preparation.
 
 use super::super::super::friction::{
     Filtered, FilteredRun, FrictionData, FrictionIdentification, FrictionMethod, FrictionReport,
@@ -14,24 +13,24 @@ use super::super::{Estimate, EstimationSettings, Uncertain, estimate};
 use super::pendulum::{Experiment, FRICTION, Pendulum, STEEPNESS, log};
 use std::f64::consts::PI;
 
-/// A way of recording.
+/// Conditions under which a log is recorded.
 #[derive(Clone, Copy)]
 struct Regime {
     name: &'static str,
     rate: f64,
     bits: u32,
     seconds: f64,
-    /// Deviation of the samples' times, which are known, as a share of their step.
+    /// Deviation of the sample times, which are known, as a share of the time step.
     jitter: f64,
-    /// Lateness of the efforts [samples].
+    /// Delay of the efforts [samples].
     late: f64,
-    /// Noise of the positions that the encoder rounds [rad].
+    /// Noise of the positions before the encoder rounds them [rad].
     noise: f64,
     /// Whether dry friction holds joints at rest.
     sticks: bool,
 }
 
-/// Samples at even times, and efforts in time.
+/// Samples at equidistant times, and efforts without a delay.
 const EVEN: Regime = Regime {
     name: "even",
     rate: 250.0,
@@ -59,7 +58,7 @@ const REGIMES: [Regime; 11] = [
 
 const JITTERED_AND_LATE: Regime = Regime { name: "jittered and late", jitter: 0.2, late: 2.4, ..EVEN };
 
-/// Part that is left out of the sequence of steps in `identify`.
+/// Step that is left out of the steps in `identify`.
 #[derive(Clone, Copy, PartialEq)]
 enum Way {
     /// Nothing.
@@ -104,7 +103,7 @@ impl Regime {
         Found { truth, estimate, runs, filter: preparation.filter, late }
     }
 
-    /// Shares of the intervals that hold the truth, over logs and values: those of the estimate, and those of laws.
+    /// Shares of the intervals that contain the true value, over logs and values: for the estimate, and for friction laws.
     fn coverage(&self, logs: u64) -> [f64; 2] {
         let mut hits = [[0.0; 3]; VALUES];
         let (mut laws, mut late) = ([[0.0; 3]; LAWS], 0.0);
@@ -137,12 +136,12 @@ struct Found {
     estimate: Estimate,
     runs: Vec<PreparedRun>,
     filter: Filter,
-    /// Error of the delay, which is that of all efforts [s].
+    /// Error of the common delay of all efforts [s].
     late: f64,
 }
 
 impl Found {
-    /// The coefficients of friction laws with their 95 % intervals, and truths.
+    /// The coefficients of friction laws with their 95 % intervals, and the true values.
     fn of_laws(&self) -> Vec<(Uncertain, f64)> {
         let dry = if self.truth.sticks { "sign(v)".into() } else { format!("tanh({STEEPNESS}*v)") };
         let terms = ["v".to_owned(), dry];
@@ -162,7 +161,7 @@ impl Found {
     }
 }
 
-/// Adds whether an interval holds the truth, and the error in standard errors with its square.
+/// Adds whether an interval contains the true value, and the error in standard errors with its square.
 fn count((value, truth): (Uncertain, f64), [hits, sum, squares]: &mut [f64; 3]) {
     let error = (value.value - truth) / value.standard_error;
     *hits += f64::from(u8::from(value.interval[0] <= truth && truth <= value.interval[1]));
@@ -203,13 +202,13 @@ pub(super) fn law(
     settings.identify(&data).unwrap()
 }
 
-/// Values whose intervals are looked at.
+/// Values whose intervals are checked.
 const VALUES: usize = 11;
 
 /// Coefficients of the friction laws of both joints.
 const LAWS: usize = 4;
 
-/// Values and truths: friction of both joints, and parameters with a column in W.
+/// Estimated and true values: friction of both joints, and parameters with a column in the regressor W.
 fn pairs(found: &Estimate, truth: &Pendulum) -> Vec<(Uncertain, f64)> {
     let friction = found.joints.iter().zip(FRICTION);
     let friction = friction.flat_map(|(j, truth)| j.terms.iter().map(|t| t.coefficient).zip(truth));
@@ -231,7 +230,7 @@ fn intervals_hold_what_they_promise_in_every_regime() {
     }
 }
 
-/// True dry friction jumps where no smooth speed does, with an error that all blocks of the samples share.
+/// True dry friction jumps, but the smoothed speed does not. All blocks of the samples share this error.
 #[test]
 fn intervals_of_laws_hold_dry_friction_that_holds_joints_at_rest() {
     const LOGS: u64 = 12;
@@ -264,7 +263,7 @@ fn friction_through_the_filter_of_the_efforts_is_not_biased_by_coarse_encoders()
     assert!(rounded.abs() < 5e-3, "{sharp} {rounded}");
 }
 
-/// The preparation misses this delay by a millisecond or two, and friction laws took it for known.
+/// The preparation misses this delay by one or two milliseconds. Friction laws once assumed that the delay was known.
 #[test]
 fn a_delay_is_found_with_all_else_and_intervals_of_friction_count_it() {
     const LOGS: u64 = 5;

@@ -1,4 +1,4 @@
-//! Currents tell forces up to a scale, which is that of the description.
+//! Currents determine forces up to a factor, whose scale the description determines.
 
 use super::super::super::inertial::{from_pseudo_inertia, pseudo_inertia};
 use super::super::super::numeric::random::SplitMix64;
@@ -77,7 +77,7 @@ fn run(arm: &Chain, (noise, rotors): (f64, f64), moving: &[usize], random: &mut 
     as_simulated(times, [positions, velocities, accelerations, efforts], Effort::Current)
 }
 
-/// - `robust_passes`: with none of them, all samples of the residuals count as independent
+/// - `robust_passes`: number of passes; with 0 all samples of the residuals count as independent
 fn found(described: &Chain, run: PreparedRun, robust_passes: usize) -> Result<Estimate, String> {
     let settings =
         EstimationSettings { folds: 5, robust_passes, accept_poor: true, ..EstimationSettings::default() };
@@ -90,8 +90,8 @@ fn gains(found: &Estimate) -> Vec<f64> {
 
 const ALL: [usize; 6] = [0, 1, 2, 3, 4, 5];
 
-/// A free scale slid to a sixth where the description is right, and to 1e-12 where it is not: the wrist's inertia hardly shows
-/// in its own currents, and small bodies with small gains cost nothing.
+/// A free scale fell to a sixth with the right description, and to 1e-12 with a wrong one: the wrist's inertia hardly affects
+/// its currents, and small bodies with small gains cost nothing.
 #[test]
 fn described_bodies_give_the_scale_of_torque() {
     for (size, seed, allowed) in [(0.0, 1, 0.03), (0.1, 0, 0.1), (0.2, 1, 0.1)] {
@@ -106,8 +106,8 @@ fn described_bodies_give_the_scale_of_torque() {
     }
 }
 
-/// Arms that differ from their descriptions as these say that they may: masses by 14 %, shapes by a fifth. The descriptions have no
-/// rotors.
+/// Arms that differ from their descriptions by the assumed standard deviations: masses by 14 %, shapes by a fifth. The
+/// descriptions have no rotors.
 #[test]
 fn intervals_of_motor_constants_hold() {
     let (mut held, mut given) = (0, 0);
@@ -133,7 +133,7 @@ fn intervals_of_motor_constants_hold() {
     assert!(given >= 20 && 10 * held >= 8 * given, "{held} of {given}");
 }
 
-/// A joint with a vertical axis shows its inertia, to which the rotor's adds. The others rest: stiction holds them.
+/// A joint with a vertical axis shows only the sum of its inertia and the rotor's. The other joints rest, held by stiction.
 #[test]
 fn a_joint_that_shows_its_inertia_alone_has_no_motor_constant() {
     let mut random = SplitMix64::new(3);
@@ -163,7 +163,7 @@ fn described_motor_constants_stay() {
     }
 }
 
-/// Torques of a log that are called currents: their constants are one, and nothing of the fit is lost.
+/// Torques of a log that are declared as currents: the estimated constants are one, and the fit is equally good.
 #[test]
 fn a_log_of_torques_read_as_currents_keeps_its_scale() {
     let Some(mut run) = super::measured::ur10_run() else { return };
@@ -180,8 +180,8 @@ fn a_log_of_torques_read_as_currents_keeps_its_scale() {
     }
 }
 
-/// Few joints move, and the fit has bodies on the boundary of those that can exist: with the whole second-order correction the
-/// iteration cycled at a relative gap of 2e-8.
+/// Few joints move, and bodies of the fit are at the boundary of physically possible bodies. With the whole second-order
+/// correction the iteration cycled at a relative gap of 2e-8.
 #[test]
 fn few_moving_joints_converge() {
     for seed in 0..6 {

@@ -35,7 +35,7 @@ pub(super) fn as_simulated(times: Vec<f64>, columns: [Vec<Vec<f64>>; 4], effort:
     }
 }
 
-/// Smooths and differentiates positions and smooths efforts over `window` samples; ten samples at each end go.
+/// Smooths and differentiates positions and smooths efforts over `window` samples. Ten samples at each end are removed.
 pub(super) fn prepare(
     name: &str,
     times: &[f64],

@@ -1,4 +1,4 @@
-//! Efforts that are late by a time which nobody knows.
+//! Efforts with an unknown delay.
 
 use super::super::super::numeric::random::SplitMix64;
 use super::super::super::preparation::{PreparationSettings, prepare_all};
@@ -7,9 +7,10 @@ use super::super::{Estimate, EstimationSettings, estimate};
 use super::pendulum::{Experiment, Pendulum, STEEPNESS, log};
 use gelenk_findings::{Severity, texts};
 
-/// The estimate of a log whose efforts are late, of which the preparation removed nothing.
+/// The estimate of a log with late efforts, from which the preparation removed no delay.
 ///
-/// - `delays`: of each effort [s]; `numbers`: which of them are one
+/// - `delays`: delay of each effort [s]
+/// - `numbers`: index of each effort's delay; efforts with the same index share a delay
 fn estimated(truth: &Pendulum, delays: [f64; 2], numbers: &[usize], effort: Effort) -> Estimate {
     let experiment =
         Experiment { rate: 250.0, position_noise: 1e-6, slope_time: 0.01, ..Experiment::default() };

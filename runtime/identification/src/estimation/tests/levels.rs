@@ -1,4 +1,4 @@
-//! Effect of the numbers that decide: each is halved and doubled, and the page says which results change.
+//! Effect of the thresholds: each is halved and doubled, and the snapshot shows which results change.
 //!
 //! Logs of a pendulum pass preparation and estimate; laws are found from samples of friction. A variation stays inside the
 //! bar if no log that had a result is refused, no finding appears or goes that is a warning or an error, and friction and
@@ -20,7 +20,7 @@ use std::fmt::Write;
 /// Growth of the rms of the relative errors that a variation may cause, and an error that always passes.
 const BAR: [f64; 2] = [1.5, 0.05];
 
-/// A log, and what is wrong in it.
+/// A log, and its fault.
 struct Case {
     name: &'static str,
     experiment: Experiment,

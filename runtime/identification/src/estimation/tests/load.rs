@@ -1,4 +1,4 @@
-//! Friction that grows with the load of a gear, together with inertia and friction that do not.
+//! Load-dependent friction of a gear, together with inertia and other friction.
 
 use super::super::super::numeric::random::SplitMix64;
 use super::super::super::robot::Robot;
@@ -8,7 +8,7 @@ use super::data::as_simulated;
 use super::pendulum::{FRICTION, Pendulum, STEEPNESS};
 use gelenk_findings::{Severity, texts};
 
-/// A run along sines whose forces hold friction under load of these shares.
+/// A run along sines whose forces contain load-dependent friction with these coefficients.
 fn run(truth: &Pendulum, shares: [f64; 2], random: &mut SplitMix64) -> PreparedRun {
     let phases: [f64; 6] = std::array::from_fn(|_| std::f64::consts::TAU * random.uniform());
     let columns = || vec![Vec::new(); 2];
@@ -72,7 +72,7 @@ fn shares_of_the_load_come_back_beside_masses_and_friction() {
         "{:?}",
         texts(&found.findings, Severity::Warning)
     );
-    // Without the term the fit is worse, and says what it lacks.
+    // Without the term the fit is worse, and a finding names the missing term.
     let (_, without) = estimated(shares, false, 3);
     let lacking = without.findings.iter().filter(|finding| finding.code == "friction-under-load");
     let lacking: Vec<f64> = lacking.filter_map(|finding| finding.value("share of the load")).collect();
@@ -96,7 +96,7 @@ fn friction_that_does_not_grow_with_the_load_gets_no_term() {
     );
 }
 
-/// One motor that pulls at both joints: neither load is known.
+/// One motor drives both joints, so the load of neither gear is known.
 struct Coupled(Pendulum);
 
 impl Robot for Coupled {
@@ -145,5 +145,5 @@ fn loads_are_refused_where_no_joint_has_an_input_of_its_own() {
         ..EstimationSettings::default()
     };
     let fault = estimate(&robot, &[run], &settings, &mut |_| ()).unwrap_err().to_string();
-    assert!(fault.contains("no joint that moves has an input of its own"), "{fault}");
+    assert!(fault.contains("no moving joint has an input that drives it alone"), "{fault}");
 }

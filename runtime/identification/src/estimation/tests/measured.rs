@@ -7,7 +7,7 @@ use super::chain::ur10;
 use super::data::{part, prepare, shared};
 use gelenk_findings::{Severity, texts};
 
-/// Centred R² of each joint when the estimate predicts a run that it has not seen.
+/// Centred R² of each joint if the estimate predicts a run to which it was not fitted.
 pub(super) fn predicted(robot: &dyn Robot, found: &Estimate, run: &PreparedRun) -> Vec<f64> {
     let n = robot.joint_names().len();
     let p = found.parameters.len();
@@ -57,7 +57,7 @@ pub(super) fn ur10_run() -> Option<PreparedRun> {
     Some(prepare("exciting", &column(0), &columns(1), &columns(13), 21))
 }
 
-/// Joint 6 rests for a while, and rests are not told from motion here: the test of the command judges it.
+/// Joint 6 rests for a while, and rests are not distinguished from motion here. The test of the command checks this joint.
 const LEAST: [f64; 5] = [0.996, 0.998, 0.997, 0.994, 0.991];
 
 #[test]
@@ -100,7 +100,7 @@ fn the_command_predicts_the_second_half_of_a_ur10_log() {
     );
     let least = [0.996, 0.997, 0.996, 0.994, 0.990, 0.983];
     assert!(r_squared.iter().zip(least).all(|(r, least)| *r >= least), "{r_squared:.4?}");
-    // No law of the speed predicts a rest: this is no more than a bound.
+    // No law of the velocity predicts forces at rest, so this is only a bound.
     assert!(judged[5].r_squared_with_rest >= 0.85, "{}", judged[5].r_squared_with_rest);
 }
 

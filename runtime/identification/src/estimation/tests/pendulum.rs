@@ -17,7 +17,7 @@ pub(super) struct Pendulum {
     pub(super) parameters: Vec<f64>,
     /// Diagonal of B.
     pub(super) gears: [f64; 2],
-    /// Whether friction is `v φ₁ + sign(v) φ₂`, and holds a joint at rest.
+    /// Whether friction is `v φ₁ + sign(v) φ₂`, which can hold a joint at rest.
     pub(super) sticks: bool,
 }
 
@@ -156,7 +156,7 @@ pub(super) struct Experiment {
     pub(super) rate: f64,
     /// Noise of the encoders [rad] and of the force measurement [N m].
     pub(super) position_noise: f64,
-    /// Resolution of the encoders [rad]; 0 where they do not round.
+    /// Resolution of the encoders [rad]; 0 if they do not round.
     pub(super) resolution: f64,
     pub(super) force_noise: f64,
     pub(super) offsets: [f64; 2],
@@ -164,13 +164,13 @@ pub(super) struct Experiment {
     pub(super) stiffness: f64,
     /// Time constant of the controller's filter over velocities [s].
     pub(super) slope_time: f64,
-    /// Phases of the reference's sines; drawn where there are none.
+    /// Phases of the sines of the reference; random phases if there are none.
     pub(super) phases: Option<[f64; 6]>,
     /// Window of the filter, samples.
     pub(super) window: usize,
-    /// Deviation of the samples' times, which are known, as a share of their step.
+    /// Deviation of the sample times, which are known, as a share of the time step.
     pub(super) jitter: f64,
-    /// Lateness of the efforts [s].
+    /// Delay of the efforts [s].
     pub(super) delay: f64,
 }
 
@@ -207,7 +207,7 @@ fn reference(t: f64, phases: &[f64; 6]) -> [[f64; 3]; 2] {
     })
 }
 
-/// A run of the robot under control, prepared; and the same with the reference in place of the motion.
+/// A prepared run of the robot under control, and the same run with the reference instead of the motion.
 pub(super) fn simulate(
     robot: &Pendulum,
     of: &Experiment,
@@ -222,7 +222,7 @@ pub(super) fn simulate(
     (run(0), run(4))
 }
 
-/// The same as a log, with the reference as the commanded motion.
+/// The same run as a log, with the reference as the commanded motion.
 pub(super) fn log(robot: &Pendulum, of: &Experiment, random: &mut SplitMix64) -> Run {
     let (times, columns) = recorded(robot, of, random);
     Run {
@@ -262,7 +262,7 @@ fn recorded(robot: &Pendulum, of: &Experiment, random: &mut SplitMix64) -> (Vec<
     (times, columns)
 }
 
-/// A motion under control, as it was.
+/// A motion under control, without measurement errors.
 struct History {
     phases: [f64; 6],
     /// Period of the controller, and step of the integration [s].
@@ -333,7 +333,7 @@ impl History {
         })
     }
 
-    /// Mean of what was applied within half a period of a time: the input is held over a period.
+    /// Mean input within half a period of a time. The input is constant over each period.
     fn applied(&self, t: f64) -> [f64; 2] {
         // Feed i is held about the place i + 1/2.
         let place = t / self.period - 0.5;

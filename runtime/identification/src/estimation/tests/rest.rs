@@ -9,7 +9,7 @@ use super::measured::predicted;
 use super::pendulum::{FRICTION, Pendulum, STEEPNESS};
 
 const RATE: f64 = 125.0;
-/// Efforts come this much later than positions [s].
+/// Delay of the efforts behind the positions [s].
 const DELAY: f64 = 0.02;
 
 /// Both joints at `t` into a motion of 10 s that begins and ends at rest: position, velocity, acceleration.
@@ -130,7 +130,7 @@ fn rests_before_between_and_after_change_neither_fit_nor_delay_nor_bandwidth() {
         let joint = &with.estimate.joints[j];
         let shares = [&without, &with].map(|found| found.estimate.joints[j].rest);
         assert!(shares[0] < 0.3 && (0.25..0.5).contains(&(shares[1] - shares[0])), "{shares:?}");
-        // Stiction is no error of the law, and no law of the speed predicts it.
+        // Stiction does not count as an error of the law, because no law of the velocity predicts it.
         assert!(joint.held_out_r_squared > joint.held_out_with_rest + 0.005, "{joint:?}");
         let friction: Vec<f64> = joint.terms.iter().map(|term| term.coefficient.value).collect();
         assert!((friction[1] / FRICTION[j][1] - 1.0).abs() < 0.1, "{friction:?}");

@@ -11,7 +11,7 @@ fn quietly(robot: &Pendulum, runs: &[PreparedRun], settings: &EstimationSettings
     estimate(robot, runs, settings, &mut |_| ()).unwrap()
 }
 
-/// Values and truths: friction of both joints, and parameters with a column in W.
+/// Estimated and true values: friction of both joints, and parameters with a column in the regressor W.
 fn pairs(found: &Estimate, truth: &Pendulum) -> Vec<(Uncertain, f64)> {
     let friction = found.joints.iter().zip(FRICTION);
     let friction = friction.flat_map(|(j, truth)| j.terms.iter().map(|t| t.coefficient).zip(truth));
@@ -72,7 +72,7 @@ fn without_the_weight_of(
     quietly(&Pendulum::described(), &runs, &settings)
 }
 
-/// A controller that carries the described bodies leaves what the real ones weigh beyond them.
+/// If a controller carries the described bodies, the efforts contain the remaining weight of the real bodies.
 #[test]
 fn weight_is_compensated_as_described_or_as_it_is() {
     let mut random = SplitMix64::new(3);
@@ -87,7 +87,7 @@ fn weight_is_compensated_as_described_or_as_it_is() {
         "{:?}",
         texts(&by_model.findings, Severity::Note)
     );
-    // The moment of the second link, which its weight tells best.
+    // The moment of the second link, which its weight determines best.
     assert!((by_model.parameters[11].value / truth.parameters[11] - 1.0).abs() < 0.02);
     let in_full = without_the_weight_of(&truth, &truth, &[0.0], &mut random);
     assert_eq!(in_full.gravity, Gravity::Compensated);
@@ -101,7 +101,7 @@ fn weight_is_compensated_as_described_or_as_it_is() {
     }
 }
 
-/// A sensor's zero that differs between runs is not taken for a weight, nor a weight for a zero.
+/// A sensor offset that differs between runs is not mistaken for a weight, and a weight is not mistaken for an offset.
 #[test]
 fn zeros_that_move_are_told_from_weight_that_is_left() {
     let mut random = SplitMix64::new(5);
@@ -192,7 +192,7 @@ fn a_wrong_sign_and_forces_that_are_noise_are_refused() {
     turned.efforts[1].iter_mut().for_each(|u| *u = -*u);
     let message = refused(turned);
     assert!(message.contains("joint elbow") && message.contains("other sign"), "{message}");
-    // Where the log is short, its length is the reason that is named.
+    // If the log is short, the message names its length as the reason.
     let mut short = super::data::part(&run, 0..40);
     short.efforts[1].iter_mut().for_each(|u| *u = -*u);
     let message = refused(short);
@@ -207,11 +207,12 @@ fn a_wrong_sign_and_forces_that_are_noise_are_refused() {
     assert_eq!(warning.about.subject, Subject::Joint("shoulder".into()));
     let [shoulder, elbow] = &found.joints[..] else { panic!() };
     assert!(!shoulder.measured && shoulder.terms.is_empty() && elbow.held_out_r_squared > 0.9);
-    // Where no joint is left, nothing is found.
+    // If no joint is left, there is no estimate.
     noise.efforts[1].iter_mut().for_each(|u| *u = random.normal());
     let message = refused(noise);
     assert!(
-        message.starts_with("error[fit-doubted]: joint shoulder: the fit does not explain it: R² "),
+        message
+            .starts_with("error[fit-doubted]: joint shoulder: the fit does not explain its effort: R² is "),
         "{message}"
     );
     assert!(message.contains("error[unexplained-effort]"), "{message}");
@@ -251,7 +252,11 @@ fn data_of_the_wrong_shape_are_named() {
     run.velocities[1][5] = f64::NAN;
     assert!(message(&run).contains("velocities of simulated is not finite"), "{}", message(&run));
     run.velocities.pop();
-    assert!(message(&run).contains("velocities of simulated: 2 expected, 1 given"), "{}", message(&run));
+    assert!(
+        message(&run).contains("velocities of simulated: 2 are expected, but 1 are given"),
+        "{}",
+        message(&run)
+    );
     assert!(estimate(&truth, &[], &EstimationSettings::default(), &mut |_| ()).is_err());
 }
 

@@ -46,7 +46,7 @@ fn run(truth: &Chain, noise: f64, random: &mut SplitMix64) -> PreparedRun {
     as_simulated(times, columns, Effort::Joint)
 }
 
-/// Bodies that differ from the described ones, on a base that is turned by an angle [°] about an axis of its own.
+/// Bodies that differ from the described ones, on a base that is turned by an angle [°] about one of its axes.
 fn estimated(turn: Vector3<f64>, noise: f64, seed: u64) -> Estimate {
     let mut random = SplitMix64::new(seed);
     let mut truth = arm();
@@ -95,13 +95,13 @@ fn a_level_base_and_a_small_angle_are_no_doubt() {
     assert!(doubt(&estimated(Vector3::new(1.0, 0.0, 0.0), 0.3, 4)).is_none());
 }
 
-/// Bodies whose weights pull upwards would explain the forces too, but do not exist: a small tilt of gravity is not the
-/// answer.
+/// Bodies whose weights pull upwards would also explain the forces, but do not exist. A small tilt of gravity is not the
+/// right result.
 #[test]
 fn a_robot_that_hangs_from_the_ceiling_is_not_told_of_a_small_angle() {
     let found = estimated(Vector3::new(177.0, 0.0, 0.0), 0.3, 4);
     let doubt = doubt(&found).unwrap();
-    assert!(doubt.contains("a gravity 177.0° ") && doubt.contains("set gravity = ["), "{doubt}");
+    assert!(doubt.contains("a gravity 177.0° ") && doubt.contains("set `gravity = ["), "{doubt}");
     let codes: Vec<&str> = found.findings.iter().map(|finding| finding.code).collect();
     assert!(!codes.contains(&"other-gravity"), "{codes:?}");
 }

@@ -1,4 +1,4 @@
-//! Bytes that are read from the front. Methods return `None` if the bytes end too early.
+//! Reader of bytes from the beginning of a slice. Methods return `None` if the bytes end too early.
 
 use std::borrow::Cow;
 
@@ -16,7 +16,7 @@ impl<'a> Bytes<'a> {
         self.take(COUNT)?.try_into().ok()
     }
 
-    /// Bytes with their length before them, as a little-endian integer of four bytes.
+    /// Returns bytes that are preceded by their length, a little-endian integer of four bytes.
     pub(super) fn counted(&mut self) -> Option<&'a [u8]> {
         let count = u32::from_le_bytes(self.array()?);
         self.take(usize::try_from(count).ok()?)

@@ -1,14 +1,14 @@
-//! Messages `sensor_msgs/msg/JointState` in CDR (OMG, *DDS-RTPS*, section 10, encodings `CDR_BE` and `CDR_LE`).
+//! Decoder of messages `sensor_msgs/msg/JointState` in CDR (OMG, *DDS-RTPS*, section 10, encodings `CDR_BE` and `CDR_LE`).
 
 use super::bytes::Bytes;
 
-/// A message ends with fewer bytes of padding than this.
+/// A message has fewer bytes of padding at its end than this number.
 const PADDING: usize = 8;
 
-/// A message `sensor_msgs/msg/JointState`. A list of values is empty or has one value for each name.
+/// A message `sensor_msgs/msg/JointState`. A list of values is empty, or it has one value for each name.
 #[derive(Debug, PartialEq)]
 pub(super) struct JointState {
-    /// Seconds and nanoseconds of the stamp.
+    /// Time stamp in seconds and nanoseconds.
     pub(super) stamp: (i32, u32),
     pub(super) names: Vec<String>,
     /// Positions, velocities and efforts.
@@ -29,14 +29,14 @@ impl JointState {
         cdr.text()?;
         let names = (0..cdr.number()?).map(|_| cdr.text()).collect::<Option<Vec<_>>>()?;
         let mut values = [cdr.doubles()?, cdr.doubles()?, cdr.doubles()?];
-        // A list of another length than the names is left out.
+        // A list whose length differs from the number of names is dropped.
         values.iter_mut().filter(|list| list.len() != names.len()).for_each(Vec::clear);
         let is_whole = cdr.rest.0.len() < PADDING;
         is_whole.then_some(Self { stamp, names, values })
     }
 }
 
-/// A reader of items that are aligned to multiples of their size, counted from the first item.
+/// Reader of values that are aligned to multiples of their size, counted from the first value.
 struct Cdr<'a> {
     rest: Bytes<'a>,
     length: usize,
@@ -58,7 +58,7 @@ impl Cdr<'_> {
         self.item().map(u32::from_le_bytes)
     }
 
-    /// A string that ends with a zero byte.
+    /// Reads a string that ends with a zero byte.
     fn text(&mut self) -> Option<String> {
         let count = usize::try_from(self.number()?).ok()?;
         let (_, text) = self.rest.take(count)?.split_last()?;

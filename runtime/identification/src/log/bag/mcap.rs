@@ -1,4 +1,4 @@
-//! Records of an MCAP file ([specification](https://mcap.dev/spec)).
+//! Reader of MCAP files ([specification](https://mcap.dev/spec)).
 
 use super::super::packed::{LARGEST, unpacked};
 use super::bytes::Bytes;
@@ -28,7 +28,7 @@ fn read_records(
     bag: &mut Bag,
     is_chunk: bool,
 ) -> Result<(), String> {
-    let cut = || "the MCAP file ends within a record: repair it (`mcap recover`)".to_owned();
+    let cut = || "the MCAP file ends within a record: repair it with `mcap recover`".to_owned();
     let mut rest = Bytes(bytes);
     while !rest.0.is_empty() {
         let (kind, record) = record(&mut rest).ok_or_else(cut)?;
@@ -47,7 +47,12 @@ fn read_records(
                 let records = match &*packing {
                     "" => Cow::Borrowed(records),
                     "zstd" | "lz4" => unpacked(records, size.min(LARGEST))?,
-                    _ => return Err(format!("its chunks are packed by `{packing}`: known are zstd and lz4")),
+                    _ => {
+                        return Err(format!(
+                            "the chunks of the MCAP file are compressed with `{packing}`: record it with \
+                                             zstd or lz4, or without compression"
+                        ));
+                    }
                 };
                 read_records(&records, schemas, bag, true)?;
             }
@@ -83,7 +88,7 @@ fn message<'a>(mut record: Bytes<'a>) -> Option<(u16, i64, &'a [u8])> {
     Some((id, time, record.0))
 }
 
-/// Compression of the records of a chunk, their uncompressed size, and the records.
+/// Returns the compression of the records of a chunk, their uncompressed size, and the records.
 fn chunk<'a>(mut record: Bytes<'a>) -> Option<(Cow<'a, str>, u64, &'a [u8])> {
     record.take(8 + 8)?;
     let size = u64::from_le_bytes(record.array()?);

@@ -1,4 +1,5 @@
-//! Bags of ROS 2 as tables: the messages `sensor_msgs/msg/JointState`, with headers as PlotJuggler exports them.
+//! Conversion of ROS 2 bags to tables of the messages `sensor_msgs/msg/JointState`. The headers are those of PlotJuggler's
+//! exports.
 
 mod bytes;
 mod cdr;
@@ -9,7 +10,7 @@ mod sqlite;
 
 use topics::Bag;
 
-/// Text of the table of a bag; `None` if the bytes are not a bag.
+/// Returns the text of the table of a bag; `None` if the bytes are not a bag.
 pub(super) fn table(bytes: &[u8]) -> Option<Result<Vec<u8>, String>> {
     let mut bag = Bag::default();
     let read = if bytes.starts_with(sqlite::MAGIC) {

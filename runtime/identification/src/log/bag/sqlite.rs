@@ -1,4 +1,4 @@
-//! Tables of a bag in SQLite ([file format](https://sqlite.org/fileformat2.html)).
+//! Reader of the tables of a bag in SQLite ([file format](https://sqlite.org/fileformat2.html)).
 
 use super::bytes::Bytes;
 use super::topics::Bag;
@@ -6,7 +6,7 @@ use super::topics::Bag;
 /// First bytes of a file.
 pub(super) const MAGIC: &[u8] = b"SQLite format 3\0";
 
-const BROKEN: &str = "the SQLite file is not complete: repair it (`sqlite3 FILE .recover`)";
+const BROKEN: &str = "the SQLite file is incomplete: repair it with `sqlite3 FILE .recover`";
 
 /// Reads all messages.
 pub(super) fn read(bytes: &[u8], bag: &mut Bag) -> Result<(), String> {
@@ -20,7 +20,7 @@ pub(super) fn read(bytes: &[u8], bag: &mut Bag) -> Result<(), String> {
         Ok(())
     })?;
     let [Some(topics), Some(messages)] = tables else {
-        return Err("this is a SQLite file without the tables of a ROS 2 bag".to_owned());
+        return Err("the SQLite file does not have the tables of a ROS 2 bag: give a bag".to_owned());
     };
     file.rows(topics, &mut |id, columns| {
         if let [_, Value::Bytes(name), Value::Bytes(kind), Value::Bytes(encoding), ..] = columns {
@@ -33,7 +33,9 @@ pub(super) fn read(bytes: &[u8], bag: &mut Bag) -> Result<(), String> {
         [_, Value::Number(topic), Value::Number(time), Value::Bytes(data), ..] => {
             bag.message(*topic, *time, data)
         }
-        _ => Err("its table of messages is not that of a ROS 2 bag".to_owned()),
+        _ => {
+            Err("the table of messages of the SQLite file is not that of a ROS 2 bag: give a bag".to_owned())
+        }
     })
 }
 
@@ -49,7 +51,7 @@ type Visit<'v> = dyn FnMut(i64, &[Value<'_>]) -> Result<(), String> + 'v;
 struct File<'a> {
     bytes: &'a [u8],
     page: usize,
-    /// Bytes of a page without the reserved bytes at its end.
+    /// Number of bytes of a page without the reserved bytes at its end.
     usable: usize,
 }
 
@@ -63,7 +65,7 @@ impl<'a> File<'a> {
         Some(Self { bytes, page, usable })
     }
 
-    /// The bytes of a page. Pages are counted from 1.
+    /// Returns the bytes of a page. Pages are counted from 1.
     fn page(&self, number: u32) -> Option<&'a [u8]> {
         let start = usize::try_from(number).ok()?.checked_sub(1)?.checked_mul(self.page)?;
         self.bytes.get(start..)?.get(..self.usable)
@@ -106,7 +108,7 @@ impl<'a> File<'a> {
         visit(id, &columns(&payload).ok_or(BROKEN)?)
     }
 
-    /// The bytes of a row. Long rows continue on overflow pages.
+    /// Returns the bytes of a row. Long rows continue on overflow pages.
     fn payload(&self, mut cell: Bytes<'a>, length: i64) -> Option<Vec<u8>> {
         let length = usize::try_from(length).ok().filter(|length| *length <= self.bytes.len())?;
         let most = self.usable - 35;
@@ -128,7 +130,7 @@ impl<'a> File<'a> {
     }
 }
 
-/// A number of up to nine bytes. Each byte except the ninth has seven bits of the number.
+/// Reads a number of up to nine bytes. Each byte except the ninth has seven bits of the number.
 fn varint(bytes: &mut Bytes<'_>) -> Option<i64> {
     let mut number = 0_i64;
     for place in 0..9 {

@@ -1,4 +1,4 @@
-//! The joint states of a bag as a table.
+//! Conversion of the joint states of a bag to a table.
 
 use super::super::packed::{LARGEST, unpacked};
 use super::cdr::JointState;
@@ -10,12 +10,12 @@ const QUANTITIES: [&str; 3] = ["position", "velocity", "effort"];
 /// Nanoseconds in a second.
 const NANOSECONDS: i128 = 1_000_000_000;
 
-/// The part of a bag that has been read.
+/// Content of a bag: topics and messages.
 #[derive(Debug, Default)]
 pub(super) struct Bag {
-    /// Names and types of the topics, by their numbers.
+    /// Name and type of each topic, by its number.
     topics: BTreeMap<i64, [String; 2]>,
-    /// Topic, time of arrival [ns], and content of each message.
+    /// Topic, time of arrival in ns, and content of each message.
     messages: Vec<(i64, i64, JointState)>,
     /// Bytes of all messages.
     size: u64,
@@ -32,26 +32,30 @@ impl Bag {
         let data = unpacked(data, LARGEST - self.size)?;
         self.size = (self.size + data.len() as u64).min(LARGEST);
         let state = JointState::decode(&data);
-        let state =
-            state.ok_or_else(|| format!("a message of {name} is not a {TYPE}: record the bag again"))?;
+        let state = state.ok_or_else(|| {
+            format!("a message of topic {name} cannot be decoded as {TYPE}: record the bag again")
+        })?;
         self.messages.push((topic, time, state));
         Ok(())
     }
 
-    /// Whether the stamps of a topic are times. Some publishers leave the stamps zero, or never change them.
+    /// Returns whether the time stamps of a topic are times. Some publishers leave the stamps zero, or never change them.
     fn is_stamped(&self, topic: i64) -> bool {
         let stamps = self.messages.iter().filter(|(of, ..)| *of == topic).map(|(.., state)| state.stamp);
         let (zeros, others): (Vec<_>, Vec<_>) = stamps.partition(|stamp| *stamp == (0, 0));
         zeros.len() < others.len() && others.iter().any(|stamp| *stamp != others[0])
     }
 
-    /// Text of a table with one row for each message. Columns of other joints and topics are empty.
+    /// Returns the text of a table with one row for each message. Columns of other joints and topics are empty in this row.
     pub(super) fn text(&self) -> Result<Vec<u8>, String> {
         if self.messages.is_empty() {
             let topics: Vec<String> =
                 self.topics.values().map(|[name, kind]| format!("{name} ({kind})")).collect();
             let topics = if topics.is_empty() { "none".to_owned() } else { topics.join(", ") };
-            return Err(format!("the bag has no messages of {TYPE}; its topics: {topics}"));
+            return Err(format!(
+                "the bag has no messages of type {TYPE}: record a topic of this type; the topics of the bag \
+                                are: {topics}"
+            ));
         }
         let mut columns = BTreeMap::new();
         for (topic, _, state) in &self.messages {
@@ -110,7 +114,7 @@ mod tests {
         JointState { stamp, names: vec!["a".to_owned()], values }
     }
 
-    /// Simulated time begins at 0, commands have no stamps, and no message has velocities.
+    /// Simulated time begins at 0, commands have no time stamps, and no message has velocities.
     #[test]
     fn each_topic_has_its_own_times_and_columns_only_if_there_are_values() {
         let state = |k: i32| {

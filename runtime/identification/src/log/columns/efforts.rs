@@ -1,4 +1,4 @@
-//! Columns of the efforts: torques at the joints, inputs, or currents.
+//! Search for the columns of the efforts: torques at the joints, inputs, or currents.
 
 use super::super::super::error::{IdentificationError, Result};
 use super::super::super::run::Effort;
@@ -10,13 +10,13 @@ use super::table::Kind;
 use gelenk_findings::Finding;
 
 impl Finder<'_> {
-    /// The columns of the efforts, and the kind of the efforts.
+    /// Returns the columns of the efforts, and the kind of the efforts.
     ///
-    /// - `stated`: kind that the user states
+    /// - `stated`: kind of efforts that the user specifies
     ///
     /// # Errors
-    /// [`IdentificationError::File`] if columns are missing or ambiguous. If joints have quaternions, also for currents, and
-    /// for torques at the joints if inputs act at frames.
+    /// [`IdentificationError::File`] if columns are missing or ambiguous. If joints have quaternions, there are two more
+    /// errors: the efforts are currents, or they are torques at the joints although inputs act at frames.
     pub(super) fn efforts(&self, stated: Option<Effort>) -> Result<(Effort, Found)> {
         let pattern = self.pattern(Kind::is_effort);
         let wanted = stated.or_else(|| pattern.map(|pattern| of_kind(pattern.kind)));
@@ -32,12 +32,12 @@ impl Finder<'_> {
         Ok((effort, self.found(choice, kind_of(effort), targets)?))
     }
 
-    /// The joints or inputs of which a log may have efforts of this kind.
+    /// Returns the joints or inputs for which a log may have efforts of this kind.
     fn targets_of(&self, effort: Effort) -> &Targets {
         if effort == Effort::Joint { &self.robot.torques } else { &self.robot.inputs }
     }
 
-    /// Whether the efforts are only those of inputs at frames, although the robot has other inputs.
+    /// Returns whether the log has only the efforts of inputs at frames, although the robot has other inputs.
     pub(super) fn has_frames_alone(&self, efforts: &Found) -> bool {
         let (frames, inputs) = (&self.robot.frame_inputs.places, &self.robot.inputs.places);
         efforts.kind == Kind::Input && efforts.places == *frames && inputs.len() > frames.len()
@@ -50,18 +50,20 @@ impl Finder<'_> {
     fn require_inputs_at_frames(&self, wanted: Option<Effort>) -> Result<()> {
         match wanted {
             Some(Effort::Current) => Err(self.fault(
-                "currents are not identified if joints have quaternions: convert them to torques, and name these".into(),
+                "the robot has joints with quaternions, for which currents are not supported: convert the currents to \
+                 torques, and name the columns of the torques".into(),
             )),
             Some(Effort::Joint) if self.has_frames() => Err(self.fault(format!(
-                "inputs of this robot act at frames ({}), and torques at the joints do not contain their forces on the base: \
-                 name the columns of the inputs with --columns 'input=…'",
+                "inputs of this robot act at frames ({}), so that torques at the joints do not contain the forces of these \
+                 inputs on the base: name the columns of the inputs with --columns 'input=…'",
                 self.robot.frame_inputs.names.join(", ")
             ))),
             _ => Ok(()),
         }
     }
 
-    /// The columns that the user names. A robot with quaternions needs only those of the inputs at frames.
+    /// Returns the columns that the user names. For a robot with quaternions, the columns of the inputs at frames are
+    /// enough.
     fn named_efforts(&self, pattern: &Pattern, effort: Effort) -> Result<(Effort, &Targets, Chosen)> {
         let frames = &self.robot.frame_inputs;
         let all = self.targets_of(effort);
@@ -75,7 +77,7 @@ impl Finder<'_> {
         }
     }
 
-    /// The columns of a robot without quaternions.
+    /// Returns the best columns for a robot without quaternions.
     fn best_efforts(&self, stated: Option<Effort>) -> Result<(Effort, &Targets, Chosen)> {
         let tried: &[(Effort, &[Kind])] = match stated {
             Some(Effort::Joint) => &[(Effort::Joint, &[Kind::Torque, Kind::Input])],
@@ -90,7 +92,7 @@ impl Finder<'_> {
         let mut found = Vec::new();
         for (effort, kinds) in tried {
             let targets = self.targets_of(*effort);
-            // A robot without drives would need no columns.
+            // A robot without drives has no inputs, so that an empty list of columns would fit.
             if !targets.names.is_empty() {
                 found.extend(self.best(kinds, targets)?.map(|choice| (*effort, targets, choice)));
             } else if stated.is_some() {
@@ -105,7 +107,7 @@ impl Finder<'_> {
         }
     }
 
-    /// The columns of a robot with quaternions: torques at the joints, all inputs, or the inputs at frames.
+    /// Returns the best columns for a robot with quaternions: torques at the joints, all inputs, or the inputs at frames.
     fn efforts_or_frames(&self, wanted: Option<Effort>) -> Result<(Effort, &Targets, Chosen)> {
         let robot = self.robot;
         if wanted != Some(Effort::Input)
@@ -130,16 +132,18 @@ impl Finder<'_> {
         Ok((Effort::Input, &robot.frame_inputs, choice))
     }
 
-    /// The same error with the efforts that a robot with a floating base needs at least.
+    /// Adds to the error which efforts a robot with a floating base needs at least.
     fn nothing_acts(&self, error: IdentificationError) -> IdentificationError {
         let base = self.robot.quaternions.iter().find(|joint| joint.is_floating);
         let (IdentificationError::File(finding), Some(base)) = (&error, base) else { return error };
         let enough = if self.has_frames() {
-            "Efforts of the joints may be missing, those of the inputs at frames may not".to_owned()
+            "The log needs the efforts of the inputs at frames; efforts of the joints may be missing"
+                .to_owned()
         } else {
             format!(
-                "Without efforts of the joints the six rows of `{}` suffice if the external forces are measured: describe the forces of its feet as `[[inputs]]` with `frame` and `wrench`, and add their columns to \
-                 the log. In free flight no force acts, and a motion determines only ratios of masses and inertias",
+                "If the external forces are measured, the six equations of the base `{}` are enough: describe the forces on \
+                 the feet as `[[inputs]]` with `frame` and `wrench`, and add the columns of these inputs to \
+                 the log. Without any force, as in free flight, a motion determines only ratios of masses and inertias",
                 base.name
             )
         };

@@ -4,18 +4,18 @@ use super::header::{Header, Meaning, is_number, is_plain, words};
 use super::table::{Kind, Known, Origin, Role, known};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The difference between the columns of a family. Families are preferred in this order.
+/// Property by which the columns of a family differ. Families are preferred in this order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Key {
-    /// The columns have the names of the joints or inputs.
+    /// The columns contain the names of the joints or inputs.
     Name,
-    /// The columns have numbers, and the rows of the log (of a ROS message) have the names in this order.
+    /// The columns are numbered, and the rows of the log (of a ROS message) list the names in this order.
     Listed,
-    /// The columns have numbers. The first number is given.
+    /// The columns are numbered. The value is the first number.
     Number(u64),
-    /// There is a single joint, and its column has neither name nor number.
+    /// There is only one joint, and its column has neither name nor number.
     Alone,
-    /// The columns have letters of components.
+    /// The columns end with the letters of components, such as x, y and z.
     Component,
 }
 
@@ -26,34 +26,34 @@ pub(super) struct Family {
     pub key: Key,
     /// Index of the column of each joint or input; `None` if the log does not have the column.
     pub columns: Vec<Option<usize>>,
-    /// Numbers in the headers; empty if the columns do not differ by numbers.
+    /// Numbers in the headers; empty if the columns are not numbered.
     pub numbers: Vec<u64>,
 }
 
 impl Family {
-    /// All columns; `None` if one is missing.
+    /// Returns all columns; `None` if a column is missing.
     pub(super) fn complete(&self) -> Option<Vec<usize>> {
         self.columns.iter().copied().collect()
     }
 
     pub(super) fn rank(&self) -> (Origin, u8, Key) {
-        // The first number does not matter.
+        // The first number does not affect the rank.
         let key = if let Key::Number(_) = self.key { Key::Number(0) } else { self.key };
         (self.meaning.origin, self.meaning.doubt, key)
     }
 }
 
-/// Names with which columns are matched: for each joint or input, the words of its names.
+/// Names of joints or inputs with which headers are compared, as words.
 #[derive(Debug, Clone, Default)]
 pub(in crate::log) struct Targets {
     pub names: Vec<String>,
-    /// Index of each name among all joints or inputs, by which headers count them.
+    /// Index of each name among all joints or inputs. Numbers in headers refer to these indices.
     pub places: Vec<usize>,
     aliases: Vec<Vec<Vec<String>>>,
 }
 
 impl Targets {
-    /// - `others`: a second name of each joint or input, or an empty slice
+    /// - `others`: second name of each joint or input, or an empty slice
     pub(super) fn new(names: &[String], others: &[Option<String>]) -> Self {
         let spelled: Vec<Vec<String>> = names.iter().map(|n| words(n)).collect();
         let short: Vec<Vec<String>> = spelled.iter().map(|w| without_joint(w)).collect();
@@ -69,12 +69,12 @@ impl Targets {
         Self { names: names.to_vec(), places: (0..names.len()).collect(), aliases: aliases.collect() }
     }
 
-    /// A single target for a quantity that belongs to no joint.
+    /// Creates a single target for a quantity that belongs to no joint.
     pub(super) fn one(name: &str) -> Self {
         Self::new(&[name.to_owned()], &[])
     }
 
-    /// The targets with some of the indices in [`Self::places`].
+    /// Returns the targets for whose index in [`Self::places`] `is_kept` is true.
     pub(super) fn only(&self, is_kept: impl Fn(usize) -> bool) -> Self {
         let kept: Vec<usize> = (0..self.names.len()).filter(|i| is_kept(self.places[*i])).collect();
         Self {
@@ -84,8 +84,8 @@ impl Targets {
         }
     }
 
-    /// The joint whose name is part of the words (the longest name if there are several), and the other words; `None` if
-    /// there is no name.
+    /// Returns the joint whose name is part of the words, and the other words. If there are several names, the longest one
+    /// counts. `None` if there is no name.
     fn find(&self, header: &[String]) -> Option<(usize, Vec<String>)> {
         let mut best: Option<(usize, usize, usize)> = None;
         for (joint, alias) in self.aliases.iter().enumerate().flat_map(|(j, a)| a.iter().map(move |a| (j, a)))
@@ -101,20 +101,21 @@ impl Targets {
         Some((joint, [&header[..at], &header[at + length..]].concat()))
     }
 
-    /// Whether the words name a joint.
+    /// Returns whether the words contain the name of a joint.
     pub(super) fn mentions(&self, words: &[String]) -> bool {
         self.find(words).is_some()
     }
 
-    /// The index of the joint with a name in the rows of a log; `None` if no joint has it.
+    /// Returns the index of the joint with this name, which is a text in the rows of a log; `None` if no joint has the
+    /// name.
     pub(super) fn named(&self, name: &str) -> Option<usize> {
         let exact = self.names.iter().position(|known| known == name);
         exact.or_else(|| self.find(&words(name)).map(|(joint, _)| joint))
     }
 
-    /// The columns of the targets by their numbers, which ascend. If there are as many consecutive numbers as targets, they
-    /// are in the order of the targets. Otherwise the numbers are the indices in [`Self::places`], from 0 on if there is a
-    /// 0, and from 1 on if not.
+    /// Returns the columns of the targets by their numbers, which must ascend. If there are as many consecutive numbers as
+    /// targets, they are in the order of the targets. Otherwise the numbers are the indices in [`Self::places`]: they count
+    /// from 0 if there is a 0, otherwise from 1.
     pub(super) fn by_number(&self, numbered: &[(u64, usize)]) -> Vec<Option<usize>> {
         let first = numbered.first().map_or(0, |n| n.0);
         let is_consecutive = numbered.windows(2).all(|pair| pair[0].0.checked_add(1) == Some(pair[1].0));
@@ -127,14 +128,14 @@ impl Targets {
     }
 }
 
-/// Words without `joint`, as `wrist_1` of `wrist_1_joint`.
+/// Returns the words without `joint`, for example `wrist_1` for `wrist_1_joint`.
 fn without_joint(words: &[String]) -> Vec<String> {
     words.iter().filter(|w| *w != "joint").cloned().collect()
 }
 
-/// All families of the headers.
+/// Returns all families of the headers.
 ///
-/// - `listed`: names of the joints in the order of the log's messages; `None` if the rows do not have them
+/// - `listed`: names of the joints in the order of the log's messages; `None` if the rows do not list them
 pub(super) fn families(headers: &[Header], targets: &Targets, listed: Option<&[String]>) -> Vec<Family> {
     let mut families = by_name(headers, targets);
     families.extend(by_number(headers, targets, listed));
@@ -144,14 +145,15 @@ pub(super) fn families(headers: &[Header], targets: &Targets, listed: Option<&[S
     families
 }
 
-/// Columns with the same phrase, in the order of the file.
+/// Columns with the same phrase, in their order in the file.
 type Groups = BTreeMap<Phrase, Vec<usize>>;
 
 fn push(groups: &mut Groups, key: Phrase, column: usize) {
     groups.entry(key).or_default().push(column);
 }
 
-/// Quantity of the unit, and words without those that name the joint. They are the same for all columns of one quantity.
+/// Quantity of the unit, and words of the header without the name of the joint. All columns of a quantity have the same
+/// phrase.
 type Phrase = (Option<Kind>, Vec<String>);
 
 fn by_name(headers: &[Header], targets: &Targets) -> Vec<Family> {
@@ -177,8 +179,9 @@ fn by_name(headers: &[Header], targets: &Targets) -> Vec<Family> {
     with_combined(groups.into_iter().filter_map(meaning).collect()).into_iter().filter_map(family).collect()
 }
 
-/// The groups, followed by combinations of groups of the same quantity and origin, up to each doubt: rotary and linear joints
-/// often have other words, as `turn_angle` and `slide_position`, and other units, as `cart_pos_mm` and `pole_pos_deg`.
+/// Returns the groups, followed by combinations of groups with the same quantity and origin, one for each level of doubt.
+/// Such groups belong together, because headers of rotary and linear joints often have different words (`turn_angle`,
+/// `slide_position`) or units (`cart_pos_mm`, `pole_pos_deg`).
 fn with_combined<T: Clone>(mut groups: Vec<(Meaning, Vec<T>)>) -> Vec<(Meaning, Vec<T>)> {
     let meanings: BTreeSet<Meaning> = groups.iter().map(|(meaning, _)| *meaning).collect();
     let combined = meanings.into_iter().map(|most| {
@@ -192,8 +195,8 @@ fn with_combined<T: Clone>(mut groups: Vec<(Meaning, Vec<T>)>) -> Vec<(Meaning, 
     groups
 }
 
-/// Whether columns count joints from 0, although the joints' names count from 1: the column 1 may then belong to the second
-/// joint.
+/// Returns whether columns count joints from 0, although the names of the joints count from 1. If so, column 1 may belong
+/// to the second joint.
 fn counts_from_zero(headers: &[Header], columns: &[Option<usize>], targets: &Targets) -> bool {
     let Some(first) = columns.iter().flatten().next() else { return false };
     let zero = |word: &String| if is_number(word) { "0".into() } else { word.clone() };
@@ -216,7 +219,7 @@ fn by_number(headers: &[Header], targets: &Targets, listed: Option<&[String]>) -
             let number = headers[member].words[slot].clone();
             let mut rest = headers[member].words.clone();
             rest.remove(slot);
-            // The header `joint1_q1` has its number twice.
+            // The header `joint1_q1` contains its number twice.
             rest.iter_mut().filter(|word| **word == number).for_each(|word| "#".clone_into(word));
             push(&mut groups, (unit, rest), member);
         }
@@ -230,7 +233,8 @@ fn by_number(headers: &[Header], targets: &Targets, listed: Option<&[String]>) -
     with_combined(found).into_iter().filter_map(family).collect()
 }
 
-/// The number by which the columns of a shape differ: the one with the most values, and the last one of several.
+/// Returns the index of the number by which the columns of a shape differ: the number with the most different values, and
+/// of several such numbers the last one.
 fn varying_slot(headers: &[Header], shape: &[String], members: &[usize]) -> usize {
     let values = |slot: usize| {
         let mut values: Vec<&str> = members.iter().map(|m| headers[*m].words[slot].as_str()).collect();
@@ -242,7 +246,7 @@ fn varying_slot(headers: &[Header], shape: &[String], members: &[usize]) -> usiz
     slots.max_by_key(|slot| values(*slot)).unwrap_or(0)
 }
 
-/// The family of columns with numbers; `None` if a number occurs twice.
+/// Returns the family of numbered columns; `None` if a number occurs twice.
 fn numbered(
     meaning: Meaning,
     mut sorted: Vec<(u64, usize)>,
@@ -262,7 +266,7 @@ fn numbered(
         }
         return Some(Family { meaning, key: Key::Listed, columns, numbers });
     }
-    // If there are more numbers than joints, it is not known which of them belong to the robot.
+    // If there are more numbers than joints, it is unknown which of them belong to the robot.
     if numbers.len() <= columns.len() {
         columns = targets.by_number(&sorted);
     }
@@ -278,8 +282,8 @@ fn alone(headers: &[Header]) -> Vec<Family> {
     plain.filter_map(family).collect()
 }
 
-/// The families of a quantity with components, whose columns differ only in the letter of the component. Their doubt is 0 if
-/// the header has the joint's name, 1 if it has no name, otherwise 2.
+/// Returns the families of a quantity with components. Their columns differ only in the letter of the component. The doubt
+/// is 0 if the header has the joint's name, 1 if the header has no name, otherwise 2.
 ///
 /// - `joint`: words of the joint's name
 pub(super) fn by_component(headers: &[Header], kind: Kind, joint: &[String]) -> Vec<Family> {
@@ -290,7 +294,7 @@ pub(super) fn by_component(headers: &[Header], kind: Kind, joint: &[String]) -> 
         let Some(place) = letters.iter().position(|known| *known == letter) else { continue };
         if found == kind {
             let columns = groups.entry(stem).or_insert_with(|| vec![None; letters.len()]);
-            // Of two columns with one name the first one is taken. The other one is not part of the pose.
+            // If two columns have the same name, the first one is used. The other one is not part of the pose.
             columns[place].get_or_insert(header.index);
         }
     }
@@ -303,7 +307,8 @@ pub(super) fn by_component(headers: &[Header], kind: Kind, joint: &[String]) -> 
     groups.into_iter().map(family).collect()
 }
 
-/// Words before the letter of a component, the letter, and the quantity; `None` if the words are not a component.
+/// Returns the words before the letter of a component, the letter, and the quantity; `None` if the words do not name a
+/// component.
 fn component(words: &[String]) -> Option<(Vec<String>, &str, Kind)> {
     let (last, before) = words.split_last()?;
     if before.iter().any(|word| is_no_pose(word)) {
@@ -328,7 +333,7 @@ fn is_role(word: &str, role: Role) -> bool {
     known(word).is_some_and(|known| known.role == role)
 }
 
-/// Whether a word belongs to another quantity than poses, or to a pose that was not measured.
+/// Returns whether a word names a quantity other than a pose, or a pose that was not measured.
 fn is_no_pose(word: &str) -> bool {
     let is_pose = |Known { role, doubt, .. }: Known| match role {
         Role::Quantity(kind) => doubt == 0 && matches!(kind, Kind::Position | Kind::Place | Kind::Attitude),
@@ -339,14 +344,14 @@ fn is_no_pose(word: &str) -> bool {
     known(word).is_some_and(|known| !is_pose(known))
 }
 
-/// Whether a word is not the name of a joint.
+/// Returns whether a word is not the name of a joint.
 fn has_no_name(word: &str) -> bool {
     is_plain(word)
         || known(word)
             .is_some_and(|known| !matches!(known.role, Role::Angle | Role::Origin(Origin::Filtered)))
 }
 
-/// The headers of columns that contain an orientation as angles.
+/// Returns the headers of columns that contain angles of an orientation.
 pub(super) fn angles(headers: &[Header]) -> Vec<String> {
     let is_angle = |header: &&Header| {
         let is_measured = !header.words.iter().any(|word| is_no_pose(word));

@@ -1,4 +1,4 @@
-//! The search for columns: by the user's pattern, or by the best family of headers.
+//! Search for columns, by the user's pattern or by the best family of headers.
 
 use super::super::super::error::{IdentificationError, Result, at};
 use super::super::sheet::{Sheet, shortened};
@@ -11,16 +11,16 @@ use super::robot::RobotColumns;
 use super::table::{Kind, Origin};
 use gelenk_findings::digits::plain;
 
-/// A sheet, the joints of a robot, and the user's patterns for the columns.
+/// Data for the search: a sheet, the joints of a robot, and the user's patterns for the columns.
 pub(super) struct Finder<'a> {
     pub sheet: &'a Sheet<'a>,
     pub headers: Vec<Header>,
     pub robot: &'a RobotColumns,
     patterns: Vec<Pattern>,
-    /// Names of the joints in the order of the log's messages; `None` if the rows do not have them.
+    /// Names of the joints in the order of the log's messages; `None` if the rows do not list them.
     listed: Option<Vec<String>>,
     source: &'a str,
-    /// End of messages about columns that the headers do not decide.
+    /// End of messages that ask the user to name columns.
     hint: &'static str,
 }
 
@@ -41,7 +41,7 @@ impl<'a> Finder<'a> {
         at(self.source).fault(message)
     }
 
-    /// The error that the headers do not decide and the user has to name the columns.
+    /// Returns the error that the headers are not sufficient, so that the user has to name the columns.
     pub(super) fn undecided(&self, message: String) -> IdentificationError {
         self.fault(format!("{message}{}", self.hint))
     }
@@ -50,7 +50,7 @@ impl<'a> Finder<'a> {
         self.patterns.iter().find(|p| matches(p.kind))
     }
 
-    /// Name of a column in messages.
+    /// Returns the name of a column for messages.
     pub(super) fn label(&self, column: usize) -> String {
         match self.headers.get(column) {
             Some(header) => format!("`{}`", header.text),
@@ -58,15 +58,15 @@ impl<'a> Finder<'a> {
         }
     }
 
-    /// Name of a column in `--columns`: its header, or its number if other columns have the same header or the header cannot
-    /// be written there.
+    /// Returns the name of a column for `--columns`: its header. If other columns have the same header, or if `--columns`
+    /// cannot contain the header, the result is the number of the column.
     pub(super) fn unique(&self, column: usize) -> String {
         let Some(header) = self.headers.get(column) else { return (column + 1).to_string() };
         let is_only = self.headers.iter().filter(|h| h.text == header.text).count() == 1;
         if is_only && is_spellable(&header.text) { header.text.clone() } else { (column + 1).to_string() }
     }
 
-    /// Names of columns in `--columns`: a pattern if there is one for these columns, otherwise a list.
+    /// Returns the names of columns for `--columns`: a pattern if one fits exactly these columns, otherwise a list.
     pub(super) fn pattern_of(&self, columns: &[usize], targets: &Targets) -> String {
         let texts: Vec<String> = columns.iter().map(|column| self.unique(*column)).collect();
         let list = texts.join("|");
@@ -94,7 +94,7 @@ impl<'a> Finder<'a> {
         all
     }
 
-    /// The best complete family; `None` if there is none.
+    /// Returns the best complete family; `None` if no family is complete.
     ///
     /// # Errors
     /// [`IdentificationError::File`] if two families are equally good.
@@ -117,7 +117,7 @@ impl<'a> Finder<'a> {
         Ok(Some(Chosen { is_commanded, ..Chosen::alike(columns.clone(), None) }))
     }
 
-    /// The columns that the user names, or the best family; `None` if there are none.
+    /// Returns the columns that the user names, or else the best family; `None` if there are no columns.
     pub(super) fn optional(&self, kind: Kind, targets: &Targets) -> Result<Option<Chosen>> {
         match self.pattern(|k| k == kind) {
             Some(pattern) => self.by_pattern(pattern, targets).map(Some),
@@ -125,10 +125,10 @@ impl<'a> Finder<'a> {
         }
     }
 
-    /// The columns with their units.
+    /// Returns the columns with their units.
     ///
     /// # Errors
-    /// [`IdentificationError::File`] if a unit is not known or is not one of the quantity.
+    /// [`IdentificationError::File`] if a unit is unknown or does not fit the quantity.
     pub(super) fn found(&self, chosen: Chosen, kind: Kind, targets: &Targets) -> Result<Found> {
         let of_inputs = matches!(kind, Kind::Input | Kind::Current);
         let units = if of_inputs { &self.robot.input_units } else { &self.robot.units };
@@ -146,7 +146,7 @@ impl<'a> Finder<'a> {
         })
     }
 
-    /// A column with the unit that the user, the header or the row of units names.
+    /// Returns a column with its unit, which comes from the user, the header or the row of units.
     pub(super) fn column(
         &self,
         index: usize,
@@ -162,15 +162,15 @@ impl<'a> Finder<'a> {
             header.and_then(|h| h.odd.as_ref()).filter(|odd| named.is_none() && !self.is_described(odd));
         if let Some(odd) = odd {
             return Err(self.fault(format!(
-                "column {} is in `{odd}`, which is not a known unit; name it with --columns '{}=…[UNIT]' (known are {}; a factor \
-                 may precede, as in [0.0879 deg])",
+                "column {} is in `{odd}`, which is not a known unit: give the unit with --columns '{}=…[UNIT]' (known \
+                 units: {}; a factor may be in front, as in [0.0879 deg])",
                 label,
                 kind.key(),
                 units::known_units()
             )));
         }
         let Some(unit) = named.or_else(|| header.and_then(|h| self.suffix(h, wanted))) else {
-            let unit_words = format!("in {} as its header names no unit", wanted[0]);
+            let unit_words = format!("in {} because the header has no unit", wanted[0]);
             let (unit, is_stated) = (Unit { factor: 1.0, si: wanted[0] }, wanted[0] != "1");
             return Ok(Column { index, label, written, unit, unit_words, is_stated });
         };
@@ -185,25 +185,25 @@ impl<'a> Finder<'a> {
         Ok(Column { index, label, written, unit, unit_words, is_stated: stated.is_some() })
     }
 
-    /// Whether text in brackets is not a unit but words of headers or a joint's name.
+    /// Returns whether text in brackets is not a unit, but consists of known words of headers or of a joint's name.
     pub(super) fn is_described(&self, text: &str) -> bool {
         let spelled = words(text);
         is_known(&spelled) || self.is_named(&spelled)
     }
 
-    /// Whether words are the name of a joint or an input. For example, `tau_turn` of a joint `turn` is not in the unit
-    /// turns.
+    /// Returns whether words are the name of a joint or an input. For example, `turn` in `tau_turn` is not a unit if a
+    /// joint is called `turn`.
     fn is_named(&self, spelled: &[String]) -> bool {
         self.robot.all_joints.mentions(spelled) || self.robot.inputs.mentions(spelled)
     }
 
-    /// A unit at the end of the words, as in `q1_deg` or `vel_2_deg_s`; `None` if there is none.
+    /// Returns the unit at the end of the words, for example of `q1_deg` or `vel_2_deg_s`; `None` if there is no unit.
     pub(super) fn suffix(&self, header: &Header, wanted: &[&str]) -> Option<Unit> {
         let words: Vec<String> = header.words.iter().filter(|w| !is_number(w)).cloned().collect();
         let tails = (1..=3.min(words.len().saturating_sub(1))).rev().map(|n| &words[words.len() - n..]);
         let mut named = tails.filter(|tail| !self.is_named(tail)).filter_map(|tail| {
             let parts: Vec<&str> = tail.iter().map(String::as_str).filter(|w| *w != "per").collect();
-            // A letter at the end may have another meaning (`q_m`, measured). It counts only if it fits the quantity.
+            // A single letter may have another meaning (`q_m` for measured). It counts only if it fits the quantity.
             let is_sure = parts.first().is_some_and(|p| p.len() > 1);
             let unit = units::in_header(&parts.join("/"), header.is_translated);
             unit.filter(|unit| is_sure || wanted.contains(&unit.si))
@@ -211,7 +211,7 @@ impl<'a> Finder<'a> {
         named.next()
     }
 
-    /// The error that two sets of columns are possible for one quantity.
+    /// Returns the error that two sets of columns are possible for one quantity.
     pub(super) fn ambiguous(&self, kind: Kind, [one, other]: [String; 2]) -> IdentificationError {
         let key = kind.key();
         self.undecided(format!(
@@ -220,13 +220,13 @@ impl<'a> Finder<'a> {
         ))
     }
 
-    /// The error that there are no columns, or not those of all joints.
+    /// Returns the error that a quantity has no columns, or no column for some joints.
     pub(super) fn missing(&self, kinds: &[Kind], targets: &Targets) -> IdentificationError {
         let (n, kind) = (targets.names.len(), kinds[0]);
         if n == 0 {
             return self.fault(format!(
-                "the description has no {}: give its joints a drive, as in `drive = {{ gear_ratio = 100 }}`, or say that efforts \
-                 are torques of joints, --effort joint",
+                "the log may not contain {}, because the description has no drives: give the joints a drive, as in `drive \
+                 = {{ gear_ratio = 100 }}`. If the efforts are torques at the joints, use --effort joint",
                 kind.plural()
             ));
         }
@@ -236,8 +236,8 @@ impl<'a> Finder<'a> {
         let mut hold = String::new();
         let why = match best {
             Some(family) if family.numbers.len() > n => format!(
-                "the columns like {} have {} numbers ({} to {}), the description has {n}: which of them are its own is \
-                 not known",
+                "the columns like {} have {} numbers ({} to {}), but the robot needs only {n} columns, and the headers do \
+                 not show which ones",
                 self.example(family.meaning.kind),
                 family.numbers.len(),
                 family.numbers[0],
@@ -250,42 +250,46 @@ impl<'a> Finder<'a> {
                     let options: Vec<String> =
                         missing.iter().map(|name| format!("--hold {name}=0")).collect();
                     hold = format!(
-                        ". Joints at rest that the log leaves out are held at their positions: {}",
+                        ". If a joint without a column was at rest, give its position: {}",
                         options.join(" ")
                     );
                 }
-                format!("no column is the {} of `{}`", kind.singular(), missing.join("`, `"))
+                format!("the log has no column for the {} of `{}`", kind.singular(), missing.join("`, `"))
             }
-            _ => format!("no columns are known as the {} of {}", kind.plural(), shortened(&targets.names)),
+            _ => format!(
+                "the log has no columns with a usual name for the {} of {}",
+                kind.plural(),
+                shortened(&targets.names)
+            ),
         };
         self.undecided(format!(
-            "{why}. There are {}. Name them: --columns '{}=…', with {{}} for a number, {{name}} for a joint's name, or \
-             columns as in `a|b|c` or `2..7`{hold}",
+            "{why}. The columns are: {}. Name the right ones with --columns '{}=…', with {{}} for a number, {{name}} for a \
+             joint's name, or columns as in `a|b|c` or `2..7`{hold}",
             shortened(&self.sheet.headers),
             kind.key()
         ))
     }
 
-    /// Text that names a header of a quantity.
+    /// Returns a text that names a header of a quantity.
     fn example(&self, kind: Kind) -> String {
         let header = self.headers.iter().find(|h| h.meaning(&h.words).is_some_and(|m| m.kind == kind));
         header.map_or("these".into(), |h| format!("`{}`", h.text))
     }
 
-    /// Whether columns are commanded, by the header of the first one.
+    /// Returns whether columns are commanded. The header of the first column decides.
     pub(super) fn is_commanded(&self, columns: &[usize]) -> bool {
         let header = columns.first().and_then(|column| self.headers.get(*column));
         header.and_then(Header::own_meaning).is_some_and(|m| m.origin == Origin::Commanded)
     }
 }
 
-/// Message about a unit that does not belong to the quantity.
+/// Returns the message about a unit that does not fit the quantity.
 fn misfit(label: &str, kind: Kind, unit: Unit, wanted: &[&str]) -> String {
     let name = kind.singular();
     if kind == Kind::Attitude {
         return format!(
-            "column {label} would be an entry of a quaternion, which has no unit. Where these columns are angles, convert them \
-             to quaternions (scipy: Rotation.from_euler(…).as_quat())"
+            "column {label} has a unit, but it would be an entry of a quaternion, which has no unit. If the columns are \
+             angles, convert them to quaternions (scipy: Rotation.from_euler(…).as_quat())"
         );
     }
     if unit.si == GRAD {
@@ -293,15 +297,15 @@ fn misfit(label: &str, kind: Kind, unit: Unit, wanted: &[&str]) -> String {
         let behind = if kind == Kind::Velocity { "/s" } else { "" };
         let gon = if kind == Kind::Position { format!(" or '{key}=…[gon]'") } else { String::new() };
         return format!(
-            "column {label} is in Grad, which are degrees in German and gons, hundredths of a right angle, elsewhere: \
-             use --columns '{key}=…[deg{behind}]'{gon}"
+            "column {label} is in `Grad`, which is a degree in German, but a gon (a hundredth of a right angle) in other \
+             languages: use --columns '{key}=…[deg{behind}]'{gon}"
         );
     }
     let article = if name.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };
     format!("column {label} is {article} {name} in {}, but {} is expected here", unit.si, wanted.join(" or "))
 }
 
-/// Patterns as `q{}` of `q1`, `q2`, …, one for each number in the first text.
+/// Returns patterns such as `q{}` for `q1`, `q2`, …, one for each number in the first text.
 fn numbered_patterns(texts: &[String]) -> Vec<String> {
     let Some(first) = texts.first() else { return Vec::new() };
     let is_digit = |c: char| c.is_ascii_digit();
@@ -313,8 +317,8 @@ fn numbered_patterns(texts: &[String]) -> Vec<String> {
     starts.map(pattern).collect()
 }
 
-/// Names of the joints in the order of a message that has them in its rows (`field.name0`, … or one list of names); `None`
-/// if it does not have all names.
+/// Returns the names of the joints in the order of a message whose rows list them (`field.name0`, … or one list of names);
+/// `None` if a name is missing.
 fn listed_names(sheet: &Sheet, headers: &[Header], robot: &RobotColumns) -> Option<Vec<String>> {
     let is_name = |h: &&Header| h.own_meaning().is_some_and(|m| m.kind == Kind::Name);
     let columns: Vec<&Header> = headers.iter().filter(is_name).collect();

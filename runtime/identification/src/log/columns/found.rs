@@ -1,4 +1,4 @@
-//! The columns of one quantity, and their text in messages.
+//! Columns of one quantity, and their text in messages.
 
 use super::super::units::Unit;
 use super::table::Kind;
@@ -10,18 +10,18 @@ use gelenk_findings::{Finding, Rule};
 /// Fixture: `what_is_commanded_is_doubted_where_nothing_is_measured` in `log/tests/printed.rs`.
 pub(super) const COLUMN_DOUBTFUL: Rule = Rule::warning("column-doubtful");
 
-/// A column and its unit.
+/// A column with its unit.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::log) struct Column {
     pub index: usize,
-    /// Header in messages.
+    /// Name of the column in messages.
     pub label: String,
     /// Header or number in `--columns`.
     pub written: String,
     pub unit: Unit,
     /// The unit in words.
     pub unit_words: String,
-    /// Whether the unit is not the one of the header.
+    /// Whether the unit comes from the user or from the quantity, not from the header.
     pub is_stated: bool,
 }
 
@@ -34,16 +34,16 @@ pub(in crate::log) struct Found {
     pub names: Vec<String>,
     /// Indices of the joints or inputs in the description.
     pub places: Vec<usize>,
-    /// The columns in the form that `--columns` takes.
+    /// Columns in the form of `--columns`.
     pub pattern: String,
     /// Whether only commanded columns were found and the user did not name them.
     pub is_commanded: bool,
 }
 
-/// The names of the columns of a quantity in a log, for messages and for `--columns`.
+/// Names of the columns of a quantity in a log, for messages and for `--columns`.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct ColumnLabels {
-    /// Header or number of the column of each joint or input; `none` if the log does not have the column.
+    /// Header or number of the column of each joint or input; `none` if the log does not have this column.
     pub(crate) columns: Vec<String>,
     /// The same columns in the form that `--columns` takes; `None` if the log does not have the column.
     pub(crate) written: Vec<Option<String>>,
@@ -51,10 +51,10 @@ pub(crate) struct ColumnLabels {
     pub(crate) pattern: String,
 }
 
-/// The names of the columns of a log.
+/// Names of the columns of a log.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Labels {
-    /// The column of times; `row` if rows are counted.
+    /// Column of times; `row` if the times are counted rows.
     pub(crate) time: String,
     /// Columns of the joints' positions.
     pub(crate) positions: ColumnLabels,
@@ -67,7 +67,7 @@ impl Found {
         self.columns.iter().map(|column| column.index)
     }
 
-    /// Line of a message with pattern, first and last joint, and units; `None` without columns.
+    /// Returns a line for messages with pattern, first and last joint, and units; `None` if there are no columns.
     pub(super) fn line(&self, what: &str) -> Option<String> {
         let mut units: Vec<&str> = Vec::new();
         for Column { unit_words: unit, .. } in &self.columns {
@@ -83,7 +83,7 @@ impl Found {
         Some(format!("{what}: `{}`{whose}, {}", self.pattern, units.join(" or ")))
     }
 
-    /// The columns of all joints or inputs, by their indices.
+    /// Returns the columns of all joints or inputs, by their indices.
     ///
     /// - `count`: number of all joints or inputs
     pub(super) fn labels(&self, count: usize) -> ColumnLabels {
@@ -95,20 +95,20 @@ impl Found {
         ColumnLabels { columns, written, pattern: self.pattern.clone() }
     }
 
-    /// A warning if the columns are commanded.
+    /// Returns a warning if the columns are commanded.
     pub(super) fn if_commanded(&self) -> Option<Finding> {
         let why = match self.kind {
-            Kind::Position => "the joint positions differ by the control error",
-            _ => "drives with a delay or a limit gave other efforts",
+            Kind::Position => "the real positions differ from them by the control error",
+            _ => "the real efforts differ if a drive has a delay or a limit",
         };
         self.is_commanded.then(|| {
             let message = format!(
-                "the {} (`{}`) have names of commanded values, and no measured ones are found: {why}",
+                "the columns of the {} (`{}`) have names of commanded values, and the log has no measured ones: {why}",
                 self.kind.plural(),
                 self.pattern
             );
             let key = self.kind.key();
-            let remedy = format!("log measured ones, or name their columns with --columns '{key}=…'");
+            let remedy = format!("log measured values, or name their columns with --columns '{key}=…'");
             COLUMN_DOUBTFUL.found(message).help(remedy)
         })
     }

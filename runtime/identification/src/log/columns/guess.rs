@@ -1,4 +1,4 @@
-//! The columns of a log as an argument of `--columns`, which the user can edit and pass again.
+//! The columns of a log as an argument of `--columns`, which the user can edit.
 
 use super::super::super::error::Result;
 use super::super::sheet::Sheet;
@@ -13,7 +13,7 @@ use gelenk_findings::Finding;
 /// The columns of a log that were found.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ColumnGuess {
-    /// The argument of `--columns`. `QUANTITY=?` is a quantity that was not found.
+    /// Argument of `--columns`. The text `QUANTITY=?` means that no columns of this quantity were found.
     pub line: String,
     /// Reasons for which quantities were not found.
     pub faults: Vec<Finding>,
@@ -21,10 +21,10 @@ pub struct ColumnGuess {
     pub columns: Vec<String>,
 }
 
-/// The columns of a sheet that are found.
+/// Finds the columns of a sheet.
 ///
 /// # Errors
-/// Errors of options that cannot be read. Columns that are not found are not an error.
+/// The errors are those of options that are not valid. A missing column is not an error.
 pub(in crate::log) fn guess(
     sheet: &Sheet,
     robot: &RobotColumns,
@@ -40,7 +40,7 @@ pub(in crate::log) fn guess(
     Ok(guess)
 }
 
-/// Columns of a quantity, and the part of the argument that names them; `None` without columns.
+/// Columns of a quantity, and the part of the argument that names them; `None` if there are no columns.
 type Part = Option<(Vec<usize>, String)>;
 
 impl Finder<'_> {
@@ -78,7 +78,7 @@ impl Finder<'_> {
         ColumnGuess { line: line.join(","), ..guess }
     }
 
-    /// The columns of one quantity, of one joint after the other.
+    /// Returns the columns of one quantity, joint by joint.
     fn part(&self, found: Vec<Found>) -> Part {
         let columns: Vec<usize> = found.iter().flat_map(Found::indices).collect();
         let texts: Vec<String> = columns.iter().map(|column| self.unique(*column)).collect();

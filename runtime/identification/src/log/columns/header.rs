@@ -1,29 +1,29 @@
-//! Headers: their words, unit and meaning.
+//! Headers: their words, units and meanings.
 
 use super::super::units::{self, Unit};
 use super::table::{Kind, Known, Origin, Role, known};
 
-/// The quantity of a column by its header.
+/// Quantity of a column according to its header.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Meaning {
     pub kind: Kind,
     pub origin: Origin,
-    /// 0 for the usual words of a quantity; larger for less certain words.
+    /// Uncertainty of the quantity: 0 for the usual words of a quantity, larger for less certain words.
     pub doubt: u8,
 }
 
-/// A header's words, without its unit.
+/// Words of a header, and its unit.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Header {
     /// Index of the column, from 0.
     pub index: usize,
-    /// Text in the file.
+    /// Header as written in the file.
     pub text: String,
     /// English words in lower case, and numbers.
     pub words: Vec<String>,
-    /// Unit in brackets or in a row of units; `None` if there is none.
+    /// Unit in brackets or in the row of units; `None` if there is no unit.
     pub unit: Option<Unit>,
-    /// Text in brackets at the end that is neither a unit nor a number; `None` if there is none.
+    /// Text in brackets at the end that is neither a unit nor a number; `None` if there is no such text.
     pub odd: Option<String>,
     /// Whether the header has words of another language.
     pub is_translated: bool,
@@ -38,15 +38,15 @@ impl Header {
         Self { index, text: text.to_owned(), words: words(&rest), unit, odd, is_translated }
     }
 
-    /// The meaning of all words; `None` if they have none.
+    /// Returns the meaning of all words; `None` if the words have no meaning.
     pub(super) fn own_meaning(&self) -> Option<Meaning> {
         meaning(&self.words)
     }
 
-    /// The meaning of the header without the words that name its joint. If the other words have no meaning, it is that of
-    /// the unit in brackets (`A1 [deg]`). `None` if there is none.
+    /// Returns the meaning of the header without the words that name its joint. If the other words have no meaning, the
+    /// unit in brackets decides (`A1 [deg]` is a position). `None` if the unit does not decide either.
     ///
-    /// - `rest`: the other words, with `#` for a number
+    /// - `rest`: words without the name of the joint, with `#` for a number
     pub(super) fn meaning(&self, rest: &[String]) -> Option<Meaning> {
         let Some(kind) = self.kind_of_unit() else { return meaning(rest) };
         // The word `a` may be an axis or an acceleration.
@@ -61,13 +61,13 @@ impl Header {
         Some(if is_current { Meaning { kind, ..meaning } } else { meaning })
     }
 
-    /// The quantity of the unit in brackets; `None` if there is none.
+    /// Returns the quantity of the unit in brackets; `None` if there is no unit, or if the unit does not decide.
     pub(super) fn kind_of_unit(&self) -> Option<Kind> {
         Kind::of_unit(self.unit?.si)
     }
 }
 
-/// The text without the brackets of a unit, the unit, and the text of brackets at the end that are not a unit.
+/// Returns the text without the brackets of a unit, the unit, and the text of brackets at the end that are not a unit.
 fn take_unit(text: &str) -> (String, Option<Unit>, Option<String>) {
     let mut odd = None;
     let mut from = 0;
@@ -87,13 +87,13 @@ fn take_unit(text: &str) -> (String, Option<Unit>, Option<String>) {
     (text.to_owned(), None, odd)
 }
 
-/// Words and numbers of a text. It is split at other characters, between letters and digits, and between a small letter and
-/// a word with a capital. Words of other languages are translated to English.
+/// Returns the words and numbers of a text. The text is split at other characters, between letters and digits, and between
+/// a lower-case letter and a capital. Words of other languages are translated to English.
 pub(super) fn words(text: &str) -> Vec<String> {
     split(text).into_iter().flat_map(in_english).collect()
 }
 
-/// Whether a text has words of another language.
+/// Returns whether a text has words of a language other than English.
 fn is_translated(text: &str) -> bool {
     split(text) != words(text)
 }
@@ -126,7 +126,7 @@ pub(super) fn is_number(word: &str) -> bool {
 const SHORTEST: usize = 3;
 const LINKS: [&str; 4] = ["", "s", "n", "en"];
 
-/// The English words for a word in lower case; the word itself if it is of no other language.
+/// Returns the English words for a word in lower case. A word without a translation is returned unchanged.
 fn in_english(word: String) -> Vec<String> {
     if word.len() < SHORTEST {
         return vec![word];
@@ -140,7 +140,8 @@ fn in_english(word: String) -> Vec<String> {
     }
 }
 
-/// The two parts of a German compound in English, as of `motorstrom` or `positionsistwert`; `None` for other words.
+/// Returns the two parts of a German compound in English, for example of `motorstrom` or `positionsistwert`; `None` for
+/// other words.
 fn compound(word: &str) -> Option<[&str; 2]> {
     let part = |text: &str| {
         known(text).filter(|k| k.english.is_some() || matches!(k.role, Role::Quantity(_) | Role::Motor))
@@ -157,7 +158,7 @@ fn compound(word: &str) -> Option<[&str; 2]> {
     })
 }
 
-/// A letter in the spelling of the table.
+/// Returns a letter in the spelling of the table.
 fn without_accent(letter: char) -> impl Iterator<Item = char> {
     const ACCENTS: [(&str, &str); 8] = [
         ("àáâä", "a"),
@@ -173,7 +174,7 @@ fn without_accent(letter: char) -> impl Iterator<Item = char> {
     plain.is_none().then_some(letter).into_iter().chain(plain.unwrap_or_default().chars())
 }
 
-/// The meaning of words without names and units; `None` if they have none or contradict each other.
+/// Returns the meaning of words without names and units; `None` if the words have no meaning or contradict each other.
 fn meaning(words: &[String]) -> Option<Meaning> {
     let joined = join_derivatives(words.iter().filter(|w| !is_number(w) && *w != "#"));
     let all: Vec<Option<Known>> = joined.iter().map(|word| known(word)).collect();
@@ -183,7 +184,7 @@ fn meaning(words: &[String]) -> Option<Meaning> {
     }
     let (kind, mut doubt, at) = strong(&joined, &all)?;
     let kind = if has(Role::Motor) && kind == Kind::Torque { Kind::Input } else { kind };
-    // The position on the output side of a gear is that of the joint. The position of the motor may not be.
+    // A position on the output side of a gear is the position of the joint. The position of the motor may differ.
     doubt += u8::from(has(Role::Motor) && matches!(kind, Kind::Position | Kind::Velocity));
     doubt += 2 * u8::from(joined.iter().any(|w| is_unknown(w)));
     if kind == Kind::Time {
@@ -203,7 +204,7 @@ fn meaning(words: &[String]) -> Option<Meaning> {
     Some(Meaning { kind, origin, doubt })
 }
 
-/// Words in which `q dot`, `q dot dot` and `q ddot` are one word.
+/// Returns the words with `q dot`, `q dot dot` and `q ddot` joined to one word.
 fn join_derivatives<'w>(words: impl Iterator<Item = &'w String>) -> Vec<String> {
     let mut joined: Vec<String> = Vec::new();
     for word in words {
@@ -216,7 +217,7 @@ fn join_derivatives<'w>(words: impl Iterator<Item = &'w String>) -> Vec<String> 
     joined
 }
 
-/// The quantity that the words name, its doubt, and the index of the word; `None` if they name none.
+/// Returns the quantity that the words name, its doubt, and the index of the word; `None` if the words name no quantity.
 fn strong(words: &[String], all: &[Option<Known>]) -> Option<(Kind, u8, usize)> {
     let quantity = |(at, known): (usize, &Option<Known>)| match known.as_ref()?.role {
         Role::Quantity(kind) => Some((kind, known.as_ref()?.doubt, at)),
@@ -226,7 +227,7 @@ fn strong(words: &[String], all: &[Option<Known>]) -> Option<(Kind, u8, usize)> 
     let (letters, named): (Vec<_>, Vec<_>) = named.partition(|(_, _, at)| words[*at].len() == 1);
     let (currents, mut found): (Vec<_>, Vec<_>) =
         named.into_iter().partition(|(kind, ..)| *kind == Kind::Current);
-    // The torque current of a drive is a current; the present torque (`current torque`) is a torque.
+    // `torque current` of a drive is a current, but `current torque` means the present torque.
     if let Some(current) = currents.last()
         && found.first().is_none_or(|first| current.2 > first.2)
     {
@@ -246,20 +247,20 @@ fn is_unknown(word: &str) -> bool {
     !(is_known || is_number(word) || units::find(word).is_some())
 }
 
-/// Whether a word names no quantity, or is a single letter.
+/// Returns whether a word names no quantity, or is a single letter.
 pub(super) fn is_plain(word: &str) -> bool {
     word.chars().count() == 1 || known(word).is_some_and(|known| known.role == Role::Plain)
 }
 
-/// Whether all words are known words of headers, or numbers.
+/// Returns whether all words are numbers or known words of headers.
 pub(super) fn is_known(words: &[String]) -> bool {
-    // `[V]` is a unit that no column here has, and not the letter of velocities.
+    // `[V]` is a unit that no quantity here has. It does not mean velocities.
     let is_word = |w: &String| w.chars().count() > 1 && (known(w).is_some() || !is_unknown(w));
     !words.is_empty() && words.iter().all(|w| is_number(w) || is_word(w))
 }
 
-/// Doubt about a column of times. The time in the header of a message is that of the measurement. The time of a bag is that
-/// of arrival.
+/// Returns the doubt about a column of times. The time in the header of a message is the time of the measurement. The time
+/// of a bag is the time of arrival.
 fn time_doubt(words: &[String]) -> u8 {
     let has = |list: &[&str]| words.iter().any(|w| list.contains(&w.as_str()));
     let stamped = has(&["header"]) && has(&["stamp"]);

@@ -1,4 +1,4 @@
-//! The assignment of the columns of a log to the quantities of a robot.
+//! Assignment of the columns of a log to the quantities of a robot.
 
 use super::super::super::error::Result;
 use super::super::super::run::Effort;
@@ -13,7 +13,7 @@ use super::table::Kind;
 use super::time::TimeColumn;
 use gelenk_findings::Finding;
 
-/// The columns of one log.
+/// Columns of one log, by quantity.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::log) struct Mapping {
     pub time: TimeColumn,
@@ -22,19 +22,19 @@ pub(in crate::log) struct Mapping {
     pub velocities: Option<Found>,
     pub efforts: Found,
     pub effort: Effort,
-    /// Position and quaternion of each joint that has a quaternion.
+    /// Position (only of a floating joint) and quaternion of each joint that has a quaternion.
     pub poses: Vec<Found>,
     /// Names of the columns in the log.
     pub labels: Labels,
     /// One line of text for each quantity.
     pub brief: Vec<String>,
-    /// Doubts about the assignment.
+    /// Warnings about the assignment.
     pub warnings: Vec<Finding>,
     /// Headers of the columns that are not used.
     pub unused: Vec<String>,
 }
 
-/// The quantities of a log, or the errors for those that were not found.
+/// Quantities of a log, or the errors of those that were not found.
 pub(super) struct Parts {
     pub time: Result<TimeColumn>,
     pub places: Result<Vec<Found>>,
@@ -45,18 +45,19 @@ pub(super) struct Parts {
     pub run: Result<Option<usize>>,
 }
 
-/// Line for a robot whose logs have only the efforts of inputs at frames.
-const BASE_ALONE: &str =
-    "no efforts of the joints: the rows of the base alone, and of joints without a drive, are fitted";
+/// Line for a robot whose log has no efforts except those of inputs at frames.
+const BASE_ALONE: &str = "the log has no efforts of the joints: only the equations of the base and of joints without a \
+                          drive are fitted";
 
-/// End of messages about columns that the headers do not decide.
-const HINT: &str = ". --columns '?' prints all columns as a line to edit";
+/// End of messages that ask the user to name columns.
+const HINT: &str = ". --columns '?' prints all columns as a line that you can edit";
 
 /// Finds the columns of a robot in a sheet.
 ///
 /// # Errors
 /// [`IdentificationError::File`](super::super::super::error::IdentificationError::File) if a quantity has no columns or two
-/// sets of columns, or if a unit does not fit. The message has the argument of `--columns` that decides.
+/// possible sets of columns, or if a unit does not fit. The message contains the argument of `--columns` that solves the
+/// problem.
 pub(in crate::log) fn resolve(
     sheet: &Sheet,
     robot: &RobotColumns,
@@ -70,7 +71,7 @@ pub(in crate::log) fn resolve(
 }
 
 impl Finder<'_> {
-    /// Fails if there is no header, because a row of numbers is not a header, unless the user names all columns.
+    /// Fails if there is no header and the user does not name all columns. A row of numbers is not a header.
     pub(super) fn require_header(&self) -> Result<()> {
         let is_named = |kind: fn(Kind) -> bool| self.pattern(kind).is_some();
         let all =
@@ -80,7 +81,7 @@ impl Finder<'_> {
         }
         let n = self.robot.joints.names.len();
         Err(self.fault(format!(
-            "the log has no header: its first row is `{}`. Name the columns by numbers, as in --columns \
+            "the log has no header; its first row is `{}`. Name the columns by their numbers, as in --columns \
              'time=1,position=2..{},torque={}..{}'",
             shortened(&self.sheet.first),
             n + 1,
@@ -104,7 +105,7 @@ impl Finder<'_> {
         let kinds = [Kind::Position, Kind::Torque, Kind::Input, Kind::Current];
         match self.families(&kinds, all).into_iter().flat_map(own).next() {
             Some((name, column)) => Err(self.fault(format!(
-                "joint `{name}` is held, but column {} is its own: leave out --hold {name}",
+                "joint `{name}` is held by an option, but the log has its column {}: remove --hold {name}",
                 self.label(column)
             ))),
             None => Ok(()),
@@ -136,7 +137,7 @@ impl Finder<'_> {
         let doubts = [positions.if_commanded(), efforts.if_commanded()];
         let warnings = time.doubt.clone().into_iter().chain(doubts.into_iter().flatten());
         let mut mapping = Mapping {
-            // Without quaternions, the force at a joint and the input are equal if B is the identity.
+            // Without quaternions, forces at the joints and inputs are equal if the input matrix B is the identity.
             effort: match effort {
                 Effort::Input if self.robot.direct && poses.is_empty() => Effort::Joint,
                 other => other,
@@ -160,7 +161,7 @@ impl Finder<'_> {
         Ok(mapping)
     }
 
-    /// A line of text for each quantity.
+    /// Returns a line of text for each quantity.
     fn brief(&self, mapping: &Mapping, effort: Effort) -> Vec<String> {
         let time: Vec<String> = mapping.time.columns().iter().map(|column| self.label(*column)).collect();
         let time = if time.is_empty() { "the numbers of the rows".to_owned() } else { time.join(" and ") };
@@ -174,7 +175,7 @@ impl Finder<'_> {
         let ends = poses.first().zip(poses.last()).map(|(first, last)| {
             format!("poses: {} columns from {} to {}", poses.len(), self.label(*first), self.label(*last))
         });
-        let compared = "(compared with the positions' derivatives, which are used)";
+        let compared = "(only compared with the derivatives of the positions, which are used)";
         let velocities = mapping.velocities.as_ref().and_then(|found| found.line("velocities"));
         let held: Vec<String> =
             self.robot.held_values().map(|(name, value)| format!("{name} at {value}")).collect();
@@ -186,7 +187,7 @@ impl Finder<'_> {
             velocities.map(|line| format!("{line} {compared}")),
             mapping.efforts.line(&format!("efforts, as {forces}")),
             self.has_frames_alone(&mapping.efforts).then(|| BASE_ALONE.into()),
-            (!held.is_empty()).then(|| format!("held, without columns: {}", held.join(", "))),
+            (!held.is_empty()).then(|| format!("joints that are held without columns: {}", held.join(", "))),
         ];
         lines.into_iter().flatten().collect()
     }
@@ -200,7 +201,7 @@ impl Finder<'_> {
         let twice = used.iter().enumerate().find(|(i, column)| used[..*i].contains(column));
         match twice {
             Some((_, column)) => Err(self.undecided(format!(
-                "column {} would be used for two quantities: name the columns with --columns",
+                "column {} fits two quantities: name the columns with --columns",
                 self.label(*column)
             ))),
             None => Ok(()),
@@ -234,7 +235,8 @@ impl Finder<'_> {
         self.found(choice, Kind::Position, joints)
     }
 
-    /// Columns of velocities, which are optional. Columns with a unit of another quantity (`v1 [V]`) are not velocities.
+    /// Returns the columns of velocities, which are optional. Columns with a unit of another quantity (`v1 [V]`) are not
+    /// velocities.
     fn velocities(&self) -> Result<Option<Found>> {
         let joints = &self.robot.joints;
         if joints.names.is_empty() {

@@ -1,7 +1,7 @@
-//! The columns of a log: a table of quantities and words, and the search for the columns of a robot.
+//! Columns of a log: a table of quantities and words, and the search for the columns of a robot.
 //!
 //! Modules are listed from the lowest level to the highest one, one paragraph for each. A file imports only from levels
-//! below its own.
+//! below its own level.
 
 mod table;
 

@@ -1,4 +1,4 @@
-//! The user's statements about the columns of a log: `--columns 'position=joint{}_pos[deg],torque=…,time=…'`.
+//! The user's options for the columns of a log: `--columns 'position=joint{}_pos[deg],torque=…,time=…'`.
 
 use gelenk_formula::Hold;
 
@@ -10,29 +10,29 @@ use super::families::Targets;
 use super::header::{Header, words};
 use super::table::Kind;
 
-/// The user's statements about the columns of a log. By default there are none.
+/// The user's options for the columns of a log. By default the columns are found by their headers.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct ColumnOptions {
-    /// `QUANTITY=COLUMNS,…`. Quantities that are not named are searched by their headers.
+    /// Text `QUANTITY=COLUMNS,…`. The columns of other quantities are found by their headers.
     ///
-    /// - Quantities: `time`, `position`, `velocity`, one of `torque` (at the joints), `input` (of the motors) and `current`,
-    ///   and `run`. A joint with a quaternion has `place` (x, y, z) if it is floating, and `xyzw` or `wxyz` (the entries of
-    ///   the quaternion in this order).
-    /// - Columns: a header with `{}` in place of the joint's number or `{name}` in place of its name; headers with `|`
-    ///   between them, in the order of the joints; or numbers, counted from 1: `2..7`.
+    /// - Quantities: `time`, `position`, `velocity`, `run` (number of the run), and one of `torque` (at the joints),
+    ///   `input` (of the motors) and `current`. A joint with a quaternion has `xyzw` or `wxyz` (the entries of the
+    ///   quaternion in this order) and, if it is floating, `place` (x, y, z).
+    /// - Columns: a header with `{}` instead of the joint's number or `{name}` instead of its name; headers in the order of
+    ///   the joints, separated by `|`; or numbers, counted from 1: `2..7`.
     /// - A unit in brackets may follow: `position=2..7[deg]`, `position=count{}[0.0879 deg]`.
     /// - Rows at equal times need no column of times: `time=row[4 ms]`.
-    /// - Joints without columns, with their positions: `hold=gripper|wrist_*=0.5`.
+    /// - Joints without columns, with their positions in rad or m (0 if there is no value): `hold=gripper|wrist_*=0.5`.
     pub columns: Option<String>,
-    /// Field separator; `None` detects it.
+    /// Field separator; if it is `None`, it is detected.
     pub separator: Option<char>,
-    /// Kind of the efforts; `None` takes the kind that the names of the columns have.
+    /// Kind of the efforts; if it is `None`, the names of the columns decide.
     pub effort: Option<Effort>,
 }
 
 /// Key of held joints in the argument.
 const HOLD: &str = "hold";
-/// The part of the argument that requests the list of columns.
+/// Part of the argument that requests the list of columns.
 const ASKED: &str = "?";
 
 /// One part `QUANTITY=COLUMNS` of the argument.
@@ -43,7 +43,7 @@ pub(super) struct Pattern {
     text: String,
 }
 
-/// Columns of a quantity, each with the unit that the user names.
+/// Columns of a quantity, each with the unit that the user specifies.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Chosen {
     pub columns: Vec<usize>,
@@ -53,12 +53,12 @@ pub(super) struct Chosen {
 }
 
 impl Chosen {
-    /// Columns with the same unit.
+    /// Creates columns with the same unit.
     pub(super) fn alike(columns: Vec<usize>, unit: Option<Unit>) -> Self {
         Self { units: vec![unit; columns.len()], columns, ..Self::default() }
     }
 
-    /// The columns of several joints, `width` for each joint.
+    /// Splits the columns into groups of `width`, one group for each joint.
     pub(super) fn split(&self, width: usize) -> Vec<Self> {
         let parts = self.columns.chunks(width).zip(self.units.chunks(width));
         let part = |(columns, units): (&[usize], &[Option<Unit>])| (columns.to_vec(), units.to_vec());
@@ -67,13 +67,14 @@ impl Chosen {
 }
 
 impl ColumnOptions {
-    /// The patterns in the order of the argument.
+    /// Returns the patterns in the order of the argument.
     pub(super) fn patterns(&self) -> Result<Vec<Pattern>> {
         let mut patterns: Vec<Pattern> = Vec::new();
         for (part, name, text) in self.named()?.into_iter().filter(|(_, name, _)| name != HOLD) {
             let Some((kind, key)) = Kind::of_key(&name) else {
                 let known: Vec<&str> = Kind::keys().chain([HOLD]).collect();
-                let message = format!("there is no quantity `{name}`; known are {}", known.join(", "));
+                let message =
+                    format!("there is no quantity `{name}`; the quantities are {}", known.join(", "));
                 return Err(fault(part, message));
             };
             if patterns.iter().any(|p| p.kind == kind || p.kind.is_effort() && kind.is_effort()) {
@@ -84,12 +85,12 @@ impl ColumnOptions {
         Ok(patterns)
     }
 
-    /// Whether the argument has a `?`, which requests the list of columns.
+    /// Returns whether the argument has a `?`, which requests the list of columns.
     pub fn asks(&self) -> bool {
         parts(self.columns.as_deref().unwrap_or("")).contains(&ASKED)
     }
 
-    /// Position of each joint that is held [rad or m]; `None` for other joints.
+    /// Returns the position of each joint that is held, in rad or m; `None` for other joints.
     ///
     /// # Errors
     /// [`IdentificationError::File`] if a pattern matches no joint, or if a value is not a number.
@@ -103,21 +104,23 @@ impl ColumnOptions {
             let hold = Hold::parse(pattern).map_err(fault)?;
             let matching: Vec<usize> = (0..joints.len()).filter(|j| hold.matches(&joints[*j])).collect();
             if matching.is_empty() {
-                return Err(fault(format!("no joint has such a name. There are {}", shortened(joints))));
+                return Err(fault(format!("no joint has such a name. The joints are {}", shortened(joints))));
             }
             matching.into_iter().for_each(|joint| held[joint] = Some(hold.position));
         }
         Ok(held)
     }
 
-    /// Text, key and columns of each part of the argument.
+    /// Returns text, key and columns of each part of the argument.
     fn named(&self) -> Result<Vec<(&str, String, &str)>> {
-        let split = |part| match str::split_once(part, '=') {
+        let split = |part| {
+            match str::split_once(part, '=') {
             Some((name, text)) => Ok((part, name.trim().to_lowercase(), text.trim())),
             None => Err(fault(
                 part,
-                "this is not `QUANTITY=COLUMNS`, as in `position=q{},torque=tau{},time=t`".into(),
+                "this part does not have the form `QUANTITY=COLUMNS`, as in `position=q{},torque=tau{},time=t`".into(),
             )),
+        }
         };
         let parts = parts(self.columns.as_deref().unwrap_or("")).into_iter();
         parts.filter(|part| *part != ASKED).map(split).collect()
@@ -126,12 +129,12 @@ impl ColumnOptions {
 
 fn twice(kind: Kind) -> String {
     match kind {
-        Kind::Attitude => "the line names quaternions twice, by `xyzw` and by `wxyz`: leave one out".into(),
-        _ => "the line names this quantity twice; torque, input and current are one".into(),
+        Kind::Attitude => "the quaternions are named twice, by `xyzw` and by `wxyz`: remove one of them".into(),
+        _ => "this quantity is named twice: remove one part (`torque`, `input` and `current` count as one quantity)".into(),
     }
 }
 
-/// Parts that are separated by commas. A comma separates parts only if `QUANTITY=` follows. Other commas belong to headers.
+/// Splits the argument into its parts. A comma separates parts only if `QUANTITY=` follows. Other commas belong to headers.
 fn parts(line: &str) -> Vec<&str> {
     let mut parts = Vec::new();
     let mut start = 0;
@@ -149,7 +152,7 @@ fn begins_part(rest: &str) -> bool {
     !key.is_empty() && key.chars().all(|c| c.is_ascii_alphabetic())
 }
 
-/// Whether the text of a header can be written in a pattern.
+/// Returns whether a pattern can contain the text of a header.
 pub(super) fn is_spellable(text: &str) -> bool {
     let is_cut = text.match_indices(',').any(|(at, _)| begins_part(&text[at + 1..]));
     !(is_cut
@@ -168,22 +171,25 @@ impl Pattern {
         Self { kind, key: kind.key(), text: text.to_owned() }
     }
 
-    /// Period \[s\] of rows that are counted as the time, as in `row[4 ms]`; `None` if the text is another one or if a
-    /// column has this name.
+    /// Returns the period in s if the pattern counts rows as the time, as in `row[4 ms]`; `None` for other texts, or if a
+    /// column is called `row`.
     pub(super) fn counts_rows(&self, headers: &[Header]) -> Option<f64> {
         let unit = self.text.strip_prefix("row[")?.strip_suffix(']')?;
         let is_free = headers.iter().all(|header| bare(&header.text) != "row");
         units::find(unit).filter(|unit| is_free && unit.si == "s").map(|unit| unit.factor)
     }
 
-    /// The columns for each of the `targets`. Components are in the order of the table.
+    /// Returns the columns of the `targets`, in their order. Components are in the order of the table of quantities.
     ///
-    /// - `width`: number of fields of a row, for columns that are named by number
+    /// - `width`: number of fields of a row, which limits the numbers of columns
     pub(super) fn resolve(&self, headers: &[Header], width: usize, targets: &Targets) -> Result<Chosen> {
         let mut chosen = self.chosen(headers, width, targets)?;
         let (given, count) = (chosen.columns.len(), targets.names.len());
         if given != count {
-            let needed = format!("it names {given} columns, {count} are needed, one for each joint or input");
+            let needed = format!(
+                "the pattern names {given} columns, but {count} are needed, one for each joint, input or \
+                                  component"
+            );
             return Err(fault(&self.text, needed));
         }
         let components = self.kind.row().components;
@@ -202,7 +208,8 @@ impl Pattern {
         let split = self.text.strip_suffix(']').and_then(|rest| rest.rsplit_once('['));
         if let Some((text, unit)) = split.filter(|(_, unit)| !unit.contains('{')) {
             let Some(found) = units::find(unit) else {
-                let message = format!("unknown unit `{unit}`; known are {}", units::known_units());
+                let message =
+                    format!("the unit `{unit}` is unknown; the known units are {}", units::known_units());
                 return Err(fault(&self.text, message));
             };
             if let Some(columns) = columns(text.trim_end(), headers, width, targets)? {
@@ -212,24 +219,24 @@ impl Pattern {
         each(&self.text, headers, width).ok_or_else(|| self.nothing(headers))
     }
 
-    /// The error that no column has the name, with the columns that exist and the nearest name.
+    /// Returns the error that no column has the name. The message lists the columns and the most similar name.
     fn nothing(&self, headers: &[Header]) -> IdentificationError {
         let names: Vec<String> = headers.iter().map(|h| h.text.clone()).collect();
         if names.is_empty() {
-            let message = "the log has no header; give the columns' numbers, as in `position=2..7`";
+            let message = "the log has no header: give the numbers of the columns, as in `position=2..7`";
             return fault(&self.text, message.into());
         }
-        // The time of the comparison grows with the product of the lengths.
+        // The time for the comparison grows with the product of the lengths.
         let cut = |text: &str| text.to_lowercase().chars().take(100).collect::<String>();
         let wanted = cut(&self.text);
         let likeness = |name: &&String| strsim::jaro_winkler(&cut(name), &wanted);
         let nearest = names.iter().take(1000).rev().max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
-        let nearest = nearest.map_or(String::new(), |n| format!("; the nearest is `{n}`"));
-        fault(&self.text, format!("no columns have this name{nearest}. There are {}", shortened(&names)))
+        let nearest = nearest.map_or(String::new(), |n| format!("; the most similar name is `{n}`"));
+        fault(&self.text, format!("no column has this name{nearest}. The columns are {}", shortened(&names)))
     }
 }
 
-/// The columns that a text names; `None` if there are none.
+/// Returns the columns that a text names; `None` if there are no such columns.
 fn columns(text: &str, headers: &[Header], width: usize, targets: &Targets) -> Result<Option<Vec<usize>>> {
     if text.contains("{name}") {
         return by_names(text, headers, targets);
@@ -246,8 +253,8 @@ fn columns(text: &str, headers: &[Header], width: usize, targets: &Targets) -> R
     Ok(text.split('|').map(|item| one(item.trim(), headers, width)).collect())
 }
 
-/// Columns of a list, each with or without a unit of its own, as in `tau1|tau2[-1 Nm]|tau3`; `None` if one of them does not
-/// exist.
+/// Returns the columns of a list, each with or without a unit, as in `tau1|tau2[-1 Nm]|tau3`; `None` if one of the columns
+/// does not exist.
 fn each(text: &str, headers: &[Header], width: usize) -> Option<Chosen> {
     let item = |item: &str| {
         let item = item.trim();
@@ -262,7 +269,7 @@ fn each(text: &str, headers: &[Header], width: usize) -> Option<Chosen> {
     Some(Chosen { columns, units, ..Chosen::default() })
 }
 
-/// The column with a header or a number; `None` if there is none.
+/// Returns the column with this header or number; `None` if there is no such column.
 fn one(item: &str, headers: &[Header], width: usize) -> Option<usize> {
     let same = |h: &&Header| h.text.trim() == item;
     let lower = item.to_lowercase();
@@ -273,7 +280,7 @@ fn one(item: &str, headers: &[Header], width: usize) -> Option<usize> {
     header.map(|h| h.index).or_else(number)
 }
 
-/// Text in lower case, without a unit in brackets at the end.
+/// Returns the text in lower case, without a unit in brackets at the end.
 fn bare(text: &str) -> String {
     let text = text.trim();
     let cut = text.strip_suffix([']', ')']).and_then(|rest| rest.rsplit_once(['[', '(']));
@@ -283,7 +290,10 @@ fn bare(text: &str) -> String {
 
 fn range(text: &str, first: usize, last: usize, width: usize) -> Result<Vec<usize>> {
     if first == 0 || last < first || last > width {
-        return Err(fault(text, format!("the log has columns 1 to {width}")));
+        return Err(fault(
+            text,
+            format!("the range of columns is not valid: the log has columns 1 to {width}"),
+        ));
     }
     Ok((first - 1..last).collect())
 }
@@ -329,7 +339,14 @@ fn by_numbers(text: &str, headers: &[Header], targets: &Targets) -> Result<Optio
     let (numbers, base): (Vec<String>, _) =
         (numbered.iter().take(40).map(|n| n.0.to_string()).collect(), u8::from(*first != 0));
     let count = targets.names.len();
-    Err(fault(text, format!("the numbers are {}; {count} from {base} on are needed", numbers.join(", "))))
+    Err(fault(
+        text,
+        format!(
+            "the headers have the numbers {}, but {count} consecutive numbers from {base} on are \
+                             needed",
+            numbers.join(", ")
+        ),
+    ))
 }
 
 #[cfg(test)]
@@ -350,8 +367,9 @@ mod tests {
         assert_eq!(held("").unwrap(), [None; 3]);
         let message = |line: &str| held(line).unwrap_err().to_string();
         assert!(
-            message("hold=elbow").contains("--hold `elbow`: no joint has such a name. There are shoulder")
+            message("hold=elbow")
+                .contains("--hold `elbow`: no joint has such a name. The joints are shoulder")
         );
-        assert!(message("hold=wrist_1=up").contains("the value is not a number"));
+        assert!(message("hold=wrist_1=up").contains("the value must be a finite number"));
     }
 }

@@ -1,4 +1,4 @@
-//! Columns of poses: position x, y, z (`place`) and quaternion of each joint with a quaternion.
+//! Search for the columns of poses: position x, y, z (`place`) and quaternion of each joint with a quaternion.
 
 use super::super::super::error::{IdentificationError, Result};
 use super::super::super::pose::QuaternionJoint;
@@ -11,7 +11,7 @@ use super::pattern::Chosen;
 use super::table::Kind;
 
 impl Finder<'_> {
-    /// The position of each floating joint.
+    /// Returns the columns of the position of each floating joint.
     ///
     /// # Errors
     /// The errors are those of [`Self::attitudes`].
@@ -20,16 +20,16 @@ impl Finder<'_> {
         self.components(Kind::Place, &joints.collect::<Vec<_>>())
     }
 
-    /// The quaternion of each joint with a quaternion.
+    /// Returns the columns of the quaternion of each joint with a quaternion.
     ///
     /// # Errors
-    /// [`IdentificationError::File`] if a pose has no columns or two sets of columns, if a component is missing, if a unit
-    /// does not fit, or if there are angles instead of quaternions.
+    /// [`IdentificationError::File`] if a pose has no columns or two possible sets of columns, if a component is missing,
+    /// if a unit does not fit, or if the log has angles instead of quaternions.
     pub(super) fn attitudes(&self) -> Result<Vec<Found>> {
         self.components(Kind::Attitude, &self.robot.quaternions.iter().collect::<Vec<_>>())
     }
 
-    /// Positions and quaternions in the order of the robot's positions.
+    /// Returns the columns of positions and quaternions in the order of the robot's positions.
     pub(super) fn poses(&self, places: Vec<Found>, attitudes: Vec<Found>) -> Vec<Found> {
         let mut places = places.into_iter();
         let joints = self.robot.quaternions.iter().zip(attitudes);
@@ -39,12 +39,12 @@ impl Finder<'_> {
         joints.flat_map(of).collect()
     }
 
-    /// The components of a quantity, for one joint after the other.
+    /// Returns the components of a quantity, joint by joint.
     fn components(&self, kind: Kind, joints: &[&QuaternionJoint]) -> Result<Vec<Found>> {
         let letters = kind.row().components;
         if self.robot.quaternions.is_empty() && self.pattern(|k| k == kind).is_some() {
             return Err(self.fault(
-                "--columns names a place or a quaternion, but no joint of this robot is spherical or floating".into(),
+                "`--columns` names a place or a quaternion, but this robot has no spherical or floating joint: remove this part".into(),
             ));
         }
         let targets = joints.iter().map(|joint| Targets::new(&vec![joint.name.clone(); letters.len()], &[]));
@@ -59,9 +59,9 @@ impl Finder<'_> {
         choices.into_iter().zip(&targets).map(|(choice, of)| self.found(choice, kind, of)).collect()
     }
 
-    /// The family of columns that is nearest to the joint's name, if there is only one.
+    /// Returns the family of columns whose name fits the joint best. Fails if two families fit equally well.
     fn nearest(&self, joint: &QuaternionJoint, kind: Kind) -> Result<Chosen> {
-        // If there are several joints, the columns have to name them.
+        // If several joints have quaternions, the columns must contain the names of the joints.
         let farthest = if self.robot.quaternions.len() > 1 { 0 } else { 2 };
         let mut near = by_component(&self.headers, kind, &words(&joint.name));
         near.retain(|family| family.meaning.doubt <= farthest);
@@ -77,7 +77,7 @@ impl Finder<'_> {
             let letters = kind.row().components.iter().zip(&first.columns);
             let absent: Vec<&str> = letters.filter(|(_, column)| column.is_none()).map(|(l, _)| *l).collect();
             return Err(self.undecided(format!(
-                "of the {what} of `{name}` only {} are there, {} is missing. Name all {}: {}",
+                "the {what} of `{name}` has only the columns {}, but {} is missing. Name all {} columns: {}",
                 labels(first),
                 absent.join(", "),
                 first.columns.len(),
@@ -87,7 +87,7 @@ impl Finder<'_> {
         let is_rival = |other: &&Family| other.meaning == first.meaning && other.complete().is_some();
         match near.iter().skip(1).find(is_rival) {
             Some(other) => Err(self.undecided(format!(
-                "both {} and {} could be the {what} of `{name}`. Name the right ones: {}",
+                "both {} and {} could be the {what} of `{name}`. Name the right columns: {}",
                 labels(first),
                 labels(other),
                 remedy(kind)
@@ -101,16 +101,20 @@ impl Finder<'_> {
         let angles = angles(&self.headers);
         if kind == Kind::Attitude && !angles.is_empty() {
             return self.fault(format!(
-                "no columns are known as the quaternion of `{name}`, but {} look like angles. Attitudes are read as \
-                 quaternions alone: the order of angles is a convention that a log does not state. Convert them \
+                "the log has no columns for the quaternion of `{name}`, but {} look like angles. Orientations must be \
+                 quaternions, because a log does not show the convention of its angles. Convert the angles \
                  (scipy: Rotation.from_euler(…).as_quat()) and name the four columns qx, qy, qz, qw",
                 angles.join(", ")
             ));
         }
-        let several =
-            if self.robot.quaternions.len() > 1 { ", whose names have to hold the joint's" } else { "" };
+        let several = if self.robot.quaternions.len() > 1 {
+            " (the headers must contain the name of the joint)"
+        } else {
+            ""
+        };
         self.undecided(format!(
-            "no columns are known as the {what} {} of `{name}`{several}. There are {}. Name them: {}",
+            "the log has no columns with a usual name for the {what} ({}) of `{name}`{several}. The columns are: {}. Name \
+             the right ones: {}",
             kind.row().components.join(", "),
             shortened(&self.sheet.headers),
             remedy(kind)
@@ -121,8 +125,8 @@ impl Finder<'_> {
 fn remedy(kind: Kind) -> &'static str {
     match kind {
         Kind::Attitude => {
-            "--columns 'xyzw=a|b|c|d' (or 'wxyz=…' if w comes first; numbers as in `5..8` do too)"
+            "--columns 'xyzw=a|b|c|d' (or 'wxyz=…' if w comes first; numbers such as `5..8` are also possible)"
         }
-        _ => "--columns 'place=a|b|c' (numbers as in `2..4` do too)",
+        _ => "--columns 'place=a|b|c' (numbers such as `2..4` are also possible)",
     }
 }

@@ -1,4 +1,4 @@
-//! The joints and inputs of a robot, as columns are matched with them.
+//! Joints and inputs of a robot, with which columns are matched.
 
 use super::super::super::error::Result;
 use super::super::super::pose::{QuaternionJoint, rows_of};
@@ -7,28 +7,29 @@ use super::super::super::run::{Effort, Run};
 use super::families::Targets;
 use super::pattern::ColumnOptions;
 
-/// A robot's joints and inputs for which a log has columns. Velocities of joints with a quaternion do not count as joints
-/// here.
+/// Joints and inputs of a robot that may have columns in a log. Joints with a quaternion are separate: their velocities do
+/// not count as joints.
 pub(in crate::log) struct RobotColumns {
     /// Joints that the user does not hold at fixed positions (`hold=…` of [`ColumnOptions`]).
     pub joints: Targets,
-    /// Joints whose torques a log may have: neither held nor moved from outside.
+    /// Joints whose torques a log may have. These joints are neither held nor moved from outside.
     pub torques: Targets,
-    /// Inputs that do not act on held joints only.
+    /// All inputs except those that act only on held joints.
     pub inputs: Targets,
-    /// Inputs at frames.
+    /// Inputs at frames, such as measured contact forces.
     pub frame_inputs: Targets,
     /// Joints with a quaternion.
     pub quaternions: Vec<QuaternionJoint>,
-    /// Position of each joint that is held; `None` for other joints.
+    /// Position of each joint that is held, in rad or m; `None` for other joints.
     pub held: Vec<Option<f64>>,
     /// All joints, including held ones.
     pub all_joints: Targets,
     /// Unit of each joint, `rad` or `m`.
     pub units: Vec<&'static str>,
-    /// Unit of the position of the joint that an input drives, if it drives a single one; otherwise `rad`.
+    /// Unit of the position of the joint that an input drives, `rad` or `m`. It is `rad` if the input drives several
+    /// joints.
     pub input_units: Vec<&'static str>,
-    /// Whether B is the identity, so that forces at the joints and inputs are equal.
+    /// Whether the input matrix B is the identity, so that forces at the joints and inputs are equal.
     pub direct: bool,
 }
 
@@ -77,13 +78,13 @@ impl RobotColumns {
         })
     }
 
-    /// The part of `--columns` that holds joints; `None` if no joint is held.
+    /// Returns the part of `--columns` that holds joints; `None` if no joint is held.
     pub(super) fn hold_option(&self) -> Option<String> {
         let held: Vec<String> = self.held_values().map(|(name, value)| format!("{name}={value}")).collect();
         (!held.is_empty()).then(|| format!("hold={}", held.join("|")))
     }
 
-    /// Names and positions of the joints that are held.
+    /// Returns names and positions of the joints that are held.
     pub(super) fn held_values(&self) -> impl Iterator<Item = (&str, f64)> {
         self.all_joints
             .names
@@ -92,7 +93,7 @@ impl RobotColumns {
             .filter_map(|(name, value)| Some((name.as_str(), (*value)?)))
     }
 
-    /// Adds the columns that the log does not have: positions of held joints, and NaN for efforts that were not measured.
+    /// Adds columns that the log does not have: positions of held joints, and NaN for efforts that were not measured.
     ///
     /// - `recorded`: indices of the joints or inputs whose efforts the log has
     pub(in crate::log) fn add_unrecorded(&self, run: &mut Run, recorded: &[usize]) {

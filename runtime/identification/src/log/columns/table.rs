@@ -1,34 +1,34 @@
-//! The table of quantities with their names, units, components and words, and the table of other words of headers.
+//! Tables of the quantities of columns (names, units, components, words) and of other words in headers.
 //!
-//! A new kind of column is a new row of [`QUANTITIES`], which also gives [`Kind`] its name. Words of other languages are in
-//! the rows of the English words and are translated to the first of these. They are spelled without accents: `é` is `e`, `ß`
-//! is `ss`.
+//! To add a quantity, add a row to [`QUANTITIES`]. This row also defines the name of its [`Kind`]. A row contains English
+//! words and words of other languages, which are translated to the first English word. Words are spelled without accents:
+//! `é` is `e`, `ß` is `ss`.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 use Role::{Angle, Body, Motor, Other, Plain};
 
-/// A quantity that columns may have.
+/// A quantity of columns.
 pub(super) struct Quantity {
     kind: Kind,
-    /// Keys in `--columns`.
+    /// Names of the quantity in `--columns`.
     pub keys: &'static [&'static str],
     /// Singular and plural in messages.
     pub names: [&'static str; 2],
-    /// SI units for rotary and for linear joints. The first unit is assumed if none is named.
+    /// SI units for rotary joints and for linear joints. The first unit is used if no unit is named.
     pub units: [&'static [&'static str]; 2],
-    /// Letters of the quantity's components, as x, y and z. Each component has a column.
+    /// Letters of the quantity's components, for example x, y and z. Each component has a column.
     pub components: &'static [&'static str],
     /// Words of the quantity: doubt (0 for the usual words), English words, words of other languages. Single letters count
-    /// only if no longer word names a quantity.
+    /// only if no longer word in the header names a quantity.
     words: &'static [(u8, &'static str, &'static str)],
 }
 
 const SECONDS: [&[&str]; 2] = [&["s"]; 2];
 const NO_UNIT: [&[&str]; 2] = [&["1"]; 2];
 
-/// Defines the rows of quantities, and the name of each quantity.
+/// Defines the rows of quantities, and the names of their kinds.
 macro_rules! quantities {
     ($($(#[$documentation:meta])* $kind:ident { $($row:tt)* },)*) => {
         /// The quantity of a column.
@@ -46,7 +46,7 @@ quantities! {
     Time { keys: &["time"], names: ["time", "time"], units: SECONDS, components: &[], words: &[
         (0, "time times timestamp timestamps stamp t", "zeit tempo tiempo zeitstempel horodatage"),
         (0, "seconds sec secs nsec nsecs nanosec nanosecs nanosecond nanoseconds", "sekunde sekunden seconde secondes secondi segundos"),
-        // English logs have temperatures as `temps`.
+        // English logs use `temps` for temperatures.
         (1, "elapsed clock", "temps"),
     ] },
     /// Names of the joints, as text in the rows.
@@ -71,8 +71,8 @@ quantities! {
         (1, "moment", "momente momento momenti momentos"),
         (1, "force forces", "kraft forza fuerza"),
     ] },
-    // A motor before a spindle has a torque, the joint behind it a force.
-    /// A motor's torque, on the motor side of the gear.
+    // The motor of a spindle has a torque, the joint that the spindle moves has a force.
+    /// Torque of a motor, on the motor side of the gear.
     Input { keys: &["input"], names: ["motor effort", "efforts"], units: [&["N*m", "N"], &["N", "N*m"]], components: &[], words: &[(0, "input inputs u", "")] },
     Current { keys: &["current"], names: ["current", "currents"], units: [&["A"]; 2], components: &[], words: &[
         (0, "current currents cur curr amp amps amperage iq imot i", "strom strome stroeme courant courants intensite corrente correnti corriente corrientes intensidad"),
@@ -85,7 +85,7 @@ quantities! {
     Place { keys: &["place"], names: ["place", "places"], units: [&["m"]; 2], components: &["x", "y", "z"], words: &[
         (0, "place pose translation transform trans", ""),
     ] },
-    // The order of the columns is that of the letters in the key.
+    // The order of the letters in the key is the order of the columns.
     Attitude { keys: &["xyzw", "wxyz"], names: ["quaternion", "quaternions"], units: NO_UNIT, components: &["x", "y", "z", "w"], words: &[
         (0, "quat quaternion orientation rotation attitude rot ori", ""),
     ] },
@@ -105,15 +105,15 @@ pub(super) enum Origin {
 pub(super) enum Role {
     Quantity(Kind),
     Origin(Origin),
-    /// The word of motors: torques are those of motors.
+    /// A word for motors: torques with this word are torques of motors.
     Motor,
     /// A word that names no quantity.
     Plain,
-    /// The name of a body that has a pose.
+    /// The name of a body with a pose.
     Body,
-    /// A word of an orientation that is not a quaternion.
+    /// A word for an orientation that is not a quaternion.
     Angle,
-    /// The word of a quantity that joints do not have.
+    /// A word for a quantity that joints do not have.
     Other,
 }
 
@@ -152,17 +152,17 @@ static WORDS: [(Role, &str, &str); 27] = [
     (Other, "wrench ft imu accelerometer twist gyro mag covariance", ""),
 ];
 
-/// The row of a word.
+/// Role and translation of a word.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Known {
     pub role: Role,
-    /// 0 for the usual words of a quantity; larger for less certain words.
+    /// Uncertainty of the word: 0 for the usual words of a quantity, larger for less certain words.
     pub doubt: u8,
     /// English translation of a word of another language; `None` for English words.
     pub english: Option<&'static str>,
 }
 
-/// Role, doubt, English words, and words of other languages.
+/// Row of a table of words: role, doubt, English words, and words of other languages.
 type Row = (Role, u8, &'static str, &'static str);
 
 fn rows() -> impl Iterator<Item = Row> {
@@ -176,7 +176,7 @@ fn rows() -> impl Iterator<Item = Row> {
         .chain(WORDS.iter().map(|(role, english, others)| (*role, 0, *english, *others)))
 }
 
-/// All words with their rows.
+/// Index of all words.
 static INDEX: LazyLock<BTreeMap<&str, Known>> = LazyLock::new(|| {
     let of = |(role, doubt, english, others): Row| {
         let first = english.split(' ').next();
@@ -186,30 +186,30 @@ static INDEX: LazyLock<BTreeMap<&str, Known>> = LazyLock::new(|| {
     rows().flat_map(of).filter(|(word, _)| !word.is_empty()).collect()
 });
 
-/// The row of a word in lower case; `None` for unknown words.
+/// Returns role and translation of a word in lower case; `None` for unknown words.
 pub(super) fn known(word: &str) -> Option<Known> {
     INDEX.get(word).copied()
 }
 
 impl Kind {
-    /// The quantity and the key of a name in `--columns`; `None` for unknown names.
+    /// Returns the quantity with this name in `--columns`, and the name; `None` for unknown names.
     pub(super) fn of_key(name: &str) -> Option<(Self, &'static str)> {
         let key =
             |quantity: &Quantity| Some((quantity.kind, *quantity.keys.iter().find(|key| **key == name)?));
         QUANTITIES.iter().find_map(key)
     }
 
-    /// All keys in `--columns`.
+    /// Returns all names of quantities in `--columns`.
     pub(super) fn keys() -> impl Iterator<Item = &'static str> {
         QUANTITIES.iter().flat_map(|quantity| quantity.keys).copied()
     }
 
-    /// The row of the table.
+    /// Returns the row of the quantity in the table.
     pub(super) fn row(self) -> &'static Quantity {
         &QUANTITIES[self as usize]
     }
 
-    /// Key in `--columns`.
+    /// Returns the first name of the quantity in `--columns`.
     pub(super) fn key(self) -> &'static str {
         self.row().keys.first().copied().unwrap_or(self.singular())
     }
@@ -226,7 +226,7 @@ impl Kind {
         matches!(self, Self::Torque | Self::Input | Self::Current)
     }
 
-    /// The quantity of an SI unit; `None` if it has none.
+    /// Returns the quantity that has this SI unit; `None` if no quantity has the unit.
     pub(super) fn of_unit(si: &str) -> Option<Self> {
         let measured = QUANTITIES.iter().filter(|quantity| quantity.units != NO_UNIT);
         measured

@@ -1,4 +1,4 @@
-//! The column of times and its unit.
+//! Search for the column of times and its unit.
 
 use super::super::super::error::{IdentificationError, Result};
 use super::super::number::{Decimals, exact};
@@ -12,20 +12,20 @@ use super::pattern::Chosen;
 use super::table::Kind;
 use gelenk_findings::Finding;
 
-/// The column of times.
+/// Column of times.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(in crate::log) struct TimeColumn {
     /// Column of the times, or of their whole seconds; `None` if rows are counted.
     pub column: Option<usize>,
-    /// Column of the nanoseconds in addition to whole seconds; `None` if there is none.
+    /// Column of the nanoseconds that belong to the whole seconds; `None` if there is no such column.
     pub nanoseconds: Option<usize>,
-    /// Unit of the times [s]; `None` if no unit is named.
+    /// Unit of the times, in s; `None` if no unit is named.
     pub unit: Option<f64>,
-    /// The column in `--columns`.
+    /// Name of the column in `--columns`.
     pub text: String,
     /// Whether the user named the unit.
     pub is_stated: bool,
-    /// Finding about brackets in the header that contain no known unit; `None` if there are none.
+    /// Finding about brackets in the header that contain an unknown unit; `None` if there are no such brackets.
     pub doubt: Option<Finding>,
 }
 
@@ -34,13 +34,13 @@ impl TimeColumn {
         [self.column, self.nanoseconds].into_iter().flatten().collect()
     }
 
-    /// The part of `--columns` that names the column.
+    /// Returns the part of `--columns` that names the column.
     pub(super) fn option(&self) -> String {
         let unit = self.unit.filter(|_| self.is_stated).map(|factor| Unit { factor, si: "s" }.text());
         format!("time={}{}", self.text, unit.map_or(String::new(), |unit| format!("[{unit}]")))
     }
 
-    /// Time of a row in 10⁻¹² of the unit; `None` if the field is not a number.
+    /// Returns the time of a row in 10⁻¹² of the unit; `None` if the field is not a number.
     ///
     /// - `line`: line of the row in the file
     pub(in crate::log) fn read(
@@ -59,11 +59,11 @@ impl TimeColumn {
 }
 
 impl Finder<'_> {
-    /// Finds the time: by the user's pattern, otherwise by the headers. A message's stamp is preferred to `t`, `time` and
-    /// `timestamp`, and these are preferred to the time of a message's arrival.
+    /// Finds the column of times, by the user's pattern or by the headers. The time stamp of a message is preferred to `t`,
+    /// `time` and `timestamp`. The time of a message's arrival is the last choice.
     ///
     /// # Errors
-    /// [`IdentificationError::File`] if there is no column, or if several columns are equally good.
+    /// [`IdentificationError::File`] if there is no column of times, or if several columns fit equally well.
     pub(super) fn time(&self) -> Result<TimeColumn> {
         if let Some(pattern) = self.pattern(|kind| kind == Kind::Time) {
             if let Some(period) = pattern.counts_rows(&self.headers) {
@@ -99,7 +99,8 @@ impl Finder<'_> {
 
     fn no_time(&self) -> IdentificationError {
         self.undecided(format!(
-            "no column is known as the time. There are {}. Name it: --columns 'time=…[s]', or, if a column counts samples, its period: --columns 'time=…[4 ms]'",
+            "the log has no column with a usual name for the time. The columns are: {}. Name the column with --columns \
+             'time=…[s]'. If it counts samples, give the period: --columns 'time=…[4 ms]'",
             shortened(&self.sheet.headers)
         ))
     }
@@ -115,9 +116,10 @@ impl Finder<'_> {
         let odd = header.and_then(|h| h.odd.as_ref()).filter(|odd| !self.is_described(odd));
         let doubt = odd.filter(|_| unit.is_none() && nanoseconds.is_none()).map(|odd| {
             let message = format!(
-                "the time is in `{odd}`, which is not a known unit: it is taken for seconds, or for ms, µs or ns if its steps are long"
+                "the time is in `{odd}`, which is not a known unit: the times are read as seconds, or as ms, µs or ns if \
+                 its steps are large"
             );
-            COLUMN_DOUBTFUL.found(message).help(format!("give its unit, as in --columns 'time={text}[0.001 s]'"))
+            COLUMN_DOUBTFUL.found(message).help(format!("give the unit of the time, as in --columns 'time={text}[0.001 s]'"))
         });
         TimeColumn {
             column: Some(column),
@@ -129,7 +131,7 @@ impl Finder<'_> {
         }
     }
 
-    /// Whether all sampled rows have the same time, as a stamp that was never set.
+    /// Returns whether all sampled rows have the same time, for example a time stamp that was never set.
     fn stands_still(&self, header: &Header) -> bool {
         let sample = &self.sheet.sample;
         let mut values = sample.iter().filter_map(|row| row.get(header.index)).filter(|f| !f.is_empty());
@@ -139,12 +141,13 @@ impl Finder<'_> {
         sample.len() > 3 && values.all(|v| Some(v) == first) && nanos.windows(2).all(|w| w[0] == w[1])
     }
 
-    /// Whether two columns have the same values in the sampled rows. Some programs repeat the time before each signal.
+    /// Returns whether two columns have the same values in the sampled rows. Some programs repeat the time before each
+    /// signal.
     fn are_equal(&self, one: &Header, other: &Header) -> bool {
         self.sheet.sample.iter().all(|row| row.get(one.index) == row.get(other.index))
     }
 
-    /// The column of nanoseconds that belongs to one of seconds; `None` if there is none.
+    /// Returns the column of nanoseconds that belongs to a column of seconds; `None` if there is no such column.
     fn nanoseconds(&self, header: &Header) -> Option<usize> {
         self.headers.iter().find(|other| are_pair(header, other)).map(|other| other.index)
     }

@@ -1,4 +1,4 @@
-//! Bags of ROS 2 that the package `rosbags` wrote, from `bags/make.py`.
+//! ROS 2 bags that the package `rosbags` wrote by `bags/make.py`.
 
 use super::super::{ColumnOptions, runs, runs_of};
 use super::testing::Fake;
@@ -42,11 +42,11 @@ fn bags_have_the_states_that_were_written() {
         let time = if name.starts_with("unstamped") { "bag/time" } else { "header/stamp" };
         assert_eq!(recording.labels.time, time, "{name}");
         let left = recording.findings.iter().find(|finding| finding.code == "rows-left-out");
-        assert!(left.unwrap().sentence().contains("120 rows are left out because they are not complete"));
+        assert!(left.unwrap().sentence().contains("120 incomplete rows are left out"));
     }
 }
 
-/// A gripper is another robot on the same topic, and a bag is packed as any log may be.
+/// The gripper is a second robot on the same topic, and a bag may be compressed like any log.
 #[test]
 fn bags_are_read_as_other_logs_are() {
     let (_, bytes) = BAGS[0];
@@ -71,12 +71,13 @@ fn files_that_are_no_bags_of_joint_states_are_refused() {
         bytes
     };
     for (bytes, message) in [
-        (sqlite[..40_000].to_vec(), "the SQLite file is not complete"),
+        (sqlite[..40_000].to_vec(), "the SQLite file is incomplete"),
         (mcap[..40_000].to_vec(), "the MCAP file ends within a record"),
-        (renamed("topics", "tropic", sqlite), "a SQLite file without the tables of a ROS 2 bag"),
+        (renamed("topics", "tropic", sqlite), "the SQLite file does not have the tables of a ROS 2 bag"),
         (
             renamed("sensor_msgs/msg/JointState", "sensor_msgs/msg/JointTrack", mcap),
-            "the bag has no messages of sensor_msgs/msg/JointState; its topics: /joint_states (sensor_msgs/msg/JointTrack)",
+            "the bag has no messages of type sensor_msgs/msg/JointState: record a topic of this type; the topics of the bag \
+             are: /joint_states (sensor_msgs/msg/JointTrack)",
         ),
     ] {
         let said = said(&bytes, "");
@@ -84,7 +85,7 @@ fn files_that_are_no_bags_of_joint_states_are_refused() {
     }
 }
 
-/// Rows that SQLite has not written back yet are in a file of their own.
+/// Rows that SQLite has not yet written back are in a separate file.
 #[test]
 fn a_bag_that_is_not_closed_is_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -96,7 +97,7 @@ fn a_bag_that_is_not_closed_is_refused() {
     assert!(read().unwrap_err().to_string().contains("write them back"));
 }
 
-/// Damaged bags are read or refused; nothing panics.
+/// Damaged bags are read or rejected without a panic.
 #[test]
 fn damaged_bags_do_not_panic() {
     let robot = Fake::numbered(2);

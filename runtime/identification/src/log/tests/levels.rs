@@ -1,4 +1,5 @@
-//! Effect of the numbers that decide about logs: each is halved and doubled, and the page says which findings of small logs change.
+//! Effect of the thresholds for logs. Each threshold is halved and doubled, and the page lists the findings of small logs
+//! that change.
 
 use super::super::super::doubts::{self, limits::beyond};
 use super::super::super::numeric::levels::varied::{Outcomes, page};
@@ -9,14 +10,14 @@ use super::testing::Fake;
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
-/// Values of a row at time t: position, velocity and effort of a joint.
+/// Values of a row: position, velocity and effort of a joint.
 type Row = fn(usize, f64) -> [f64; 3];
 
 fn wave(t: f64) -> [f64; 3] {
     [(2.0 * t).sin(), 2.0 * (2.0 * t).cos(), 20.0 * (2.0 * t).cos()]
 }
 
-/// Logs of one joint with one fault each, near the number that decides about it.
+/// Logs of one joint. Each log has one fault whose size is near the threshold for this fault.
 const LOGS: [(&str, Row); 15] = [
     ("spike", |i, t| if i == 150 { [wave(t)[0], wave(t)[1], 260.0] } else { wave(t) }),
     ("long spike", |i, t| if (150..154).contains(&i) { [wave(t)[0], wave(t)[1], 900.0] } else { wave(t) }),
@@ -47,7 +48,7 @@ const TIMES: [(&str, Time); 5] = [
     ("epoch", |i| 1.5e6 + 0.01 * i as f64),
 ];
 
-/// Codes and times of what is found in a log, or why it is refused.
+/// Returns the codes and times of the findings about a log, or the reason why it is rejected.
 fn outcome(rows: usize, time: Time, row: Row) -> BTreeSet<String> {
     let mut text = "t,q1,dq1,tau1\n".to_owned();
     for i in 0..rows {
@@ -69,7 +70,7 @@ fn outcome(rows: usize, time: Time, row: Row) -> BTreeSet<String> {
     codes.chain(remedies).chain([begin]).collect()
 }
 
-/// Findings of a flight whose quaternions have this length.
+/// Returns the findings about a flight whose quaternions have this length.
 fn flight(length: f64) -> BTreeSet<String> {
     let mut text = "t,x,y,z,qx,qy,qz,qw,u_front_right,u_rear_left,u_front_left,u_rear_right\n".to_owned();
     for i in 0..100 {

@@ -1,4 +1,4 @@
-//! Lines about the columns of a log.
+//! Messages about the columns of a log.
 
 use super::super::recording::guess_columns_of;
 use super::super::{ColumnOptions, Recording, runs_of};
@@ -28,17 +28,17 @@ fn each_quantity_has_a_line() {
     let expected = [
         "time: `Time [ms]`",
         "positions: `q{} [deg]` from `q1 [deg]` of joint_1 to `q2 [deg]` of joint_2, times 0.0174533 in rad",
-        "velocities: `dq{}` from `dq1` of joint_1 to `dq2` of joint_2, in rad/s as its header names no unit \
-         (compared with the positions' derivatives, which are used)",
-        "efforts, as forces at the joints: `tau_{}` from `tau_1` of joint_1 to `tau_2` of joint_2, in N*m as \
-         its header names no unit",
+        "velocities: `dq{}` from `dq1` of joint_1 to `dq2` of joint_2, in rad/s because the header has no \
+         unit (only compared with the derivatives of the positions, which are used)",
+        "efforts, as forces at the joints: `tau_{}` from `tau_1` of joint_1 to `tau_2` of joint_2, in N*m \
+         because the header has no unit",
         "not used: `temp_1`, `temp_2`",
     ];
     assert_eq!(said(header, ",1,2,3,4,5,6,7,8", None), expected);
 }
 
-/// A pattern with a number takes columns in the order of their numbers: where the rows name joints in another one, and
-/// where there are no headers, the columns are listed.
+/// A pattern with a number stands for columns in the order of their numbers. The columns are listed if the rows name the
+/// joints in another order, or if the log has no headers.
 #[test]
 fn patterns_name_the_columns_that_were_taken() {
     let listed =
@@ -46,7 +46,7 @@ fn patterns_name_the_columns_that_were_taken() {
     assert!(listed[1].contains("`position1|position0` from `position1` of joint_1"), "{listed:?}");
     let bare = said("", ",1,2,3,4", Some("time=1,position=2..3,torque=4|5"));
     assert!(bare[1].contains("`2|3` from number 2 of joint_1 to number 3 of joint_2"), "{bare:?}");
-    // What is said can be given back.
+    // The printed columns can be passed as an option.
     let again = said("", ",1,2,3,4", Some("time=1,position=2|3,torque=4|5"));
     assert_eq!(bare, again);
     let named = said("t,joint_1_pos,joint_2_pos,u1,u2\n", ",1,2,3,4", None);
@@ -65,7 +65,7 @@ fn what_is_commanded_is_doubted_where_nothing_is_measured() {
         all[1].contains("the efforts (`tau_cmd{}`)") && all[1].ends_with("--columns 'torque=…'"),
         "{all:?}"
     );
-    // Who names them knows.
+    // If the user names the columns, there is no warning.
     assert!(doubts("t,q_d1,q_d2,tau_cmd1,tau_cmd2\n", Some("position=q_d{},torque=tau_cmd{}")).is_empty());
     assert!(doubts("t,q1,q2,tau1,tau2\n", None).is_empty());
     let both = read("t,q1,q2,tau1,tau2,q_d1,q_d2\n", ",1,2,3,4,5,6", None);
@@ -85,7 +85,7 @@ fn units_of_times_are_known_or_doubted() {
     assert_eq!((told.runs[0].times[1], warnings(&told).len()), (0.01, 0));
 }
 
-/// The line of `--columns '?'`, given back, has the same columns and units.
+/// The line from `--columns '?'`, passed as an option, gives the same columns and units.
 #[test]
 fn guesses_are_read_as_the_log_is() {
     let robot = Fake::numbered(2);
@@ -107,7 +107,7 @@ fn guesses_are_read_as_the_log_is() {
     }
 }
 
-/// Poses are named in all ways in which the tests of floating robots name them.
+/// Poses may have all names that the tests of floating robots use.
 #[test]
 fn guesses_of_poses_are_read_as_the_log_is() {
     let inputs = "u_front_right,u_rear_left,u_front_left,u_rear_right";
@@ -147,10 +147,10 @@ fn incomplete_guesses_have_marks() {
     );
     // Errors name the command that prints the line.
     let fault = runs_of(text, "log.csv", &Fake::numbered(2), &options).unwrap_err().to_string();
-    assert!(fault.contains("--columns '?' prints all columns as a line to edit"), "{fault}");
+    assert!(fault.contains("--columns '?' prints all columns as a line that you can edit"), "{fault}");
 }
 
-/// Headers that the line cannot spell are numbers in it.
+/// The line contains numbers instead of headers that it cannot contain.
 #[test]
 fn guesses_survive_odd_headers() {
     let header = "t,\"a|q1,x=\",\"a|q2,x=\",joint_1_tau_ncm,joint_2_tau";
@@ -163,7 +163,8 @@ fn guesses_survive_odd_headers() {
     assert_eq!(read(&options), read(&again));
 }
 
-/// A log without a joint is that of the others, however its columns are named; the efforts of what is held are unknown.
+/// A log without the columns of a held joint equals the log of the other joints for all styles of names. The efforts of a
+/// held joint are unknown.
 #[test]
 fn held_joints_have_no_columns() {
     let read = |header: &str, columns: &str| {
@@ -194,8 +195,11 @@ fn held_joints_have_no_columns() {
     }
     for header in ["t,q1,q2,q3,tau1", "t,joint_1_pos,joint_2_pos,joint_3_pos,joint_2_effort"] {
         let fault = read(header, "hold=joint_2").unwrap_err().to_string();
-        assert!(fault.contains("joint `joint_2` is held, but column"), "{header}: {fault}");
+        assert!(
+            fault.contains("joint `joint_2` is held by an option, but the log has its column"),
+            "{header}: {fault}"
+        );
     }
     let fault = read("t,joint_1_pos,joint_3_pos,u1,u2", "").unwrap_err().to_string();
-    assert!(fault.contains("held at their positions: --hold joint_2=0"), "{fault}");
+    assert!(fault.contains("at rest, give its position: --hold joint_2=0"), "{fault}");
 }

@@ -1,4 +1,4 @@
-//! Styles of logs: the same motion, as different programs write it.
+//! Styles of logs: one motion, written as different programs write it.
 
 use super::super::super::doubts::limits::beyond;
 use super::super::super::preparation::{PreparationSettings, prepare_all};
@@ -9,14 +9,14 @@ use super::testing::{Fake, message};
 use gelenk_findings::Finding;
 use std::fmt::Write;
 
-/// Two joints at 100 Hz: position, velocity, effort.
+/// Returns position, velocity and effort of two joints, sampled at 100 Hz.
 fn motion(i: usize) -> (f64, [[f64; 3]; 2]) {
     let t = 0.01 * i as f64;
     let joint = |a: f64, w: f64| [a * (w * t).sin(), a * w * (w * t).cos(), 3.0 * (w * t).cos() + 0.5 * a];
     (t, [joint(1.0, 2.0), joint(0.7, 3.0)])
 }
 
-/// A log of `count` rows below `header`, each written by `row(t, joints)`.
+/// Returns a log of `count` rows below `header`. Each row is written by `row(t, joints)`.
 fn written(header: &str, count: usize, row: impl Fn(f64, [[f64; 3]; 2]) -> String) -> String {
     let mut text = format!("{header}\n");
     for i in 0..count {
@@ -31,7 +31,7 @@ fn read(text: &str, options: &ColumnOptions) -> Recording {
         .unwrap_or_else(|e| panic!("{e}\n{}", &text[..text.len().min(300)]))
 }
 
-/// The motion stands in the recording, up to what was written.
+/// Asserts that the recording contains the motion, with the accuracy of the log.
 fn assert_motion(style: &str, recording: &Recording, count: usize) {
     let run = &recording.runs[0];
     assert_eq!(run.times.len(), count, "{style}: {:?}", recording.findings);
@@ -56,7 +56,7 @@ type Row = fn(f64, [[f64; 3]; 2]) -> String;
 
 const DEG: f64 = 180.0 / std::f64::consts::PI;
 
-/// Styles: name, header, row, options of the user, what the efforts are, whether velocities are found.
+/// Styles: name, header, row, options of the user, kind of the efforts, and whether velocities are found.
 #[rustfmt::skip]
 fn styles() -> Vec<(&'static str, &'static str, Row, &'static str, Effort, bool)> {
     use Effort::{Current, Joint};
@@ -106,7 +106,7 @@ fn styles() -> Vec<(&'static str, &'static str, Row, &'static str, Effort, bool)
     ]
 }
 
-/// The text of a log, and the options of the user.
+/// Returns the text of a log and the options of the user.
 fn log_of_style(style: &str, header: &str, row: Row, columns: &str, count: usize) -> (String, ColumnOptions) {
     let text = written(header, count, row);
     let text = if style == "old line ends" { text.replace("\r\n", "\r").replace('\n', "\r") } else { text };
@@ -114,7 +114,7 @@ fn log_of_style(style: &str, header: &str, row: Row, columns: &str, count: usize
     (text.trim_start_matches('\n').to_owned(), ColumnOptions { columns, ..ColumnOptions::default() })
 }
 
-/// A short log of each style.
+/// Returns a short log of each style.
 pub(super) fn logs() -> Vec<(&'static str, Vec<u8>, ColumnOptions)> {
     let styles = styles().into_iter().map(|(style, header, row, columns, ..)| {
         let (text, options) = log_of_style(style, header, row, columns, 20);
@@ -157,7 +157,7 @@ fn columns_of_each_style_are_named() {
     insta::assert_snapshot!("styles", said.collect::<String>());
 }
 
-/// A table of Excel in western Europe, whose letters are not UTF-8.
+/// An Excel table from western Europe, whose letters are not UTF-8.
 #[test]
 fn letters_of_windows_are_read() {
     let (_, header, row, ..) = styles().into_iter().find(|style| style.0 == "italian").unwrap();
@@ -168,7 +168,7 @@ fn letters_of_windows_are_read() {
     assert!(recording.runs[0].velocities[0].is_some(), "{:?}", recording.columns);
 }
 
-/// Time, run label and values of a log of two joints that differ from sample to sample.
+/// Returns a log of two joints with the given times and run labels. Its values differ from sample to sample.
 fn log_of(rows: &[(&str, &str)]) -> String {
     let mut text = String::from("time,trial,q1,q2,tau1,tau2\n");
     for (i, (time, trial)) in rows.iter().enumerate() {
@@ -202,9 +202,12 @@ fn times_cut_runs() {
         ]
     );
     let said: Vec<String> = recording.findings.iter().take(3).map(Finding::sentence).collect();
-    assert_eq!(said[0], "log.csv, row 4: 1 samples have the time of the one before and are left out");
-    assert_eq!(said[1], "log.csv, row 8: time goes back 1 times: a new run begins at each of these rows");
-    assert_eq!(said[2], "log.csv: 1 runs of a single sample are left out");
+    assert_eq!(said[0], "log.csv, row 4: 1 samples have the same time as the sample before and are left out");
+    assert_eq!(
+        said[1],
+        "log.csv, row 8: the time goes back 1 times, and a new run begins at each of these rows"
+    );
+    assert_eq!(said[2], "log.csv: 1 runs with a single sample are left out");
     assert!(recording.findings.iter().take(3).map(|f| f.code).eq([
         "repeated-times",
         "time-goes-back",
@@ -212,7 +215,7 @@ fn times_cut_runs() {
     ]));
 }
 
-/// Jitter below a microsecond in times since 1970: a double has no digits for it.
+/// Jitter below a microsecond in times since 1970, which a double cannot represent.
 #[test]
 fn epoch_times_keep_their_digits() {
     let rows = [("1700000000000000001", ""), ("1700000000008000003", ""), ("1700000000016000000", "")];
@@ -221,7 +224,7 @@ fn epoch_times_keep_their_digits() {
     let rows = [("1700000000.000000001", ""), ("1700000000.004", ""), ("1700000000.008", "")];
     let recording = read(&log_of(&rows), &ColumnOptions::default());
     assert_eq!(recording.runs[0].times, [0.0, 0.003_999_999, 0.007_999_999]);
-    // Without a unit, by the step; and it is said.
+    // Without a unit, the time step decides, and there is a finding.
     for (step, said) in [(4_u64, "ms (250"), (4000, "µs (250"), (4_000_000, "ns (250")] {
         let times: Vec<String> = (0..4).map(|i| (i * step).to_string()).collect();
         let rows: Vec<(&str, &str)> = times.iter().map(|t| (t.as_str(), "")).collect();
@@ -242,16 +245,16 @@ fn incomplete_rows_are_left_out_by_number() {
         said[..4],
         [
             "log.csv, row 5: column `q2`: no finite number in 1 rows",
-            "log.csv, row 6: column `u1`: no finite number in 1 rows, the first as `x`",
-            "log.csv, row 7: column `u2`: no finite number in 1 rows, 1 because the row ends before",
-            "log.csv: 3 rows are left out because they are not complete",
+            "log.csv, row 6: column `u1` has no finite number in 1 rows, the first of which is `x`",
+            "log.csv, row 7: column `u2` has no finite number in 1 rows; 1 of these rows end before the column",
+            "log.csv: 3 incomplete rows are left out",
         ]
     );
     let codes: Vec<&str> = recording.findings.iter().map(|f| f.code).take(3).collect();
     assert_eq!(codes, ["missing-values", "not-a-number", "missing-values"]);
 }
 
-/// Findings of a plain log whose rows are changed.
+/// Returns the findings about an ordinary log after a change of its rows.
 fn found(
     robot: &Fake,
     columns: &str,
@@ -282,7 +285,7 @@ fn joints_that_look_wrong_are_named() {
             "degrees",
             |_, j| j[0].iter_mut().take(2).for_each(|x| *x *= DEG),
             &["far-beyond-limits"],
-            "they look like deg: --columns 'position=q{}[deg]'",
+            "the positions seem to be in deg: use --columns 'position=q{}[deg]'",
         ),
         (
             "position",
@@ -290,23 +293,24 @@ fn joints_that_look_wrong_are_named() {
             &["velocity-disagrees", "beyond-limits", "beyond-limits"],
             "limits are -3 and 3",
         ),
-        ("effort", |_, j| j[1][2] *= 1000.0, &["far-beyond-limits"], "they may be in Ncm"),
-        ("sign", |_, j| j[0][1] = -j[0][1], &["velocity-disagrees"], "the opposite sign of the slope"),
+        ("effort", |_, j| j[1][2] *= 1000.0, &["far-beyond-limits"], "the efforts may be in Ncm"),
+        ("sign", |_, j| j[0][1] = -j[0][1], &["velocity-disagrees"], "the opposite sign of the derivative"),
         (
             "velocity unit",
             |_, j| j[0][1] *= DEG,
             &["velocity-disagrees"],
-            "the slope is 0.01745 times the column; velocities in deg/s would explain it",
+            "the derivative is 0.01745 times the column; velocities in deg/s would explain it",
         ),
         ("other joint", |_, j| j[0][1] = j[1][1], &["velocity-disagrees"], "hardly correlated"),
-        ("no velocity", |_, j| j[0][1] = 0.0, &["velocity-disagrees"], "is zero while it moves"),
+        ("no velocity", |_, j| j[0][1] = 0.0, &["velocity-disagrees"], "is zero although the joint moves"),
     ];
     for (name, change, kinds, part) in cases {
         let found = found(&robot, "", change);
         assert_eq!(found.iter().map(|f| f.0).collect::<Vec<_>>(), kinds, "{name}: {found:?}");
         assert!(kinds.is_empty() || found.iter().any(|f| f.1.contains(part)), "{name}: {found:?}");
     }
-    // A gear of 100: efforts of 3 N·m at the joint are far beyond its limits if they are taken as those of the motor.
+    // With a gear ratio of 100, efforts of 3 N·m at the joint are far beyond its limits if they are read as efforts of the
+    // motor.
     let geared = Fake { gear: 100.0, ..Fake::numbered(2) };
     assert_eq!(found(&geared, "torque=u{}", |_, _| {}), []);
     let doubted = found(&geared, "", |_, _| {});
@@ -314,7 +318,7 @@ fn joints_that_look_wrong_are_named() {
     assert_eq!(found(&geared, "input=u{}", |_, j| j.iter_mut().for_each(|j| j[2] /= 100.0)), []);
 }
 
-/// A switch for all logs would bring the right run out of its units.
+/// An option for all logs would change the units of the correct run.
 #[test]
 fn a_run_that_alone_is_in_another_unit_is_named() {
     let mut text = String::from("t,q1,q2,u1,u2\n");
@@ -328,9 +332,9 @@ fn a_run_that_alone_is_in_another_unit_is_named() {
     let (prepared, _) = prepare_all(&recording.runs, None, &PreparationSettings::default()).unwrap();
     let [found] = &beyond(&robot, &recording, &prepared)[..] else { panic!("one finding") };
     let name = &recording.runs[1].name;
-    assert!(found.message.contains(&format!("rad, in run {name} alone; the described limits")), "{found}");
+    assert!(found.message.contains(&format!("rad, only in run {name}, but the described limits")), "{found}");
     assert!(
-        found.remedy.as_ref().is_some_and(|help| help.contains("bring this one to the units")),
+        found.remedy.as_ref().is_some_and(|help| help.contains("convert this log to the units")),
         "{found}"
     );
 }
@@ -348,7 +352,9 @@ fn turns_are_unwrapped() {
     let free = found(&robot, "", wrapped);
     assert_eq!(free.iter().map(|f| f.0).collect::<Vec<_>>(), ["turns"]);
     assert!(
-        free[0].1.contains("row 210, joint joint_1: its position jumps by a turn 1 times and is unwrapped"),
+        free[0].1.contains(
+            "row 210, joint joint_1: its position jumps by a full turn 1 times; the jumps are removed"
+        ),
         "{free:?}"
     );
     robot.limits[0].position = [-3.5, 3.5];
@@ -358,7 +364,7 @@ fn turns_are_unwrapped() {
     );
 }
 
-/// Inputs of an underactuated robot; a slide in millimetres.
+/// Inputs of an underactuated robot whose sliding joint is logged in millimetres.
 #[test]
 fn slides_and_inputs_have_their_units() {
     let mut cart = Fake::new(&["cart", "pole"]);
@@ -371,7 +377,7 @@ fn slides_and_inputs_have_their_units() {
     assert_eq!((recording.effort, run.efforts.as_slice()), (Effort::Input, &[vec![5.0, 6.0, 7.0]][..]));
     assert!(
         recording.columns.iter().any(|line| line.starts_with("efforts, as inputs")
-            && line.ends_with("in N as its header names no unit")),
+            && line.ends_with("in N because the header has no unit")),
         "{:?}",
         recording.columns
     );
@@ -438,7 +444,7 @@ fn several_logs_are_one_recording() {
     assert!(message(&[&folder.path().join("none.csv")]).contains("none.csv"));
 }
 
-/// As PlotJuggler exports several topics: each row has one topic's columns, the others are empty.
+/// PlotJuggler exports several topics to one table: each row has the columns of one topic, and the other columns are empty.
 #[test]
 fn topics_between_each_other_are_told_apart() {
     let mut text = String::from(
@@ -454,30 +460,30 @@ fn topics_between_each_other_are_told_apart() {
     assert_motion("topics", &recording, 100);
     assert_eq!(recording.runs[0].rows[..2], [3, 6]);
     let left = recording.findings.iter().find(|f| f.code == "rows-left-out").map(Finding::sentence);
-    assert_eq!(left.as_deref(), Some("log.csv: 200 rows are left out because they are not complete"));
+    assert_eq!(left.as_deref(), Some("log.csv: 200 incomplete rows are left out"));
 }
 
-/// Common requirement on readers: the time grows at most linearly with the input's length.
+/// All readers must meet this requirement: their time grows at most linearly with the length of the input.
 #[test]
 fn odd_logs_are_read_in_time() {
-    // Every row is a run of its own, or goes back in time.
+    // Every row is a separate run, or its time goes back.
     let rows = |row: &dyn Fn(usize) -> String| -> String {
         let rows: Vec<String> = (0..20_000).map(row).collect();
         format!("t,run,q1,q2,u1,u2\n{}\n", rows.join("\n"))
     };
     let said = message(&rows(&|i| format!("{i},{i},1,2,3,4")), "");
-    assert!(said.contains("no two samples follow each other"), "{said}");
+    assert!(said.contains("no run has two samples with increasing times"), "{said}");
     let recording = read(&rows(&|i| format!("{},1,1,2,3,4", i % 2)), &ColumnOptions::default());
     assert_eq!(recording.runs.len(), 10_000);
     assert!(recording.findings.len() < 20, "{}", recording.findings.len());
-    // More columns than any log has.
+    // The table has more columns than any log.
     let header: Vec<String> = (0..5000).map(|i| format!("topic_{i}/signal_{}", i % 7)).collect();
     let row = vec!["1"; 5000].join(",");
     let said = message(&format!("{}\n{row}\n{row}\n", header.join(",")), "");
     assert!(said.contains("(4960 more)"), "{}", &said[..200]);
 }
 
-/// A rod that follows both joints goes from −0.8 to 1.8 rad, at up to 4.1 rad/s.
+/// A rod that follows both joints moves from −0.8 rad to 1.8 rad with up to 4.1 rad/s.
 #[test]
 fn joints_that_follow_beyond_their_limits_are_named() {
     let rod = |position: [f64; 2], velocity: f64| Fake {
@@ -494,7 +500,7 @@ fn joints_that_follow_beyond_their_limits_are_named() {
     let far = found(&rod([-1.5, 1.0], 4.1), "", |_, _| {});
     assert_eq!(far.len(), 1, "{far:?}");
     assert_eq!(far[0].0, "beyond-limits");
-    let from = "joint rod: its positions (by the joints that it follows) go from -0.7";
+    let from = "joint rod: its positions (computed from the joints that it follows) range from -0.7";
     assert!(far[0].1.contains(from), "{far:?}");
     let fast = found(&rod([-1.5, 1.9], 2.0), "", |_, _| {});
     assert_eq!(fast.len(), 1, "{fast:?}");

@@ -4,7 +4,7 @@ use super::super::super::pose::QuaternionJoint;
 use super::super::super::robot::{FollowerLimits, JointLimits, Robot};
 use super::super::{ColumnOptions, runs_of};
 
-/// Joints with limits and drives, as a log needs them.
+/// Joints with limits and drives, as the reader of logs needs them.
 pub(super) struct Fake {
     pub joints: Vec<String>,
     pub inputs: Vec<String>,
@@ -16,7 +16,7 @@ pub(super) struct Fake {
 }
 
 impl Fake {
-    /// Rotary joints within ±3 rad, 4 rad/s and 100 N·m, with ideal drives.
+    /// Creates rotary joints within ±3 rad, 4 rad/s and 100 N·m, with ideal drives.
     pub(super) fn new(joints: &[&str]) -> Self {
         let joints: Vec<String> = joints.iter().map(|j| (*j).to_owned()).collect();
         Self {
@@ -30,7 +30,7 @@ impl Fake {
         }
     }
 
-    /// A floating base with four inputs.
+    /// Creates a floating base with four inputs.
     pub(super) fn floating() -> Self {
         let base = QuaternionJoint { name: "base".into(), position: 0, velocity: 0, is_floating: true };
         let inputs = ["front_right", "rear_left", "front_left", "rear_right"].map(str::to_owned).to_vec();
@@ -38,7 +38,7 @@ impl Fake {
         Self { inputs, quaternions: vec![base], ..robot }
     }
 
-    /// As many joints, with the names `joint_1`, …
+    /// Creates `count` joints with the names `joint_1`, …
     pub(super) fn numbered(count: usize) -> Self {
         let names: Vec<String> = (1..=count).map(|i| format!("joint_{i}")).collect();
         Self::new(&names.iter().map(String::as_str).collect::<Vec<_>>())
@@ -83,7 +83,7 @@ impl Robot for Fake {
     }
 }
 
-/// Why a log of two joints cannot be read.
+/// Returns the error message about a log of two joints.
 pub(super) fn message(text: &str, columns: &str) -> String {
     let columns = Some(columns.to_owned()).filter(|c| !c.is_empty());
     let options = ColumnOptions { columns, ..ColumnOptions::default() };

@@ -1,11 +1,12 @@
-//! Symmetric positive definite banded systems `(I + Σ wᵢ dᵢ dᵢᵀ) s = f`, factored as L D Lᵀ in linear time.
+//! Solver of symmetric positive definite banded systems `(I + Σ wᵢ dᵢ dᵢᵀ) s = f`. The factorization L D Lᵀ takes linear
+//! time.
 
-/// Lower band of a symmetric matrix, row by row: `rows[i][k]` is the entry (i, i − k), zero if i < k.
+/// Lower band of a symmetric matrix, row by row. `rows[i][k]` is the entry (i, i − k), or zero if i < k.
 pub(super) type Band<const W: usize> = Vec<[f64; W]>;
 
 /// Factors the band in place and solves for `x` in place. `W` is the number of diagonals of the lower half.
 ///
-/// The diagonal is at least 1 for the systems that are solved here, so no pivot is zero.
+/// The pivots are not zero, because the diagonal entries of these systems are at least 1.
 pub(super) fn solve<const W: usize>(band: &mut Band<W>, x: &mut [f64]) {
     let m = band.len();
     // Row i becomes [1/dᵢ, lᵢ,ᵢ₋₁, lᵢ,ᵢ₋₂ …]. The last W − 1 rows and their pivots stay in registers.
@@ -39,15 +40,15 @@ pub(super) fn solve<const W: usize>(band: &mut Band<W>, x: &mut [f64]) {
     }
 }
 
-/// Pivot and multipliers of one row. `rows[k]` and `pivots[k]` belong to the row k + 1 above.
+/// Returns the pivot and the multipliers of one row. `rows[k]` and `pivots[k]` belong to the row that is k + 1 rows above.
 #[inline(always)]
 fn factor_row<const W: usize>(a: [f64; W], rows: &[[f64; W]; W], pivots: &[f64; W]) -> (f64, [f64; W]) {
-    // u[k] = lᵢ,ᵢ₋ₖ dᵢ₋ₖ, from the farthest column to the nearest.
+    // u[k] = lᵢ,ᵢ₋ₖ dᵢ₋ₖ, from the farthest column to the nearest one.
     let mut u = a;
     let mut l = [0.0; W];
     for k in (1..W).rev() {
         for far in k + 1..W {
-            // Column i − far of row i − k, if it lies within the band.
+            // Column i − far of row i − k, if this column lies within the band.
             u[k] -= u[far] * rows[k - 1][far - k];
         }
         l[k] = u[k] / pivots[k - 1];

@@ -1,7 +1,7 @@
-//! First and second derivative of a sampled signal with noise and quantization.
+//! First and second derivatives of a sampled signal with noise and quantization.
 //!
 //! Total-variation regularization suits signals whose acceleration jumps ([`TotalVariation`]). It has one free parameter,
-//! which is set by hand or follows from the noise of the encoder.
+//! which is given or follows from the noise of the encoder.
 
 mod banded;
 mod total_variation;
@@ -15,27 +15,27 @@ use super::super::error::{Place, Result, require_finite, require_length, require
 pub struct Derivatives {
     /// Smoothed signal, in its unit.
     pub value: Vec<f64>,
-    /// First derivative [unit of the signal per second].
+    /// First derivative, in the unit of the signal per second.
     pub first: Vec<f64>,
-    /// Second derivative [unit of the signal per second squared].
+    /// Second derivative, in the unit of the signal per second squared.
     pub second: Vec<f64>,
-    /// Root mean square of signal minus smoothed signal.
+    /// Root mean square of the signal minus the smoothed signal, in the unit of the signal.
     pub residual: f64,
     /// Weight γ of the regularization.
     pub parameter: f64,
 }
 
-/// Standard deviation of the rounding error of an encoder, `Δ/√12` for resolution Δ.
+/// Returns the standard deviation of the rounding error of an encoder, `Δ/√12` for the resolution Δ.
 ///
-/// This holds if the signal moves by more than Δ between samples. A slower signal has correlated rounding errors.
+/// The formula holds if the signal moves by more than Δ between samples. A slower signal has correlated rounding errors.
 pub fn quantization_noise(resolution: f64) -> f64 {
     resolution / 12.0_f64.sqrt()
 }
 
-/// Fails unless lengths agree, there are enough samples, values are finite, and times increase.
+/// Fails if lengths differ, if there are too few samples, if a value is not finite, or if the times do not increase.
 ///
 /// # Errors
-/// The error of the first condition that does not hold.
+/// The error of the first condition that is violated
 fn require_signal(times: &[f64], signal: &[f64], needed: usize) -> Result<()> {
     require_samples("differentiation", needed, signal.len())?;
     require_length("times of the signal", signal.len(), times.len())?;
@@ -52,13 +52,13 @@ fn require_signal(times: &[f64], signal: &[f64], needed: usize) -> Result<()> {
     }
 }
 
-/// Root mean square of a difference.
+/// Returns the root mean square of a difference.
 fn rms_difference(a: &[f64], b: &[f64]) -> f64 {
     (a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / a.len() as f64).sqrt()
 }
 
-/// The discrepancy principle (Morozov 1966) by bisection: the number nearest to `beyond`, up to `width`, for which noise
-/// `explains` the residual. Noise must explain it for the number `explained`.
+/// Applies the discrepancy principle (Morozov 1966) by bisection. The result is the number nearest to `beyond`, up to
+/// `width`, at which noise `explains` the residual. Noise must explain the residual at the number `explained`.
 ///
 /// # Errors
 /// The errors are those of `explains`.
@@ -75,14 +75,15 @@ fn by_discrepancy(
     Ok(explained)
 }
 
-/// Largest rms residual that noise σ explains in n samples: σ plus two standard errors of the rms, `σ √(1 + 2 √(2/n))`.
+/// Returns the largest rms residual that noise with the standard deviation σ explains in n samples. It is σ plus two
+/// standard errors of the rms, `σ √(1 + 2 √(2/n))`.
 ///
-/// Without this margin a log whose noise happens to be slightly above σ would hardly be smoothed.
+/// Without this margin, a log whose noise happens to be slightly above σ would hardly be smoothed.
 fn residual_bound(sigma: f64, samples: usize) -> f64 {
     sigma * (1.0 + 2.0 * (2.0 / samples as f64).sqrt()).sqrt()
 }
 
-/// Fails unless a noise is positive and finite.
+/// Fails if a noise is not positive and finite.
 ///
 /// # Errors
 /// [`IdentificationError::Setting`](crate::error::IdentificationError::Setting)
@@ -91,7 +92,7 @@ fn require_noise(sigma: f64) -> Result<()> {
         "noise σ",
         sigma,
         sigma > 0.0,
-        "it must be positive; for an encoder it is its resolution/√12",
+        "it must be positive; the noise of an encoder is its resolution divided by √12",
     )
 }
 
@@ -147,13 +148,13 @@ mod tests {
             TotalVariation::with_gamma(1.0).differentiate(t, x).unwrap_err().to_string()
         };
         assert!(message(&[], &[]).contains("empty"));
-        assert!(message(&[0.0], &[1.0]).contains("needs at least 4 samples, there are 1"));
+        assert!(message(&[0.0], &[1.0]).contains("needs at least 4 samples, but there are 1"));
         assert!(
             message(&[0.0, 1.0, 1.0, 2.0], &ok[..4])
                 .contains("at sample 2 (counted from 0): 1 s is followed by 1 s")
         );
         assert!(message(&ok, &[0.0, 1.0, f64::NAN, 1.0, 1.0, 1.0]).contains("not finite (NaN) at row 2"));
-        assert!(message(&ok, &ok[..5]).contains("5 expected, 6 given"));
+        assert!(message(&ok, &ok[..5]).contains("5 are expected, but 6 are given"));
         let negative = TotalVariation::from_noise(-1.0).differentiate(&ok, &ok).unwrap_err().to_string();
         assert!(negative.contains("noise σ = -1 is not possible"));
     }

@@ -1,9 +1,10 @@
 //! Total-variation regularized differentiation (Chartrand 2011), by lagged diffusivity.
 //!
-//! The unknown is the smoothed signal s of the measured signal f. With the divided difference D of order k + 1 it minimizes
-//! `F(s) = ½ ‖s − f‖² + γ Δt Σ √((D s)² + ε)`. For k = 1 the variation of the first derivative is penalized (Chartrand's
-//! functional with a free offset), for k = 2 that of the second derivative. Each iteration fixes the root and solves the
-//! banded system `(I + γ Δt Dᵀ W D) s = f` with `W = 1/√((D s)² + ε)`. Its cost is linear in the number of samples.
+//! The unknown is the smoothed signal s of the measured signal f. It minimizes `F(s) = ½ ‖s − f‖² + γ Δt Σ √((D s)² + ε)`,
+//! in which D is the divided difference of order k + 1. For k = 1 the variation of the first derivative is penalized
+//! (Chartrand's functional with a free offset). For k = 2 the variation of the second derivative is penalized. Each
+//! iteration fixes the root and solves the banded system `(I + γ Δt Dᵀ W D) s = f` with `W = 1/√((D s)² + ε)`. The cost of
+//! an iteration is linear in the number of samples.
 
 use super::banded::{Band, solve};
 use super::{Derivatives, by_discrepancy, require_noise, require_signal, residual_bound, rms_difference};
@@ -12,17 +13,18 @@ use crate::error::{Result, require_setting};
 /// Settings of the total-variation regularization.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TotalVariation {
-    /// Order of the derivative whose variation is penalized: 1 (piecewise constant velocity) or 2 (piecewise linear
-    /// velocity).
+    /// Order of the derivative whose variation is penalized: 1 for piecewise constant velocities, 2 for piecewise linear
+    /// velocities.
     pub order: usize,
-    /// Weight γ of the variation, or the noise from which γ is found.
+    /// Rule for the weight γ of the variation.
     pub regularization: Regularization,
-    /// Smoothing ε of the root, in (unit of the signal / s^(order+1))². With a small ε the derivative jumps. `None` takes
-    /// the mean square of the divided difference of a quadratically smoothed signal, which suits smooth motions.
+    /// Smoothing constant ε of the root, in (unit of the signal / s^(order+1))². For a small ε the derivative jumps. If it
+    /// is `None`, ε is the mean square of the divided difference of a quadratically smoothed signal, which suits smooth
+    /// motions.
     pub epsilon: Option<f64>,
     /// Largest number of iterations.
     pub iterations: usize,
-    /// Largest change of a sample of s, as a share of the signal's range, at which the iterations end.
+    /// Largest change of a sample of s at which the iterations end, as a share of the signal's range.
     pub tolerance: f64,
 }
 
@@ -31,17 +33,17 @@ pub struct TotalVariation {
 pub enum Regularization {
     /// A given γ.
     Weight(f64),
-    /// Discrepancy principle (Morozov 1966): the largest γ at which `rms(s − f)` does not exceed this noise σ, within a
-    /// margin for chance.
+    /// Standard deviation σ of the noise. By the discrepancy principle (Morozov 1966), γ is the largest weight for which
+    /// `rms(s − f)` does not exceed σ, apart from a margin for chance.
     Noise(f64),
 }
 
-/// Minimizer of the functional: the smoothed signal and its derivative between the samples.
+/// Minimizer of the functional, with its derivative between the samples.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct TotalVariationResult {
     /// Smoothed signal s at the samples.
     pub signal: Vec<f64>,
-    /// `(sᵢ₊₁ − sᵢ)/Δtᵢ` between the samples, one entry less than the signal.
+    /// Slopes `(sᵢ₊₁ − sᵢ)/Δtᵢ` between the samples. There is one entry less than in the signal.
     pub derivative: Vec<f64>,
     /// Weight γ.
     pub gamma: f64,
@@ -50,7 +52,7 @@ pub(super) struct TotalVariationResult {
 }
 
 impl TotalVariation {
-    /// Settings with a given γ, a penalty on the first derivative's variation, and 20 iterations.
+    /// Creates settings with a given γ, a penalty on the variation of the first derivative, and 20 iterations.
     pub(super) fn with_gamma(gamma: f64) -> Self {
         Self {
             order: 1,
@@ -61,8 +63,8 @@ impl TotalVariation {
         }
     }
 
-    /// Settings with γ from the noise σ of the signal ([`super::quantization_noise`]), and a penalty on the second
-    /// derivative's variation.
+    /// Creates settings with γ from the standard deviation `sigma` of the signal's noise (see
+    /// [`super::quantization_noise`]), and with a penalty on the variation of the second derivative.
     pub fn from_noise(sigma: f64) -> Self {
         Self {
             order: 2,
@@ -72,7 +74,9 @@ impl TotalVariation {
         }
     }
 
-    /// Smoothed signal and derivatives at the sampling times.
+    /// Returns the smoothed signal and its derivatives at the sampling times.
+    ///
+    /// - `times`: sampling times in s, which must increase
     ///
     /// # Errors
     /// [`TooFewSamples`](crate::IdentificationError::TooFewSamples) for fewer than order + 3 samples,
@@ -108,7 +112,7 @@ impl TotalVariation {
         })
     }
 
-    /// The minimizer of the functional.
+    /// Computes the minimizer of the functional.
     ///
     /// # Errors
     /// The errors are those of [`Self::differentiate`].
@@ -132,21 +136,21 @@ struct Problem<'a, const W: usize> {
     settings: &'a TotalVariation,
     times: &'a [f64],
     signal: &'a [f64],
-    /// Signal without its mean, on which the functional does not depend. This avoids a loss of digits.
+    /// Signal minus its mean. The functional does not depend on the mean, and the subtraction avoids a loss of digits.
     centred: Vec<f64>,
     mean: f64,
     step: f64,
-    /// Coefficients of each divided difference; a single entry if the sampling is uniform.
+    /// Coefficients of each divided difference. There is only one entry if the sampling is uniform.
     differences: Vec<[f64; W]>,
     root: Root,
 }
 
-/// Penalty of the divided difference d.
+/// Penalty on the divided difference d.
 #[derive(Clone, Copy)]
 enum Root {
     /// `√(d² + ε)`
     Smoothed(f64),
-    /// `½ d²`, for the scale of the signal.
+    /// `½ d²`, to estimate the scale of the signal.
     Quadratic,
 }
 
@@ -192,7 +196,7 @@ impl<'a, const W: usize> Problem<'a, W> {
             self.root = Root::Quadratic;
             let smooth = self.by_discrepancy(sigma)?.signal;
             let squares: f64 = (0..smooth.len() + 1 - W).map(|i| self.difference(i, &smooth).powi(2)).sum();
-            // The floor avoids singular equations for a straight signal, whose difference is rounding error.
+            // The floor avoids singular equations for a straight signal, whose divided difference is rounding error.
             let floor = (sigma / self.duration().powi(W as i32 - 1)).powi(2);
             self.root = Root::Smoothed((squares / smooth.len() as f64).max(floor));
         }
@@ -233,7 +237,7 @@ impl<'a, const W: usize> Problem<'a, W> {
         TotalVariationResult { signal: s, derivative, gamma, iterations }
     }
 
-    /// Lower band of `I + γ Δt Dᵀ W D`.
+    /// Computes the lower band of `I + γ Δt Dᵀ W D`.
     fn assemble(&self, gamma: f64, s: &[f64], band: &mut Band<W>) {
         band.fill(std::array::from_fn(|k| if k == 0 { 1.0 } else { 0.0 }));
         let weight = gamma * self.step;
@@ -251,13 +255,13 @@ impl<'a, const W: usize> Problem<'a, W> {
         }
     }
 
-    /// The result for the largest γ whose residual the noise explains. The residual grows with γ. If it stays below the
-    /// bound for all γ, the largest γ is taken.
+    /// Returns the result for the largest γ whose residual can be explained by the noise. The residual grows with γ. If the
+    /// residual stays below the bound for all γ, the largest γ is used.
     fn by_discrepancy(&self, sigma: f64) -> Result<TotalVariationResult> {
         let residual = |result: &TotalVariationResult| rms_difference(&result.signal, self.signal);
         let sigma = residual_bound(sigma, self.signal.len());
-        // Range of γ: the product of γ and the weight of one difference, relative to 1, goes from no smoothing to a window
-        // of the whole signal.
+        // The range of γ follows from the product of γ and the weight of one difference, relative to 1. It extends from no
+        // smoothing to a window of the whole signal.
         let typical = match self.root {
             Root::Smoothed(epsilon) => epsilon.sqrt().max(sigma / self.duration().powi(W as i32 - 1)),
             Root::Quadratic => 1.0,
@@ -281,7 +285,8 @@ impl<'a, const W: usize> Problem<'a, W> {
     }
 }
 
-/// Coefficients of (W − 1)! times the divided difference at the given times, which approximates a derivative of order W − 1.
+/// Returns (W − 1)! times the coefficients of the divided difference at the given times. It approximates a derivative of
+/// order W − 1.
 fn divided_difference<const W: usize>(times: &[f64]) -> [f64; W] {
     let factorial: f64 = (1..W).map(|k| k as f64).product();
     std::array::from_fn(|i| {
@@ -317,7 +322,7 @@ mod tests {
             let moved: Vec<f64> = result.signal.iter().map(|s| s + size * random.normal()).collect();
             assert!(objective(&moved, &signal, gamma, dt) >= least);
         }
-        // A kink: the derivative is −1, then 1, and flat in between.
+        // A kink: the derivative is −1, then 1, and constant in between.
         assert!((result.derivative[50] + 1.0).abs() < 0.05 && (result.derivative[250] - 1.0).abs() < 0.05);
     }
 

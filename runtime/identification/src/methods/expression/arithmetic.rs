@@ -1,4 +1,4 @@
-//! The operations of a program over blocks of samples.
+//! Operations of a program on blocks of samples.
 
 use gelenk_formula::{Function, Operator, Unary};
 use gelenk_kernels::math::{exp, sin_cos, sin_cos_lanes, tanh};
@@ -19,7 +19,7 @@ pub(super) fn power(a: &[f64], exponent: u32, out: &mut [f64]) {
     }
 }
 
-/// −1, 0 or 1; NaN for NaN.
+/// Returns −1, 0 or 1; NaN for NaN.
 pub(crate) fn sign(x: f64) -> f64 {
     if x == 0.0 || x.is_nan() { x } else { x.signum() }
 }
@@ -30,7 +30,7 @@ const LANES: usize = 8;
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl", "x86_64+avx2+fma"))]
 #[expect(
     clippy::redundant_closure,
-    reason = "a function by its name is called where a closure is inlined, into lanes"
+    reason = "a named function would be called, but a closure is inlined into lanes"
 )]
 pub(super) fn unary(f: Unary, a: &[f64], out: &mut [f64]) {
     #[inline(always)]
@@ -91,7 +91,7 @@ pub(super) fn binary(f: Operator, a: &[f64], b: &[f64], out: &mut [f64]) {
     }
 }
 
-/// The larger of two numbers; NaN if one of them is NaN, so that NaN is never hidden.
+/// Returns the larger of two numbers; NaN if one of them is NaN, so that NaN is never hidden.
 fn larger(a: f64, b: f64) -> f64 {
     if a.is_nan() || a > b { a } else { b }
 }

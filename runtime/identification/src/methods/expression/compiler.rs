@@ -1,17 +1,17 @@
-//! Compiles expressions to operations. Equal operations exist only once.
+//! Compilation of expressions to operations. Equal operations exist only once.
 
 use super::arithmetic::{Operation, binary, unary};
 use crate::error::{IdentificationError, Result};
 use gelenk_formula::{Expression, Node};
 
-/// Appends the operations of one expression to those of earlier expressions.
+/// Compiler that appends the operations of one expression to those of earlier expressions.
 pub(super) struct Compiler<'a> {
     pub names: &'a [String],
     pub operations: &'a mut Vec<Operation>,
 }
 
 impl Compiler<'_> {
-    /// The register of the expression's value.
+    /// Returns the register that contains the value of the expression.
     pub(crate) fn compile(&mut self, expression: &Expression) -> Result<usize> {
         let operation = match &expression.node {
             Node::Number(value) => Operation::Constant(*value),
@@ -37,7 +37,7 @@ impl Compiler<'_> {
         }
     }
 
-    /// Adds an operation, or finds an equal one. Operations on constants are computed here.
+    /// Adds an operation, or finds an equal one. Operations on constants are evaluated here.
     fn push(&mut self, operation: Operation) -> usize {
         let operation = self.folded(operation);
         if let Some(i) = self.operations.iter().position(|o| *o == operation) {

@@ -1,8 +1,8 @@
-//! Expressions over named channels: library terms as `v*abs(v)` and `tanh(5*v)`.
+//! Expressions over named channels, for example library terms such as `v*abs(v)` and `tanh(5*v)`.
 //!
-//! The language is that of robot descriptions, [`gelenk_formula`], so that the same text has the same meaning there. Several
-//! expressions are compiled into one `Program`, which computes common parts once. It works on blocks of samples, with one
-//! loop per operation.
+//! The language is that of robot descriptions ([`gelenk_formula`]), so that the same text has the same meaning in both.
+//! Several expressions are compiled to one `Program`, which computes common parts once. It processes blocks of samples,
+//! with one loop per operation.
 
 mod arithmetic;
 mod compiler;
@@ -24,7 +24,7 @@ pub(crate) struct Program {
     results: Vec<(usize, Kind)>,
 }
 
-/// Intermediate values of compiled expressions. They are allocated once and reused for every block.
+/// Buffers for intermediate values of compiled expressions. They are allocated once and reused for every block.
 #[derive(Debug, Clone)]
 pub(crate) struct Workspace {
     registers: Vec<f64>,
@@ -34,8 +34,8 @@ impl Program {
     /// Parses and compiles `texts` over the channels `names`.
     ///
     /// # Errors
-    /// [`IdentificationError::Expression`] if a text is not a valid expression, and [`IdentificationError::UnknownChannel`]
-    /// if it has an unknown name.
+    /// [`IdentificationError::Expression`] if a text is not a valid expression, [`IdentificationError::UnknownChannel`] if
+    /// a text has an unknown name.
     pub(crate) fn new<S: AsRef<str>>(texts: &[S], names: &[String]) -> Result<Self> {
         let mut program = Self { channels: names.len(), operations: Vec::new(), results: Vec::new() };
         for text in texts {
@@ -48,17 +48,17 @@ impl Program {
         Ok(program)
     }
 
-    /// Number of expressions.
+    /// Returns the number of expressions.
     pub(crate) fn len(&self) -> usize {
         self.results.len()
     }
 
-    /// Kind of the expression `index`: number or truth value; `None` if the index is too large.
+    /// Returns the kind of the expression `index`, number or truth value; `None` if the index is too large.
     pub(crate) fn kind(&self, index: usize) -> Option<Kind> {
         self.results.get(index).map(|r| r.1)
     }
 
-    /// Buffers for [`Self::block`], filled with the constants.
+    /// Returns buffers for [`Self::block`], which already contain the constants.
     pub(crate) fn workspace(&self) -> Workspace {
         let mut registers = vec![0.0; self.operations.len() * BLOCK];
         for (register, operation) in registers.chunks_exact_mut(BLOCK).zip(&self.operations) {
@@ -86,13 +86,13 @@ impl Program {
         }
     }
 
-    /// Values of the expression `index` after [`Self::block`], for the first `n` samples.
+    /// Returns the values of the expression `index` after [`Self::block`], for the first `n` samples.
     pub(crate) fn result<'w>(&self, index: usize, n: usize, workspace: &'w Workspace) -> &'w [f64] {
         let register = self.results[index].0;
         &workspace.registers[register * BLOCK..register * BLOCK + n]
     }
 
-    /// Values of all expressions at all samples, one vector per expression.
+    /// Returns the values of all expressions at all samples, one vector per expression.
     ///
     /// # Errors
     /// [`IdentificationError::Shape`] if the number of channels is wrong or their lengths differ.
@@ -173,7 +173,7 @@ mod tests {
     #[test]
     fn faults_are_named() {
         let message = |text: &str| Program::new(&[text], &names()).unwrap_err().to_string();
-        assert_eq!(message("tanh(5*w)"), "there is no channel `w`; known are beta, v");
+        assert_eq!(message("tanh(5*w)"), "there is no channel `w`; the channels are beta, v");
         assert!(message("v^2").contains("pow(v, 2)"));
         assert!(message("tan(v)").contains("unknown function `tan`; did you mean `tanh`?"));
         assert!(message("v + (v < 1)").contains("a number is needed here, not a truth value"));

@@ -1,4 +1,4 @@
-//! Solution for one λ: coordinate descent, and a direct solution on the support.
+//! Solution for one λ by coordinate descent, with a direct solution on the support.
 
 use super::super::least_squares::solve_scaled;
 use super::super::moments::Moments;
@@ -17,7 +17,7 @@ pub(super) struct Problem {
     pub(super) nonnegative: Vec<bool>,
 }
 
-/// Coefficients w, and the residual correlations c = b − G w.
+/// Coefficients w, and correlations c = b − G w of the terms with the residual.
 pub(super) struct State {
     pub(super) w: DVector<f64>,
     c: DVector<f64>,
@@ -81,8 +81,8 @@ impl Problem {
         let mut gap = f64::INFINITY;
         for sweep in 1..=settings.max_sweeps {
             self.sweep(lambda, state);
-            // The direct solution ends the iteration for most λ after the first sweeps. Later ones are needed only in hard
-            // cases.
+            // For most λ, the direct solution ends the iteration after the first sweeps. Later direct solutions are needed
+            // only in hard cases.
             if sweep <= 3 || sweep % 10 == 0 {
                 self.solve_on_support(lambda, state);
                 gap = self.gap(lambda, state);
@@ -95,14 +95,14 @@ impl Problem {
             what: format!("the LASSO at λ = {}", plain(lambda, 6)),
             iterations: settings.max_sweeps,
             detail: format!(
-                "duality gap {}, wanted {}; the terms may be collinear",
+                "the duality gap is {} instead of at most {}; the terms may be collinear",
                 plain(gap, 3),
                 plain(bound, 3)
             ),
         })
     }
 
-    /// One round of coordinate descent with soft thresholding.
+    /// Performs one sweep of coordinate descent with soft thresholding.
     fn sweep(&self, lambda: f64, state: &mut State) {
         for j in 0..state.w.len() {
             let diagonal = self.gram[(j, j)];
@@ -126,9 +126,10 @@ impl Problem {
         }
     }
 
-    /// Solves the optimality conditions for the present signs (feature-sign search; Lee et al. 2006).
+    /// Solves the optimality conditions for the current signs (feature-sign search; Lee et al. 2006).
     ///
-    /// If a coefficient would change its sign, the step ends at its zero and the coefficient leaves the support.
+    /// If a coefficient would change its sign, the step ends at the zero of this coefficient, which then leaves the
+    /// support.
     fn solve_on_support(&self, lambda: f64, state: &mut State) {
         for _ in 0..state.w.len() {
             let active = active_terms(&state.w);
@@ -150,12 +151,14 @@ impl Problem {
         state.c = &self.b - &self.gram * &state.w;
     }
 
-    /// A direction that changes no fitted value if the active terms are collinear; `None` if they are not.
+    /// Returns a direction that does not change the fitted values if the active terms are collinear; `None` if they are not
+    /// collinear.
     fn null_direction(&self, active: &[usize]) -> Option<DVector<f64>> {
         let n = active.len();
         let norm = |i: usize| self.gram[(active[i], active[i])].sqrt();
         let scaled = DMatrix::from_fn(n, n, |i, j| self.gram[(active[i], active[j])] / (norm(i) * norm(j)));
-        // The least pivot of the Cholesky factorization is an upper bound of the least eigenvalue and much cheaper.
+        // The smallest pivot of the Cholesky factorization is an upper bound of the smallest eigenvalue and much cheaper to
+        // compute.
         let regular = scaled.clone().cholesky().is_some_and(|f| f.l_dirty().diagonal().amin() > 1e-5);
         if regular || n == 0 {
             return None;
@@ -166,8 +169,8 @@ impl Problem {
         is_null.then(|| DVector::from_fn(n, |i, _| eigen.eigenvectors[(i, least)] / norm(i)))
     }
 
-    /// A distant point along a null direction, such that the penalty decreases and a coefficient reaches zero; `None` if no
-    /// coefficient reaches zero.
+    /// Returns a distant point along a null direction, at which the penalty is smaller. On the way to this point a
+    /// coefficient reaches zero. `None` if no coefficient reaches zero.
     fn along_null_direction(
         &self,
         active: &[usize],
@@ -189,7 +192,7 @@ impl Problem {
         length.is_finite().then(|| DVector::from_fn(active.len(), |i, _| far(i)))
     }
 
-    /// Share of the step to `solution` that keeps all signs, and the coefficient that limits the step.
+    /// Returns the share of the step to `solution` that keeps all signs, and the coefficient that limits the step.
     fn largest_step(
         &self,
         active: &[usize],
@@ -209,7 +212,7 @@ impl Problem {
         step
     }
 
-    /// Primal minus dual objective, with the dual point `s (y − Θ w)/N` and the largest feasible s.
+    /// Returns the primal minus the dual objective. The dual point is `s (y − Θ w)/N` with the largest feasible s.
     fn gap(&self, lambda: f64, state: &State) -> f64 {
         let fitted = self.b.dot(&state.w);
         let residual_target = self.energy - fitted;

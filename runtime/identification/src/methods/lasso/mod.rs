@@ -1,7 +1,7 @@
-//! LASSO on a path of λ, by coordinate descent on the Gram matrix (Friedman, Hastie, Tibshirani 2010).
+//! LASSO along a path of λ, by coordinate descent on the Gram matrix (Friedman, Hastie, Tibshirani 2010).
 //!
-//! Every λ in this crate has the convention of glmnet and scikit-learn: `min 1/(2N) ‖y − Θ ξ‖² + λ Σ ωᵢ |ξᵢ|` for N samples
-//! with weights ωᵢ. The form `‖y − Θ ξ‖² + λ' ‖ξ‖₁` has `λ' = 2 N λ` (`paper_lambda`).
+//! Every λ in this crate follows the convention of glmnet and scikit-learn: `min 1/(2N) ‖y − Θ ξ‖² + λ Σ ωᵢ |ξᵢ|` with N
+//! samples and the penalty weights ωᵢ. In the form `‖y − Θ ξ‖² + λ' ‖ξ‖₁` the value is `λ' = 2 N λ` (`paper_lambda`).
 
 mod descent;
 #[cfg(test)]
@@ -12,7 +12,7 @@ use super::moments::Moments;
 use descent::{Problem, State};
 use nalgebra::{DMatrix, DVector};
 
-/// λ' of `‖y − Θ ξ‖² + λ' ‖ξ‖₁` for the λ of `1/(2N) ‖y − Θ ξ‖² + λ ‖ξ‖₁`.
+/// Converts λ of `1/(2N) ‖y − Θ ξ‖² + λ ‖ξ‖₁` to λ' of `‖y − Θ ξ‖² + λ' ‖ξ‖₁`.
 pub(crate) fn paper_lambda(lambda: f64, samples: usize) -> f64 {
     2.0 * samples as f64 * lambda
 }
@@ -20,15 +20,15 @@ pub(crate) fn paper_lambda(lambda: f64, samples: usize) -> f64 {
 /// Settings of the LASSO.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lasso {
-    /// Whether each term is penalized in units of its root mean square (`ωᵢ = rms θᵢ`) instead of `ωᵢ = 1`.
+    /// Whether the penalty weight of a term is its root mean square (`ωᵢ = rms θᵢ`) instead of 1.
     pub standardize: bool,
-    /// Indices of the terms without a penalty (`ωᵢ = 0`).
+    /// Indices of terms without a penalty (`ωᵢ = 0`).
     pub unpenalized: Vec<usize>,
-    /// Indices of the terms whose coefficient must not be negative.
+    /// Indices of terms whose coefficient must not be negative.
     pub nonnegative: Vec<usize>,
-    /// Duality gap at which the iteration ends, relative to `‖y‖²/(2N)`.
+    /// Duality gap at which the iteration ends, as a share of `‖y‖²/(2N)`.
     pub tolerance: f64,
-    /// Largest number of sweeps over all terms, for each λ.
+    /// Largest number of sweeps over all terms for each λ.
     pub max_sweeps: usize,
 }
 
@@ -49,17 +49,18 @@ impl Default for Lasso {
 pub struct LassoPath {
     /// Values of λ, descending.
     pub lambdas: Vec<f64>,
-    /// Coefficients `[p × number of λ]` for p terms.
+    /// Coefficients ξ of the p terms: one row for each term, one column for each λ.
     pub coefficients: DMatrix<f64>,
-    /// Duality gap of each solution: an upper bound of the distance to the optimal objective.
+    /// Duality gap of each solution: an upper bound of its objective minus the smallest objective.
     pub gaps: Vec<f64>,
 }
 
 impl Lasso {
-    /// Smallest λ at which every penalized coefficient is zero.
+    /// Returns the smallest λ at which every penalized coefficient is zero.
     ///
     /// # Errors
-    /// `ZeroColumn` if the target or a term is zero, and `Setting` or `Shape` for settings out of their range.
+    /// - `ZeroColumn`: the target or a term is zero
+    /// - `Setting`, `Shape`: a setting is out of its range
     pub(crate) fn largest_lambda(&self, moments: &Moments, target: usize) -> Result<f64> {
         let problem = Problem::new(self, moments, target)?;
         let start = problem.unpenalized_fit();
@@ -68,11 +69,12 @@ impl Lasso {
             let c = if problem.nonnegative[j] { c[j].max(0.0) } else { c[j].abs() };
             if problem.weights[j] > 0.0 { c / (problem.samples * problem.weights[j]) } else { 0.0 }
         };
-        // A few units in the last place are added, so that rounding leaves no coefficient at this λ.
+        // A few units in the last place are added, so that rounding does not leave a non-zero coefficient at this λ.
         Ok((0..c.len()).map(bound).fold(0.0, f64::max) * (1.0 + 4.0 * f64::EPSILON))
     }
 
-    /// `count` values of λ, from the least one that removes every term down to `ratio` times this value, with equal ratios.
+    /// Returns `count` values of λ in a geometric sequence. The first one is the smallest λ that removes every term, the
+    /// last one is `ratio` times as large.
     ///
     /// - `target`: index of the target column
     ///
@@ -93,11 +95,12 @@ impl Lasso {
         Ok((0..count).map(step).collect())
     }
 
-    /// Solutions for each λ. Each solution is the start of the next one.
+    /// Computes the solution for each λ. Each solution is the start of the iteration for the next λ.
     ///
     /// # Errors
-    /// `Setting` if a λ is negative or NaN, `ZeroColumn` if the target or a term is zero, and `NotConverged` if a gap stays
-    /// above the tolerance.
+    /// - `Setting`: a λ is negative or NaN
+    /// - `ZeroColumn`: the target or a term is zero
+    /// - `NotConverged`: a duality gap stays above the tolerance
     pub(crate) fn path(&self, moments: &Moments, target: usize, lambdas: &[f64]) -> Result<LassoPath> {
         let problem = Problem::new(self, moments, target)?;
         let mut path = LassoPath {
@@ -114,7 +117,7 @@ impl Lasso {
         Ok(path)
     }
 
-    /// Coefficients and chosen terms at one λ.
+    /// Returns the coefficients and the chosen terms for one λ.
     ///
     /// # Errors
     /// [`EverythingRemoved`](crate::IdentificationError::EverythingRemoved) with the largest λ that keeps a term, if no
@@ -135,7 +138,7 @@ impl Lasso {
     }
 }
 
-/// Indices of the coefficients that are not zero.
+/// Returns the indices of the coefficients that are not zero.
 pub(crate) fn active_terms(coefficients: &DVector<f64>) -> Vec<usize> {
     (0..coefficients.len()).filter(|&i| coefficients[i] != 0.0).collect()
 }

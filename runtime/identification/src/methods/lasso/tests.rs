@@ -1,4 +1,4 @@
-//! The path against closed forms and an interior-point solver.
+//! Comparison of the path with closed forms and with an interior-point solver.
 
 use super::super::moments::Samples;
 use super::*;
@@ -22,7 +22,7 @@ fn random_moments(seed: u64, m: usize, p: usize, correlated: bool) -> Moments {
     Moments::new(&Samples::from_matrix(&names, &theta, vec![y.as_slice()]).unwrap()).unwrap()
 }
 
-/// The same problem as a quadratic program in (w⁺, w⁻) ≥ 0, by an interior-point solver.
+/// Solves the same problem as a quadratic program in (w⁺, w⁻) ≥ 0 by an interior-point solver.
 fn by_interior_points(
     moments: &Moments,
     lambda: f64,
@@ -143,7 +143,9 @@ fn a_lambda_that_removes_everything_is_an_error_with_the_bound() {
     let moments = random_moments(1, 50, 4, false);
     let error = Lasso::default().fit(&moments, 0, 1e6).unwrap_err().to_string();
     assert!(
-        error.starts_with("lambda = 1e6 removes every term: the largest value that keeps one is"),
+        error.starts_with(
+            "lambda = 1e6 removes every term: the largest value that keeps at least one term is"
+        ),
         "{error}"
     );
 }

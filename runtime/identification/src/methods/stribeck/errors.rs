@@ -1,4 +1,4 @@
-//! Accuracy of the parameters: standard errors, and warnings.
+//! Standard errors of the parameters, and warnings about them.
 
 use super::super::confidence::{LongRun, covariance_of_sums};
 use super::super::margin::change;
@@ -42,11 +42,11 @@ pub(super) fn summarize(data: &Data, state: &Normal) -> StribeckFit {
     fit
 }
 
-/// Squared share of the torques below which the influence of a parameter is rounding.
+/// Squared share of the torques below which the influence of a parameter is only rounding.
 const ROUNDING: f64 = 1e-24;
 
-/// JᵀWJ with the derivatives J of the law and the weights W; zeros for a3 and a5 if the law does not depend on them, as if
-/// a2 and a4 are zero.
+/// Returns JᵀWJ with the derivatives J of the law and the weights W. The rows and columns of a3 and a5 are zero if the law
+/// does not depend on these parameters, for example if a2 and a4 are zero.
 fn shown(data: &Data, state: &Normal) -> SMatrix<f64, 5, 5> {
     let energy = data.samples.energy();
     let mut information = state.h;
@@ -59,8 +59,8 @@ fn shown(data: &Data, state: &Normal) -> SMatrix<f64, 5, 5> {
     information
 }
 
-/// `H⁻¹` with zeros for parameters that are not identifiable, a flag for each of these parameters, and the condition number
-/// of the scaled sensitivities.
+/// Returns `H⁻¹` with zeros for parameters that are not identifiable, a flag for each parameter that is not identifiable,
+/// and the condition number of the scaled sensitivities.
 fn inverse(h: &SMatrix<f64, 5, 5>) -> (SMatrix<f64, 5, 5>, [bool; 5], f64) {
     let d = h.diagonal().map(|h| if h > 0.0 { h.sqrt() } else { 1.0 });
     let scaled = SMatrix::<f64, 5, 5>::from_fn(|i, j| h[(i, j)] / (d[i] * d[j]));
@@ -85,8 +85,8 @@ fn inverse(h: &SMatrix<f64, 5, 5>) -> (SMatrix<f64, 5, 5>, [bool; 5], f64) {
 }
 
 impl StribeckFit {
-    /// The same fit with covariance and standard errors for correlated errors of neighbouring samples, see
-    /// [`super::super::confidence`].
+    /// Returns the fit with the covariance and standard errors for errors that are correlated between neighbouring samples
+    /// (see [`super::super::confidence`]).
     ///
     /// - `samples`: samples of the regression
     pub(crate) fn with_correlated_errors(mut self, samples: &Observed) -> Self {
@@ -110,14 +110,14 @@ impl StribeckFit {
         self
     }
 
-    /// Contributions of each sample to the normal equations.
+    /// Returns the contribution of each sample to the normal equations.
     fn scores(&self, samples: &Observed) -> Vec<Vec<f64>> {
         let Sensitivities { derivatives, residual } = self.sensitivities(samples);
         let score = |column: &Vec<f64>| column.iter().zip(&residual).map(|(x, r)| x * r).collect();
         derivatives.iter().map(score).collect()
     }
 
-    /// Derivatives and residual at the samples.
+    /// Returns derivatives and residual at the samples.
     pub(crate) fn sensitivities(&self, samples: &Observed) -> Sensitivities {
         let mut derivatives = samples.columns(&self.parameters).to_vec();
         if !self.offsets.is_empty() {
@@ -127,7 +127,7 @@ impl StribeckFit {
         Sensitivities { derivatives, residual }
     }
 
-    /// Changes of the parameters if some samples are left out, to first order.
+    /// Returns the changes of the parameters, to first order, if some samples are left out.
     ///
     /// - `left_out`: for each sample, whether it is left out
     pub(crate) fn changes(&self, at: &Sensitivities, left_out: &[bool]) -> DVector<f64> {
@@ -138,21 +138,21 @@ impl StribeckFit {
         change(&all, &left, &score)
     }
 
-    /// `(JᵀJ)⁻¹ Jᵀ F` with other columns F; zeros for parameters that are not identifiable.
+    /// Returns `(JᵀJ)⁻¹ Jᵀ F` for other columns F, with zeros for parameters that are not identifiable.
     pub(crate) fn map(&self, at: &Sensitivities, others: &[Vec<f64>]) -> DMatrix<f64> {
         let (inverse, ..) = inverse(&self.information);
         DMatrix::from_fn(5, 5, |i, k| inverse[(i, k)]) * at.products(others, |_| true)
     }
 }
 
-/// Derivatives and residual of a law, with offsets eliminated.
+/// Derivatives and residual of a law, after the elimination of the offsets.
 pub(crate) struct Sensitivities {
     derivatives: Vec<Vec<f64>>,
     residual: Vec<f64>,
 }
 
 impl Sensitivities {
-    /// `Jᵀ F` over some of the samples.
+    /// Returns `Jᵀ F` over the kept samples.
     fn products(&self, others: &[Vec<f64>], kept: impl Fn(usize) -> bool) -> DMatrix<f64> {
         let product = |one: &[f64], other: &[f64]| -> f64 {
             let samples = (0..one.len()).filter(|i| kept(*i));

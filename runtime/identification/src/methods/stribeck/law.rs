@@ -1,4 +1,4 @@
-//! The Stribeck law, the settings of its regression, and its result.
+//! The Stribeck law, and the settings and the result of its regression.
 
 use crate::numeric::kernel::BLOCK;
 use gelenk_findings::Finding;
@@ -9,26 +9,26 @@ use nalgebra::SMatrix;
 
 pub(crate) const NAMES: [&str; 5] = FrictionPart::STRIBECK_KEYS;
 
-/// Value of the Stribeck law at velocity `v` [N·m or N].
+/// Returns the friction torque of the Stribeck law at velocity `v` (in rad/s or m/s), in N·m or N.
 ///
 /// - `a`: parameters a1 … a5 of [the law](crate::methods::stribeck)
 pub fn stribeck_torque(v: f64, a: &[f64; 5]) -> f64 {
     a[0] * v + a[1] * (a[2] * v).tanh() + a[3] * (-a[4] * v.abs()).exp() * (3.0 * a[2] * v).tanh()
 }
 
-/// Speeds from `speed` down to a ten-thousandth of it.
+/// Returns speeds from `speed` down to a ten-thousandth of it.
 pub(crate) fn slower(speed: f64) -> impl Iterator<Item = f64> {
     (0..=180).map(move |i| speed * 0.95_f64.powi(i))
 }
 
-/// Derivatives of the Stribeck law with respect to a1 … a5 at velocity `v`.
+/// Returns the derivatives of the Stribeck law with respect to a1 … a5 at velocity `v`.
 pub(crate) fn stribeck_gradient(v: f64, a: &[f64; 5]) -> [f64; 5] {
     let mut columns = [[0.0; BLOCK]; 6];
     stribeck_block(&[v], &[0.0], a, &mut columns);
     std::array::from_fn(|i| columns[i][0])
 }
 
-/// Columns ∂τ/∂a and residual of the law over one block.
+/// Computes the columns ∂τ/∂a and the residual of the law over one block.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl", "x86_64+avx2+fma"))]
 pub(super) fn stribeck_block(v: &[f64], torque: &[f64], a: &[f64; 5], columns: &mut [[f64; BLOCK]; 6]) {
     let n = v.len().min(torque.len()).min(BLOCK);
@@ -37,7 +37,7 @@ pub(super) fn stribeck_block(v: &[f64], torque: &[f64], a: &[f64; 5], columns: &
         let (x, s) = (v[i], v[i].abs());
         let e = exp(-2.0 * a[2] * s);
         let e3 = e * e * e;
-        // tanh is written with e. Absolute errors of 1e-16 are small enough for sums of squares.
+        // tanh is expressed by e. Absolute errors of 1e-16 are small enough for sums of squares.
         let t = ((1.0 - e) / (1.0 + e)).copysign(x);
         let u = ((1.0 - e3) / (1.0 + e3)).copysign(x);
         let decay = exp(-a[4] * s);
@@ -53,13 +53,13 @@ pub(super) fn stribeck_block(v: &[f64], torque: &[f64], a: &[f64; 5], columns: &
 /// Settings of the regression of a Stribeck law.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StribeckRegression {
-    /// Number of the best starts that are refined on a part of the samples.
+    /// Number of starts that are refined on a part of the samples. They are the starts with the smallest costs.
     pub starts: usize,
     /// Whether each run has a constant torque in addition to the law.
     pub offset: bool,
     /// Largest number of passes over all samples, for each set of weights.
     pub max_iterations: usize,
-    /// Relative decrease of the cost by a step below which the refinement ends.
+    /// Relative decrease of the cost in one step at which the refinement ends.
     pub tolerance: f64,
 }
 
@@ -72,26 +72,30 @@ impl Default for StribeckRegression {
 /// Result of the regression of a Stribeck law.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StribeckFit {
-    /// Parameters a1 … a5 [N·m·s/rad, N·m, s/rad, N·m, s/rad].
+    /// Parameters a1 … a5 of [the law](crate::methods::stribeck). For a revolute joint their units are N·m·s/rad, N·m,
+    /// s/rad, N·m, s/rad.
     pub parameters: [f64; 5],
-    /// The constant torque of each run [N·m or N]; empty if the regression has no offsets.
+    /// Constant torque of each run, in N·m or N; empty if the regression has no offsets.
     pub offsets: Vec<f64>,
-    /// Covariance of the parameters for independent errors, or for correlated ones after `with_correlated_errors`. Rows and
-    /// columns of parameters that are not identifiable are zero, see [`Self::standard_errors`].
+    /// Covariance of the parameters. It holds for independent errors, or for correlated errors after
+    /// `with_correlated_errors`. Rows and columns of parameters that are not identifiable are zero, see
+    /// [`Self::standard_errors`].
     pub covariance: SMatrix<f64, 5, 5>,
-    /// Standard errors of the parameters; `None` if a parameter is not identifiable from these data.
+    /// Standard error of each parameter; `None` if the data do not determine the parameter.
     pub standard_errors: [Option<f64>; 5],
-    /// Standard errors of the parameters if all other parameters were known; `None` if a parameter is not identifiable.
+    /// Standard error of each parameter if all other parameters were known; `None` if the data do not determine the
+    /// parameter.
     pub resolutions: [Option<f64>; 5],
-    /// Residual variance σ² [(N·m)²].
+    /// Residual variance σ², in (N·m)² or N².
     pub variance: f64,
-    /// Degrees of freedom of the residual variance, or of the standard errors after `with_correlated_errors`.
+    /// Degrees of freedom of the residual variance. After `with_correlated_errors`, degrees of freedom of the standard
+    /// errors.
     pub freedom: usize,
-    /// Condition number of the sensitivities with scaled columns.
+    /// Condition number of the derivatives with respect to the parameters, with columns scaled to unit length.
     pub condition: f64,
     /// Number of passes over all samples.
     pub iterations: usize,
-    /// Whether the iteration reached its tolerance. If it did not, there is a warning.
+    /// Whether the iteration reached its tolerance. If it did not, [`Self::warnings`] contains a warning.
     pub converged: bool,
     /// Doubts about the parameters, with numbers.
     pub warnings: Vec<Finding>,
@@ -100,7 +104,7 @@ pub struct StribeckFit {
 }
 
 impl StribeckFit {
-    /// Value of the law at velocity `v`, without an offset.
+    /// Returns the friction torque of the law at velocity `v`, without an offset.
     pub(crate) fn torque(&self, v: f64) -> f64 {
         stribeck_torque(v, &self.parameters)
     }

@@ -1,10 +1,11 @@
-//! Regression of the five-parameter Stribeck law `τ = a1 v + a2 tanh(a3 v) + a4 exp(−a5 |v|) tanh(3 a3 v)`, with a constant
-//! offset of each run.
+//! Regression of the five-parameter Stribeck law `τ = a1 v + a2 tanh(a3 v) + a4 exp(−a5 |v|) tanh(3 a3 v)` with the
+//! velocity v. Each run also has a constant offset of the torque.
 //!
-//! Starts are found on at most 4000 samples. There (a1, a2, a4) and the offsets follow from (a3, a5) by linear least
-//! squares. The best starts are refined on all samples by Levenberg–Marquardt with one pass per iteration. Offsets are
-//! eliminated from the normal equations (Golub, Pereyra 1973), so they cost no iteration, and the law stays odd. If the
-//! torques passed a filter, the law and its derivatives pass it, too.
+//! Starts of the iteration are found on at most 4000 samples. For given (a3, a5), the other parameters and the offsets
+//! follow from linear least squares. The best starts are refined on all samples by the Levenberg–Marquardt method, with one
+//! pass over the samples per iteration. The offsets are eliminated from the normal equations (Golub, Pereyra 1973).
+//! Therefore they cost no iterations, and the law stays odd. If the torques were filtered, the law and its derivatives pass
+//! the same filter.
 
 mod errors;
 mod law;
@@ -27,7 +28,8 @@ use starts::search;
 impl StribeckRegression {
     /// Fits the law to a single run.
     ///
-    /// - `velocities`, `torques`: m samples [rad/s, N·m]
+    /// - `velocities`: velocities of m samples in rad/s or m/s
+    /// - `torques`: torques of the samples in N·m or N
     ///
     /// # Errors
     /// - [`TooFewSamples`](crate::IdentificationError::TooFewSamples), [`Empty`](crate::IdentificationError::Empty):
@@ -47,7 +49,7 @@ impl StribeckRegression {
         })
     }
 
-    /// Fits one law to several runs. Each run has an offset of its own. Parameters that diverge give a warning.
+    /// Fits one law to several runs. Each run has a separate offset. Parameters that diverge give a warning.
     ///
     /// # Errors
     /// The errors are those of [`Self::fit`], and `Shape` if the runs do not cover the samples.
@@ -59,7 +61,7 @@ impl StribeckRegression {
         Ok(summarize(&data, &search(&data, self)?))
     }
 
-    /// Parameters of a fit to samples with other weights that starts at a known law.
+    /// Fits the law to samples with other weights, from a known law as the start. Returns the parameters a1 … a5.
     pub(crate) fn refit(&self, known: &StribeckFit, samples: &Observed) -> [f64; 5] {
         let data = Data { samples: *samples, offset: self.offset };
         let offsets = if self.offset { known.offsets.clone() } else { vec![0.0; samples.runs.len()] };

@@ -9,26 +9,26 @@ use std::ops::Range;
 /// Number of columns: five derivatives and the residual.
 const WIDTH: usize = 6;
 
-/// First damping for starts near the result.
+/// First damping if the start is near the result.
 pub(super) const NEAR: f64 = 1e-8;
 
 /// The samples of a regression.
 #[derive(Clone, Copy)]
 pub(crate) struct Observed<'a> {
-    /// ẏ of m samples [rad/s or m/s].
+    /// Velocities ẏ of m samples, in rad/s or m/s.
     pub(crate) v: &'a [f64],
-    /// Torques of the samples [N·m or N].
+    /// Torques of the samples, in N·m or N.
     pub(crate) torque: &'a [f64],
     /// Weights of the samples; `None` if all weights are 1.
     pub(crate) weights: Option<&'a [f64]>,
-    /// Contiguous ranges of samples that cover all samples.
+    /// Contiguous ranges of samples. Together they cover all samples.
     pub(crate) runs: &'a [Range<usize>],
-    /// The filter that the torques passed. The law passes it, too. `None` if the torques passed no filter.
+    /// Filter of the torques, which the law must also pass; `None` if the torques were not filtered.
     pub(crate) filtered: Option<&'a Filtered<'a>>,
 }
 
 impl Observed<'_> {
-    /// Columns ∂τ/∂a and residual of the law at some samples.
+    /// Returns the columns ∂τ/∂a and the residual of the law at some samples.
     ///
     /// - `rows`: at most [`BLOCK`] samples
     /// - `passed`: filtered columns of all samples; `None` if there is no filter
@@ -49,7 +49,7 @@ impl Observed<'_> {
         }
     }
 
-    /// The filtered columns of all samples; `None` if there is no filter.
+    /// Returns the filtered columns of all samples; `None` if there is no filter.
     fn passed(&self, a: &[f64; 5]) -> Option<Columns> {
         let filtered = self.filtered?;
         let mut columns = Columns::default();
@@ -65,12 +65,12 @@ impl Observed<'_> {
         Some(columns)
     }
 
-    /// Σ τ².
+    /// Returns Σ τ².
     pub(super) fn energy(&self) -> f64 {
         self.torque.iter().map(|t| t * t).sum()
     }
 
-    /// The columns of all samples, filtered if there is a filter.
+    /// Returns the columns of all samples, filtered if there is a filter.
     pub(super) fn columns(&self, a: &[f64; 5]) -> Columns {
         self.passed(a).unwrap_or_else(|| evaluated(self.v, self.torque, a))
     }
@@ -89,23 +89,25 @@ fn evaluated(v: &[f64], torque: &[f64], a: &[f64; 5]) -> Columns {
     all
 }
 
-/// The samples and the kind of a regression.
+/// Samples and settings of a regression.
 pub(super) struct Data<'a> {
     pub(super) samples: Observed<'a>,
     /// Whether each run has a constant in addition to the law.
     pub(super) offset: bool,
 }
 
-/// Cost Σ w r², JᵀW J and JᵀW r at one point, with the offsets eliminated.
+/// Cost Σ w r², JᵀW J and JᵀW r at one point, after the elimination of the offsets. Here J are the derivatives of the law,
+/// w the weights and r the residuals.
 #[derive(Clone)]
 pub(super) struct Normal {
     pub(super) a: [f64; 5],
     pub(super) cost: f64,
     pub(super) h: SMatrix<f64, 5, 5>,
     pub(super) g: SVector<f64, 5>,
-    /// The best offset of each run at this point.
+    /// Best offset of each run at this point.
     pub(super) offsets: Vec<f64>,
-    /// Mean of the derivatives in each run. A step changes the offset by minus its product with this mean.
+    /// Mean of the derivatives in each run. A step of the parameters changes the offset by minus the product of the step
+    /// and this mean.
     pub(super) levels: Vec<SVector<f64, 5>>,
     pub(super) iterations: usize,
     pub(super) converged: bool,
@@ -114,7 +116,7 @@ pub(super) struct Normal {
 impl Data<'_> {
     /// Computes the normal equations in one pass over the samples.
     ///
-    /// - `offsets`: offsets near the best ones, so that their elimination cancels no digits
+    /// - `offsets`: offsets near the best ones, so that their elimination does not cancel digits
     pub(super) fn normal(&self, a: [f64; 5], offsets: &[f64]) -> Normal {
         let mut state = Normal {
             a,
@@ -129,7 +131,7 @@ impl Data<'_> {
         let passed = self.samples.passed(&a);
         for (k, run) in self.samples.runs.iter().enumerate() {
             let (sums, constant, total) = self.products(run, &a, passed.as_ref(), offsets[k]);
-            // Without weight or offset nothing is eliminated.
+            // Without weights or offsets, nothing is eliminated.
             let share = if self.offset && total > 0.0 { 1.0 / total } else { 0.0 };
             let product =
                 |i: usize, j: usize| sums[i.max(j) * WIDTH + i.min(j)] - constant[i] * constant[j] * share;
@@ -142,7 +144,8 @@ impl Data<'_> {
         state
     }
 
-    /// Products of the columns over one run, their products with a constant, and the sum of the weights.
+    /// Returns the products of the columns over one run, the products of the columns with a constant, and the sum of the
+    /// weights.
     fn products(
         &self,
         run: &Range<usize>,
@@ -177,9 +180,10 @@ impl Data<'_> {
         (sums, constants, total)
     }
 
-    /// Levenberg–Marquardt on the 5 × 5 normal equations, with damping in units of the diagonal.
+    /// Refines the parameters by the Levenberg–Marquardt method on the 5 × 5 normal equations. The damping is relative to
+    /// the diagonal.
     ///
-    /// - `first_damping`: [`NEAR`] if the start comes from the same data, so that nearly undamped steps succeed at once
+    /// - `first_damping`: [`NEAR`] if the start comes from the same data, so that nearly undamped steps succeed immediately
     pub(super) fn refine(
         &self,
         start: [f64; 5],
@@ -188,7 +192,7 @@ impl Data<'_> {
         first_damping: f64,
     ) -> Normal {
         let mut best = self.normal(start, &offsets);
-        // Cost that rounding in the residuals leaves if the law fits exactly.
+        // Cost that rounding errors of the residuals leave if the law fits exactly.
         let floor = 1e-28 * self.samples.energy();
         let mut damping = first_damping;
         let mut passes = 1;
@@ -221,13 +225,13 @@ impl Data<'_> {
     }
 }
 
-/// Offsets after a step, to first order.
+/// Returns the offsets after a step, to first order.
 fn ahead(state: &Normal, step: &SVector<f64, 5>) -> Vec<f64> {
     state.offsets.iter().zip(&state.levels).map(|(offset, level)| offset - level.dot(step)).collect()
 }
 
 fn damped_step(normal: &Normal, damping: f64) -> Option<SVector<f64, 5>> {
-    // A parameter without influence has a zero diagonal. A one in its place keeps its step at zero.
+    // A parameter without influence has a zero on the diagonal. A one instead of this zero keeps its step at zero.
     let d = normal.h.diagonal().map(|h| if h > 0.0 { h.sqrt() } else { 1.0 });
     let mut scaled = SMatrix::<f64, 5, 5>::from_fn(|i, j| normal.h[(i, j)] / (d[i] * d[j]));
     for i in 0..5 {

@@ -1,4 +1,4 @@
-//! Search for the best minimum: starts on a grid over (a3, a5), refined on a part of the samples.
+//! Search for the global minimum: starts on a grid over (a3, a5), which are refined on a part of the samples.
 
 use super::super::filtered::{Filtered, FilteredRun};
 use super::law::{StribeckRegression, slower, stribeck_torque};
@@ -14,16 +14,16 @@ const DECAYS: usize = 6;
 /// Largest number of samples in the search.
 const SAMPLES: usize = 4000;
 
-/// Share of the cost by which laws must differ to be distinguishable.
+/// Smallest difference of the costs of two distinguishable laws, as a share of the cost.
 const LEAST_DIFFERENCE: f64 = 0.01;
 
-/// Share of the cost within which two refinements count as the same minimum.
+/// Largest difference of the costs of two refinements that count as the same minimum, as a share of the cost.
 const SAME: f64 = 1e-6;
 
 /// First damping for starts on a coarse grid.
 const FAR: f64 = 1e-3;
 
-/// Every n-th sample.
+/// Samples of a regression, reduced to every n-th sample.
 struct Thinned<'a> {
     v: Vec<f64>,
     torque: Vec<f64>,
@@ -66,10 +66,10 @@ fn every<'a>(filtered: &Filtered<'a>, stride: usize) -> Filtered<'a> {
     Filtered { filter: filtered.filter, runs: filtered.runs.iter().map(thin).collect() }
 }
 
-/// The best law on all samples.
+/// Returns the best law for all samples.
 ///
-/// The grid points with the least costs are refined on a part of the samples. Results that this part does not distinguish
-/// are refined on all samples.
+/// The grid points with the smallest costs are refined on a part of the samples. If this part does not distinguish several
+/// results, these are refined on all samples.
 ///
 /// # Errors
 /// [`IdentificationError::NotConverged`] if no grid point has a finite cost.
@@ -92,11 +92,11 @@ pub(super) fn search(data: &Data, settings: &StribeckRegression) -> Result<Norma
     best.ok_or_else(|| IdentificationError::NotConverged {
         what: "the search for starts".into(),
         iterations: STEEPNESSES * DECAYS,
-        detail: format!("no finite cost at speeds up to {fastest} rad/s"),
+        detail: format!("the cost is not finite for any start, with speeds up to {fastest} rad/s"),
     })
 }
 
-/// The laws whose costs the samples do not distinguish from the least cost. Each minimum occurs once.
+/// Returns the laws whose costs the samples do not distinguish from the smallest cost. Each minimum occurs once.
 fn alike(mut laws: Vec<Normal>) -> Vec<Normal> {
     laws.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     laws.dedup_by(|b, a| b.cost <= a.cost * (1.0 + SAME));
@@ -105,7 +105,8 @@ fn alike(mut laws: Vec<Normal>) -> Vec<Normal> {
     laws
 }
 
-/// Whether the law is positive at speeds from a ten-thousandth of the fastest speed to the fastest speed.
+/// Returns whether the law is not negative at all speeds from a ten-thousandth of the fastest speed up to the fastest
+/// speed.
 fn dissipates(a: &[f64; 5], fastest: f64) -> bool {
     slower(fastest).all(|v| stribeck_torque(v, a) >= 0.0)
 }
@@ -121,11 +122,11 @@ fn grid(data: &Data, fastest: f64) -> Vec<Vec<Option<Normal>>> {
     (0..STEEPNESSES).map(row).collect()
 }
 
-/// Least squares of (a1, a2, a4) and the offsets for given (a3, a5), slightly damped so that few samples are enough; `None`
-/// if the cost is not finite.
+/// Solves least squares for (a1, a2, a4) and the offsets at given (a3, a5); `None` if the cost is not finite. A slight
+/// damping makes few samples sufficient.
 fn linear_part(data: &Data, a3: f64, a5: f64) -> Option<Normal> {
     const LINEAR: [usize; 3] = [0, 1, 3];
-    // The residual of this law is the torque.
+    // If a1, a2 and a4 are zero, the residual is the torque.
     let zero = data.normal([0.0, 0.0, a3, 0.0, a5], &vec![0.0; data.samples.runs.len()]);
     let damping = |i: usize, j: usize| if i == j { 1.0 + 1e-9 } else { 1.0 };
     let h = SMatrix::<f64, 3, 3>::from_fn(|i, j| zero.h[(LINEAR[i], LINEAR[j])] * damping(i, j));
@@ -139,7 +140,8 @@ fn linear_part(data: &Data, a3: f64, a5: f64) -> Option<Normal> {
     cost.is_finite().then_some(Normal { a: [x[0], x[1], a3, x[2], a5], offsets, cost, ..zero })
 }
 
-/// `count` grid points: first the local minima of the cost, then the other points, each in the order of their costs.
+/// Returns `count` grid points. The local minima of the cost are first, then the other points follow. Each group is in the
+/// order of the costs.
 fn hollows(grid: &[Vec<Option<Normal>>], count: usize) -> Vec<Normal> {
     let at = |i: usize, j: usize| grid.get(i).and_then(|row| row.get(j)).and_then(Option::as_ref);
     let cost = |i: usize, j: usize| at(i, j).map_or(f64::INFINITY, |start| start.cost);

@@ -1,4 +1,4 @@
-//! The regression on made data.
+//! Regression of the Stribeck law on synthetic data.
 
 use super::super::confidence::quantile;
 use super::super::filtered::{Filtered, FilteredRun};
@@ -46,7 +46,7 @@ fn intervals_cover_the_truth_as_often_as_they_say() {
             covered[i] += usize::from(error <= t * fit.standard_errors[i].unwrap());
         }
     }
-    // 90 % of 200, ± 3 binomial standard deviations of 4.2, and a little for the law being nonlinear.
+    // 90 % of 200 fits, ± 3 binomial standard deviations of 4.2, and a margin because the law is nonlinear.
     assert!(covered.iter().all(|c| (165..=195).contains(c)), "{covered:?} of 200");
 }
 
@@ -78,9 +78,9 @@ fn bad_input_has_messages() {
     let regression = StribeckRegression::default();
     let message = |v: &[f64], t: &[f64]| regression.fit(v, t).unwrap_err().to_string();
     assert!(message(&[], &[]).contains("empty"));
-    assert!(message(&[1.0; 5], &[1.0; 5]).contains("at least 6 samples, there are 5"));
+    assert!(message(&[1.0; 5], &[1.0; 5]).contains("at least 6 samples, but there are 5"));
     assert!(message(&[0.3; 9], &[1.0; 9]).contains("the velocity is constant (0.3) in all 9 samples"));
-    assert!(message(&[f64::NAN; 9], &[1.0; 9]).contains("9 such values of 9"));
+    assert!(message(&[f64::NAN; 9], &[1.0; 9]).contains("9 of 9 values are not finite"));
     let zero = regression.fit(&data(100, 0.0, 1).0, &[0.0; 100]).unwrap();
     assert!(zero.parameters.iter().all(|a| a.is_finite()) && zero.torque(0.7).abs() < 1e-9);
 }
@@ -99,7 +99,7 @@ fn an_offset_is_found_beside_the_law_and_leaves_it_alone() {
         assert!((fit.parameters[i] - TRUE[i]).abs() < 4.0 * fit.standard_errors[i].unwrap());
     }
     assert!((fit.offsets[0] - 3.0).abs() < 0.01 && (fit.offsets[1] + 1.0).abs() < 0.01, "{:?}", fit.offsets);
-    // One offset cannot be both, and none is what the odd law ignores.
+    // One offset for both runs cannot fit the data. A fit without offsets returns none.
     let one = StribeckRegression::default().fit(&v, &moved).unwrap();
     assert!(one.variance > 1.0 && (fit.variance / 0.0025 - 1.0).abs() < 0.1);
     let none = StribeckRegression { offset: false, ..Default::default() };
@@ -111,7 +111,7 @@ fn physical_words_are_what_the_law_does() {
     let (v, torque) = data(6000, 0.05, 2);
     let fit = StribeckRegression::default().fit(&v, &torque).unwrap();
     let words = fit.words();
-    // Viscous friction and Coulomb's level from the curve itself, at speeds where the excess is gone.
+    // Viscous and Coulomb friction from the curve itself, at speeds at which the excess of static friction is negligible.
     let slope = (fit.torque(30.0) - fit.torque(20.0)) / 10.0;
     assert!((words.viscous.value - slope).abs() < 1e-9);
     assert!((words.coulomb.value - (fit.torque(20.0) - 20.0 * slope)).abs() < 1e-9);
@@ -123,7 +123,7 @@ fn physical_words_are_what_the_law_does() {
     assert!(line.contains("static F_s = 2.263 ± 0.035 N·m"), "{line}");
 }
 
-/// The starts do not know the scale: the law of a slow slide, and one with a dip far out.
+/// The starts do not depend on the scale: the laws are those of a slow slide and of a joint whose dip is at high speeds.
 #[test]
 fn the_best_of_several_starts_is_found_at_any_scale() {
     for (scale, a) in [(0.004, [300.0, 9.0, 6000.0, 5.0, 900.0]), (40.0, [0.02, 1.0, 4.0, 0.8, 0.1])] {
@@ -137,7 +137,7 @@ fn the_best_of_several_starts_is_found_at_any_scale() {
     }
 }
 
-/// Without slow samples the step at zero is anybody's guess; a law that drives the joint there is none.
+/// Without slow samples, the step at zero is not determined. A law that drives the joint must not be chosen.
 #[test]
 fn of_laws_that_fit_alike_one_that_dissipates_is_taken() {
     for seed in 0..10 {
@@ -179,7 +179,8 @@ fn correlated_errors_widen_the_intervals() {
     assert_eq!(honest.parameters, fit.parameters);
 }
 
-/// A second search: from the law that made the data. Laws are steep and flat, with and without an excess.
+/// A second search starts from the law that made the data. The laws are steep or flat, with or without an excess of static
+/// friction.
 #[test]
 fn no_worse_minimum_is_taken_than_the_one_near_the_truth() {
     let mut random = SplitMix64::new(31);
@@ -193,7 +194,7 @@ fn no_worse_minimum_is_taken_than_the_one_near_the_truth() {
             between(&mut random, 0.1, 5.0),
             between(&mut random, 2.0, 50.0),
         ];
-        // Ties and zeros: no viscous friction, the excess of Coulomb's size, as steep as the fall.
+        // Special cases: no viscous friction, an excess as large as Coulomb friction, equal steepness of rise and fall.
         match case % 4 {
             0 => a[0] = 0.0,
             1 => a[3] = a[1],
@@ -212,7 +213,7 @@ fn no_worse_minimum_is_taken_than_the_one_near_the_truth() {
     }
 }
 
-/// The law passes the filter of the torques: positions of a log at 100 Hz, a filter that rounds the step at zero.
+/// The law passes the filter of the torques. Positions are logged at 100 Hz, and the filter smooths the step at zero.
 #[test]
 fn a_filter_of_the_torques_changes_no_parameter() {
     let filter = Filter::new(6.0, 0.01).unwrap();
@@ -225,7 +226,7 @@ fn a_filter_of_the_torques_changes_no_parameter() {
             .collect();
         let torque: Vec<f64> = v.iter().map(|v| stribeck_torque(*v, &a) + 0.1 * random.normal()).collect();
         let torque = filter.apply(&torque);
-        // The ends are left out: there the filter sees a continuation.
+        // The ends are left out, because the filter uses a continuation of the signal there.
         let kept: Vec<usize> = (50..2950).filter(|i| i % 400 > 40).collect();
         let of = |all: &[f64]| -> Vec<f64> { kept.iter().map(|i| all[*i]).collect() };
         let (samples, torques) = (of(&v), of(&torque));

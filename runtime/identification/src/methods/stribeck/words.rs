@@ -1,4 +1,4 @@
-//! The physical parameters of a Stribeck law.
+//! Physical parameters of a Stribeck law.
 
 use super::law::StribeckFit;
 use gelenk_findings::digits::with_error;
@@ -12,22 +12,22 @@ pub(crate) struct Estimate {
     pub(crate) standard_error: Option<f64>,
 }
 
-/// Physical parameters that follow from a1 … a5. At speeds v beyond the step at zero, which has the width 1/a3, the law is
-/// `F_v v + F_c + (F_s − F_c) exp(−v/v_s)`.
+/// Physical parameters of a Stribeck law, which follow from a1 … a5. At speeds v above the width 1/a3 of the step at zero,
+/// the law is `F_v v + F_c + (F_s − F_c) exp(−v/v_s)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct StribeckWords {
-    /// Coulomb friction F_c = a2 [N·m or N].
+    /// Coulomb friction F_c = a2, in N·m or N.
     pub coulomb: Estimate,
-    /// Static friction F_s = a2 + a4 [N·m or N]: the torque at which the joint breaks away.
+    /// Static friction F_s = a2 + a4, in N·m or N: the torque at which the joint begins to move.
     pub static_friction: Estimate,
-    /// Stribeck speed v_s = 1/a5 [rad/s or m/s], at which the excess of static friction has fallen to 1/e.
+    /// Stribeck speed v_s = 1/a5, in rad/s or m/s. At this speed F_s − F_c has fallen to 1/e of its value at rest.
     pub stribeck_speed: Estimate,
-    /// Viscous friction F_v = a1 [N·m s/rad or N s/m].
+    /// Viscous friction F_v = a1, in N·m s/rad or N s/m.
     pub viscous: Estimate,
 }
 
 impl StribeckFit {
-    /// The physical parameters, with standard errors to first order.
+    /// Returns the physical parameters, with standard errors to first order.
     pub(crate) fn words(&self) -> StribeckWords {
         let [a1, a2, _, a4, a5] = self.parameters;
         let own = |i: usize, value: f64| Estimate { value, standard_error: self.standard_errors[i] };
@@ -50,7 +50,7 @@ impl StribeckFit {
 }
 
 impl StribeckWords {
-    /// One line of text, with the given units of torque and velocity.
+    /// Returns one line of text with the given units of torque and velocity.
     pub(crate) fn line(&self, unit: &str, velocity_unit: &str) -> String {
         let text = |estimate: Estimate| with_error(estimate.value, estimate.standard_error);
         format!(

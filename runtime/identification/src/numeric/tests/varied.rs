@@ -5,11 +5,11 @@ use std::cell::Cell;
 use std::fmt::Write;
 
 thread_local! {
-    /// The level that is varied, and the factor.
+    /// The level that is varied, and the factor by which it is multiplied.
     static CHANGE: Cell<(&'static str, f64)> = const { Cell::new(("", 1.0)) };
 }
 
-/// A number that a factor changes.
+/// A value that can be multiplied by a factor.
 pub(crate) trait Varied: Copy {
     fn times(self, factor: f64) -> Self;
 }
@@ -50,7 +50,8 @@ pub(crate) fn with<R>(name: &'static str, factor: f64, of: impl FnOnce() -> R) -
 /// Findings of named cases.
 pub(crate) type Outcomes = Vec<(String, String)>;
 
-/// A page of the cases, and of those that half and twice each number changes.
+/// Returns a page with the findings of the cases, and for each level the cases whose findings change if the level is halved
+/// or doubled.
 pub(crate) fn page<'n>(
     names: impl Iterator<Item = &'n &'static str>,
     outcomes: &dyn Fn() -> Outcomes,

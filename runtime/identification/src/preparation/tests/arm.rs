@@ -1,9 +1,9 @@
-//! Arms of revolute joints with their regressor, written by the equations of a body's wrench.
+//! Arms of revolute joints with their regressor, derived from the equations of a body's wrench.
 
 use super::super::super::robot::{JointLimits, Robot};
 use nalgebra::{Matrix3, Rotation3, SMatrix, Unit, Vector3};
 
-/// A joint: where it stands in the frame before it, and its axis there.
+/// A joint with its origin and orientation in the frame before it, and its axis in its own frame.
 #[derive(Debug, Clone)]
 pub(crate) struct Joint {
     pub origin: Vector3<f64>,
@@ -11,8 +11,8 @@ pub(crate) struct Joint {
     pub axis: Unit<Vector3<f64>>,
 }
 
-/// A chain of bodies; each has m, m c, and Ixx Ixy Ixz Iyy Iyz Izz about its joint's frame; then the rotors'
-/// inertias, which stand on the diagonal.
+/// A chain of bodies. Each body has the parameters m, m c, and Ixx Ixy Ixz Iyy Iyz Izz about the frame of its joint. The
+/// inertias of the rotors follow. They are on the diagonal of the mass matrix.
 #[derive(Debug, Clone)]
 pub(crate) struct Arm {
     pub joints: Vec<Joint>,
@@ -33,7 +33,7 @@ impl Joint {
 }
 
 impl Arm {
-    /// Two links that swing in a vertical plane, 0.4 m and 0.3 m long.
+    /// Creates two links of 0.4 m and 0.3 m that swing in a vertical plane.
     pub(crate) fn pendulum() -> Self {
         let joints = vec![
             Joint::new([0.0; 3], [0.0; 3], [0.0, 1.0, 0.0]),
@@ -45,7 +45,7 @@ impl Arm {
         Self { joints, gravity: Vector3::new(0.0, 0.0, -9.81), parameters }
     }
 
-    /// The kinematics of a UR10; its inertias are to be found.
+    /// Creates the kinematics of a UR10, whose inertias are to be identified.
     pub(crate) fn ur10() -> Self {
         let right = std::f64::consts::FRAC_PI_2;
         let joints = vec![
@@ -59,7 +59,8 @@ impl Arm {
         Self { joints, gravity: Vector3::new(0.0, 0.0, -9.81), parameters: vec![0.0; 66] }
     }
 
-    /// Spatial velocities and accelerations of the bodies in their own frames; gravity as an acceleration.
+    /// Returns the spatial velocities and accelerations of the bodies in their own frames. Gravity counts as an
+    /// acceleration.
     fn motion(&self, y: &[f64], v: &[f64], a: &[f64]) -> Vec<[Vector3<f64>; 3]> {
         let mut states = Vec::new();
         let mut state = [Vector3::zeros(), Vector3::zeros(), -self.gravity];
@@ -80,7 +81,7 @@ impl Arm {
     }
 }
 
-/// Force and moment about the frame's origin by the ten parameters.
+/// Returns force and moment about the frame's origin as functions of the ten parameters.
 fn wrenches([w, dw, a]: [Vector3<f64>; 3]) -> Wrenches {
     let cross = |v: &Vector3<f64>| v.cross_matrix();
     let mut all = Wrenches::zeros();
@@ -170,7 +171,7 @@ impl Robot for Arm {
     }
 }
 
-/// A double pendulum by Lagrange's equations, as textbooks print them.
+/// A double pendulum, compared with Lagrange's equations from textbooks.
 #[test]
 fn the_pendulum_obeys_lagranges_equations() {
     let arm = Arm::pendulum();
@@ -186,7 +187,7 @@ fn the_pendulum_obeys_lagranges_equations() {
     let k2 = h * y[1].sin() * v[0] * v[0];
     let g2 = m2 * c2 * g * (y[0] + y[1]).sin();
     let g1 = (m1c1 + m2 * l) * g * y[0].sin() + g2;
-    // Upright at zero: gravity pulls the arm over.
+    // The arm is upright at zero, so that gravity pulls it over.
     assert!((forces[0] - (m11 * a[0] + m12 * a[1] + k1 - g1)).abs() < 1e-12);
     assert!((forces[1] - (m12 * a[0] + (i2 + 0.15) * a[1] + k2 - g2)).abs() < 1e-12);
 }

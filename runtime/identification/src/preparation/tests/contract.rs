@@ -1,4 +1,4 @@
-//! Contract of `prepare_all` about lengths, gaps, faults and settings.
+//! Requirements on `prepare_all` about lengths, gaps, faults and settings.
 
 use super::super::super::run::{Effort, Run};
 use super::super::{JointPreparation, PreparationReport, PreparationSettings, prepare_all};
@@ -50,9 +50,11 @@ fn gaps_split_and_faults_are_named() {
     assert_eq!(runs.len(), 2);
     assert!(runs[0].times.last().unwrap() < &3.5 && runs[1].times[0] > 3.8);
     let said: Vec<String> = report.findings.iter().map(Finding::sentence).collect();
-    assert_eq!(said[0], "simulated 3: it is split by 1 gaps of 0.305 s, the first after row 701");
+    assert_eq!(said[0], "simulated 3: it is split at 1 gaps of 0.305 s, the first of which is after row 701");
     assert!(
-        said[1].ends_with("joint joint 2: 1 spikes of its position are left out, the first in row 302"),
+        said[1].ends_with(
+            "joint joint 2: 1 spikes of its position are left out, the first of which is in row 302"
+        ),
         "{said:?}"
     );
     let fault = report.joints[1].fault.as_ref().unwrap();
@@ -118,7 +120,7 @@ fn runs_that_cannot_be_prepared_say_why() {
     let mut run = recorded();
     run.efforts.pop();
     let message = prepare_all(&[recorded(), run], None, &none).unwrap_err().to_string();
-    assert!(message.contains("efforts of run simulated 3: 2 expected, 1 given"), "{message}");
+    assert!(message.contains("efforts of run simulated 3: 2 are expected, but 1 are given"), "{message}");
 }
 
 #[test]
@@ -135,7 +137,7 @@ fn what_the_estimate_finds_left_of_delays_is_added_and_said() {
     assert!(said(&report).is_empty());
     report.refine(&[[3e-3, 1e-4], [2e-4, 3e-4]]);
     assert_eq!([report.delays[0].removed, report.joints[1].delay], [3e-3, 2e-4]);
-    // The second one is not told from none.
+    // The second delay does not differ significantly from zero.
     let notes = said(&report);
     assert!(
         notes.len() == 1 && notes[0].starts_with("joint joint 1: its effort comes 3.0 ms after"),
@@ -151,7 +153,7 @@ fn what_the_estimate_finds_left_of_delays_is_added_and_said() {
     assert_eq!(said(&report), notes);
 }
 
-/// Six joints with one delay had six notes of the same words.
+/// Six joints with one delay used to have six identical notes.
 #[test]
 fn a_delay_that_joints_share_is_said_once() {
     let (_, mut report) = prepare_all(&[recorded()], None, &PreparationSettings::default()).unwrap();

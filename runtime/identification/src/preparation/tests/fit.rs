@@ -1,13 +1,14 @@
-//! Plain least squares over all parameters with friction, as a stranger would do it.
+//! Ordinary least squares over all parameters with friction, independent of the project's estimator.
 
 use super::super::super::robot::Robot;
 use super::super::super::run::PreparedRun;
 use nalgebra::{DMatrix, DVector};
 
-/// Speed at which the Coulomb term `tanh(v/v_s)` is rounded [rad/s].
+/// Width v_s of the smooth Coulomb term `tanh(v/v_s)` in rad/s.
 pub(crate) const ROUNDING: f64 = 0.02;
 
-/// Columns of joint torques at one sample: W, then viscous, Coulomb, offset for each joint.
+/// Returns the columns of joint torques at one sample: the regressor W, then viscous friction, Coulomb friction and offset
+/// of each joint.
 pub(crate) fn columns(robot: &dyn Robot, y: &[f64], v: &[f64], a: &[f64]) -> DMatrix<f64> {
     let (n, p) = (y.len(), robot.parameters().len());
     let mut w = vec![0.0; n * p];
@@ -33,7 +34,8 @@ fn rows<'a>(
     })
 }
 
-/// Least squares over all joints, each weighed by its efforts' deviation; directions below 1e-4 are cut.
+/// Solves least squares over all joints. Each joint is weighted by the deviation of its efforts, and directions with
+/// singular values below 1e-4 are cut.
 pub(crate) fn fit(robot: &dyn Robot, runs: &[PreparedRun]) -> DVector<f64> {
     let n = runs[0].positions.len();
     let p = robot.parameters().len() + 3 * n;
@@ -70,7 +72,7 @@ fn deviation(runs: &[PreparedRun], j: usize) -> f64 {
     (all.iter().map(|u| (u - mean).powi(2)).sum::<f64>() / all.len() as f64).sqrt()
 }
 
-/// Centred R² of each joint's efforts in `runs` by parameters found elsewhere.
+/// Returns the centred R² of each joint's efforts in `runs` for parameters from other data.
 pub(crate) fn r_squared(robot: &dyn Robot, parameters: &DVector<f64>, runs: &[PreparedRun]) -> Vec<f64> {
     let n = runs[0].positions.len();
     let mut squares = vec![0.0; n];

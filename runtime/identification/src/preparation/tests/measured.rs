@@ -1,4 +1,4 @@
-//! The measured logs of the shared data.
+//! Preparation of the measured logs of the shared data.
 
 use super::super::super::robot::Robot;
 use super::super::super::run::{Effort, PreparedRun, Run};
@@ -18,7 +18,7 @@ fn shared(path: &str) -> Option<String> {
     text
 }
 
-/// Rows of numbers with the log's row each.
+/// Returns the rows of numbers, each with its row in the log.
 fn table(text: &str) -> Vec<(usize, Vec<f64>)> {
     let numbers = |line: &str| line.split(',').map(|x| x.trim().parse().unwrap_or(f64::NAN)).collect();
     text.lines().enumerate().skip(1).map(|(i, line)| (i + 1, numbers(line))).collect()
@@ -48,7 +48,7 @@ pub(crate) fn schunk() -> Option<Vec<Run>> {
     Some(runs.map(|rows| run(format!("run {}", rows[0].1[0]), rows, 1)).collect())
 }
 
-/// The LWA 4P without gravity, which its controller took out of the torques.
+/// The LWA 4P without gravity, which its controller has removed from the torques.
 pub(crate) struct Schunk;
 
 impl Robot for Schunk {
@@ -116,7 +116,7 @@ fn print(report: &PreparationReport) {
     println!("{:?}", report.findings);
 }
 
-/// R² on the second half by the first.
+/// Returns R² on the second half for a fit to the first half.
 fn halves(robot: &dyn Robot, runs: &[PreparedRun]) -> Vec<f64> {
     let end = |r: &PreparedRun| *r.times.last().unwrap();
     let middle = 0.5 * runs.iter().map(end).fold(0.0, f64::max);
@@ -142,7 +142,7 @@ fn halves(robot: &dyn Robot, runs: &[PreparedRun]) -> Vec<f64> {
     r_squared(robot, &parameters, &part(&|t| t >= middle))
 }
 
-/// Even runs fit, odd runs are unseen; the runs of one group replay the same input.
+/// Fits the even runs and tests on the odd runs. The runs of one group repeat the same input.
 fn every_second(robot: &dyn Robot, runs: Vec<PreparedRun>) -> Vec<f64> {
     let (mut fitted, mut unseen) = (Vec::new(), Vec::new());
     for (k, run) in runs.into_iter().enumerate() {
@@ -151,7 +151,7 @@ fn every_second(robot: &dyn Robot, runs: Vec<PreparedRun>) -> Vec<f64> {
     r_squared(robot, &fit(robot, &fitted), &unseen)
 }
 
-/// Every joint reaches `bounds`.
+/// Requires that every joint reaches `bounds`.
 fn require(r_squared: &[f64], bounds: [f64; 6]) {
     println!("R² {r_squared:.4?}");
     assert!(r_squared.iter().zip(bounds).all(|(r, b)| *r >= b), "{r_squared:.4?} {bounds:?}");
@@ -166,7 +166,7 @@ fn the_ur10_reaches_plain_least_squares_in_python() {
     let settings = PreparationSettings::default();
     let (runs, report) = prepare_all(std::slice::from_ref(&run), Some(&arm), &settings).unwrap();
     print(&report);
-    // The data's README: .9745 .9985 .9971 .9836 .9876 .9049; within 0.01 of these.
+    // The README of the data has .9745 .9985 .9971 .9836 .9876 .9049; the tolerance is 0.01.
     require(&halves(&arm, &runs), [0.9645, 0.9885, 0.9871, 0.9736, 0.9776, 0.8949]);
 }
 
@@ -179,7 +179,7 @@ fn the_schunk_arm_is_explained_on_runs_that_were_not_used() {
     require(&every_second(&Schunk, runs), [0.95, 0.92, 0.97, 0.90, 0.99, 0.99]);
 }
 
-/// The model lacks friction that grows with the load of the second joint, which imitates a delay of 67 ms in the first 12 s.
+/// The model lacks the load-dependent friction of the second joint, which imitates a delay of 67 ms in the first 12 s.
 #[test]
 fn an_effort_has_no_delay_of_its_own_that_helps_nothing() {
     let Some(mut run) = ur10() else { return };

@@ -1,4 +1,4 @@
-//! The preparation on simulated and on measured logs, judged by plain least squares on unseen data.
+//! Preparation of simulated and measured logs, judged by ordinary least squares on unseen data.
 
 mod arm;
 mod contract;

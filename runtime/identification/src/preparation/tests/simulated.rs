@@ -1,4 +1,5 @@
-//! Simulated logs: encoders of 10 to 24 bits, 50 Hz to 4 kHz, with repeats, jitter, gaps and delays.
+//! Simulated logs with encoders of 10 to 24 bits and rates of 50 Hz to 4 kHz, with repeated values, jitter, gaps and
+//! delays.
 
 use super::super::super::numeric::random::SplitMix64;
 use super::super::super::robot::Robot;
@@ -8,24 +9,24 @@ use super::arm::Arm;
 use super::fit::{fit, r_squared};
 use std::f64::consts::PI;
 
-/// How a log is taken.
+/// Properties of a simulated log.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Sampling {
-    /// Encoder at the joint: 2π / 2^bits.
+    /// Number of bits of the encoder at the joint, whose resolution is 2π / 2^bits.
     pub bits: u32,
     /// Rows per second.
     pub rate: f64,
     /// Rows for each new value of the driver.
     pub hold: usize,
-    /// Deviation of a sample's time, as a share of the step.
+    /// Standard deviation of a sample's time, as a share of the time step.
     pub jitter: f64,
     /// Whether 0.1 s to 0.4 s are missing in three places, and single rows everywhere.
     pub gaps: bool,
-    /// Lateness of the efforts [s].
+    /// Delay of the efforts in s.
     pub delay: f64,
 }
 
-/// A motion: sums of sines with phases by seed, below 1 Hz; its speed changes sign often.
+/// A motion as a sum of sines below 1 Hz, with phases from a seed. Its speed often changes sign.
 pub(crate) struct Motion {
     waves: Vec<Vec<[f64; 3]>>,
 }
@@ -44,7 +45,7 @@ impl Motion {
         Self { waves: (0..joints).map(|_| (0..8).map(|k| wave(k, &mut random)).collect()).collect() }
     }
 
-    /// y, ẏ, ÿ at a time.
+    /// Returns y, ẏ and ÿ at a time.
     pub(crate) fn at(&self, t: f64) -> [Vec<f64>; 3] {
         let sum = |f: &dyn Fn(&[f64; 3]) -> f64| self.waves.iter().map(|w| w.iter().map(f).sum()).collect();
         [
@@ -55,7 +56,7 @@ impl Motion {
     }
 }
 
-/// Joint torques with Coulomb and viscous friction, exact steps.
+/// Returns joint torques with Coulomb and viscous friction, with exact steps at reversals.
 pub(crate) fn torques(arm: &Arm, [y, v, a]: &[Vec<f64>; 3]) -> Vec<f64> {
     let mut forces = vec![0.0; y.len()];
     arm.rigid_forces(y, v, a, &mut forces);
@@ -65,7 +66,7 @@ pub(crate) fn torques(arm: &Arm, [y, v, a]: &[Vec<f64>; 3]) -> Vec<f64> {
     forces
 }
 
-/// Times of the samples, with jitter and gaps.
+/// Returns the times of the samples, with jitter and gaps.
 fn instants(sampling: &Sampling, duration: f64, random: &mut SplitMix64) -> Vec<f64> {
     let step = 1.0 / sampling.rate;
     let mut times = Vec::new();
@@ -83,7 +84,7 @@ fn instants(sampling: &Sampling, duration: f64, random: &mut SplitMix64) -> Vec<
     times
 }
 
-/// A log, and the same instants with the true motion and undelayed, equally noisy efforts.
+/// Returns a log, and the same times with the true motion and with equally noisy efforts that have no delay.
 pub(crate) fn log(arm: &Arm, sampling: &Sampling, duration: f64, seed: u64) -> (Run, PreparedRun) {
     let n = arm.joints.len();
     let motion = Motion::new(n, seed);
@@ -133,19 +134,19 @@ pub(crate) fn log(arm: &Arm, sampling: &Sampling, duration: f64, seed: u64) -> (
     (run, truth)
 }
 
-/// Measures of one way of sampling.
+/// Results for one kind of sampling.
 pub(crate) struct Outcome {
-    /// R² on an unseen log, by true derivatives and raw efforts.
+    /// R² on an unseen log, with true derivatives and unfiltered efforts.
     pub truth: Vec<f64>,
-    /// The same by prepared logs, fit and unseen.
+    /// R² with prepared logs, for the fit and for the unseen log.
     pub prepared: Vec<f64>,
-    /// Parameters of prepared logs judged on the unseen true motion.
+    /// R² of the parameters from prepared logs on the unseen true motion.
     pub transferred: Vec<f64>,
     pub report: PreparationReport,
 }
 
 impl Outcome {
-    /// How far the prepared R² and the transferred one fall below the true one, at worst.
+    /// Returns the largest loss of the prepared R² and of the transferred R² compared with the true R².
     pub(crate) fn loss(&self) -> f64 {
         let all = self.prepared.iter().zip(&self.transferred).zip(&self.truth);
         all.map(|((p, t), truth)| truth - p.min(*t)).fold(f64::NEG_INFINITY, f64::max)
@@ -172,7 +173,7 @@ pub(crate) fn outcome(arm: &Arm, sampling: &Sampling, duration: f64) -> Outcome 
 pub(crate) const GOOD: Sampling =
     Sampling { bits: 16, rate: 500.0, hold: 1, jitter: 0.0, gaps: false, delay: 0.0 };
 
-/// Sampling of the whole study, a row each.
+/// Returns all kinds of sampling of the study, one row each.
 fn table() -> Vec<Sampling> {
     let mut all = Vec::new();
     for bits in [10, 12, 14, 17, 20, 24] {
@@ -239,7 +240,7 @@ fn defaults_stay_near_the_true_derivatives() {
         print(&sampling, &outcome);
         assert!(outcome.loss() < 0.01, "{sampling:?}: {}", outcome.loss());
         for delay in &outcome.report.delays {
-            // A quarter of the coarser log's step.
+            // The tolerance is a quarter of the time step of the coarser log.
             assert!((delay.removed - sampling.delay).abs() < 5e-3, "{sampling:?}: {delay:?}");
         }
     }

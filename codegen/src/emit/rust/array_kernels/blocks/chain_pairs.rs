@@ -1,5 +1,6 @@
-/// A matrix over the pairs of a chain's joints, K columns at a time: `Σ before.0[r][i] before.1[r][j]` for j < i,
-/// `diagonal[i]`, and `Σ beyond.0[r][i] beyond.1[r][j]` for j > i.
+/// A matrix over the pairs of a chain's joints, K columns at a time. Its entries are
+/// `Σ before.0[r][i] before.1[r][j]` if j < i, `diagonal[i]` if j = i, and `Σ beyond.0[r][i] beyond.1[r][j]`
+/// if j > i.
 #[inline]
 pub fn pairs<const N: usize, const L: usize, const W: usize, const A: usize, const B: usize>(
     before: (&[[f64; L]; A], &[[f64; L]; A]),
@@ -17,7 +18,7 @@ pub fn pairs<const N: usize, const L: usize, const W: usize, const A: usize, con
                 upper.as_chunks_mut::<K>().0[block] = products(beyond, i, block);
             }
         }
-        // Chosen in a loop of its own, where it is a vector operation.
+        // The selection is in a separate loop, in which it becomes a vector operation.
         let mut row = [0.0; L];
         for j in 0..L {
             let (before, beyond) = (lower[j], upper[j]);

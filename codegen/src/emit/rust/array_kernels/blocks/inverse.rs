@@ -1,8 +1,8 @@
-/// Inverse of a symmetric positive definite matrix in place, by Gauss and Jordan without pivots. From the leaves to the
-/// base, only joints on one path meet.
+/// Inverse of a symmetric positive definite matrix in place, by Gauss–Jordan elimination without pivoting.
+/// From the leaves to the base, only rows of joints on one path are combined.
 ///
-/// Whole rows are combined, and a bit mask selects the new entries of the pivot column. Single entries stored after the rows
-/// would delay the next step.
+/// Whole rows are combined, and a bit mask selects the new entries of the pivot column. If these entries were
+/// stored separately, the next step would have to wait for these stores.
 #[inline]
 pub fn invert<const N: usize, const L: usize>(
     matrix: &mut [[f64; L]; N],
@@ -23,7 +23,7 @@ pub fn invert<const N: usize, const L: usize>(
             } else if meet(i, k) {
                 let factor = -row[k];
                 for j in 0..L {
-                    // −0 + x is x, with the sign of zero too.
+                    // −0 + x is x, even for the sign of zero.
                     let old = choose(mask(j == k), -0.0, row[j]);
                     row[j] = add_product(old, factor, own[j]);
                 }

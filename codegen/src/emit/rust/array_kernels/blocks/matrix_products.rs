@@ -1,4 +1,5 @@
-/// `to = −left right`, six rows by K columns at a time: fewer sums would wait for each other.
+/// Product `to = −left right`, six rows by K columns at a time. If there were fewer sums, they would wait for
+/// each other.
 #[inline]
 pub fn negative_product<const N: usize, const L: usize, const W: usize>(
     left: &[[f64; L]; N],

@@ -1,4 +1,4 @@
-/// `Σ by_i[r][i] by_j[r][j]` for K columns j.
+/// The sums `Σ by_i[r][i] by_j[r][j]` over r, for K columns j.
 #[inline(always)]
 fn products<const L: usize, const R: usize>(
     (by_i, by_j): (&[[f64; L]; R], &[[f64; L]; R]),

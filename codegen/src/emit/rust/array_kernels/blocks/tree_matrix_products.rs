@@ -1,6 +1,7 @@
-/// `to = −left right`, six rows by K columns at a time: fewer sums would wait for each other.
+/// Product `to = −left right`, six rows by K columns at a time. If there were fewer sums, they would wait for
+/// each other.
 ///
-/// - `rows_of`: for each block of columns the rows of `right` that are not 0 there
+/// - `rows_of`: for each block of columns, the rows of `right` that are non-zero in this block
 #[inline]
 pub fn negative_product<const N: usize, const L: usize, const W: usize, const B: usize>(
     left: &[[f64; L]; N],
@@ -17,9 +18,9 @@ pub fn negative_product<const N: usize, const L: usize, const W: usize, const B:
         }
         let mut rows = [[0.0; L]; 6];
         for (block, rows_of) in rows_of.iter().enumerate() {
-            // −0 + x is x, with the sign of zero too.
+            // −0 + x is x, even for the sign of zero.
             let mut sums = [[-0.0; K]; 6];
-            // Without a check in each step.
+            // The limit avoids a bounds check in each step.
             for k in rows_of.iter().map(|&k| k.min(N - 1)) {
                 let right = &right[k].as_chunks::<K>().0[block];
                 for i in 0..6 {
@@ -32,7 +33,7 @@ pub fn negative_product<const N: usize, const L: usize, const W: usize, const B:
                 row.as_chunks_mut::<K>().0[block] = sums;
             }
         }
-        // Block by block as they were written: longer loads would wait for several stores.
+        // The blocks are read as they were written. Longer loads would wait for several stores.
         for (to, row) in to.iter_mut().zip(&rows) {
             for (to, row) in to.chunks_mut(K).zip(row.as_chunks::<K>().0) {
                 for (to, entry) in to.iter_mut().zip(row) {

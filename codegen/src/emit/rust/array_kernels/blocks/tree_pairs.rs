@@ -1,8 +1,12 @@
-/// A matrix over the pairs of a tree's joints, K columns at a time: `Σ before.0[r][i] before.1[r][j]` where j is before
-/// i on its path to the base (`relations[i][j]` is −1), `diagonal[i]`, `Σ beyond.0[r][i] beyond.1[r][j]` where i is before
-/// j (1), and 0 elsewhere.
+/// A matrix over the pairs of a tree's joints, K columns at a time. Its entries are
 ///
-/// - `blocks`: for each joint i the blocks of columns with joints before it, and those with joints beyond it
+/// - `Σ before.0[r][i] before.1[r][j]` if j is before i on its path to the base (`relations[i][j]` is −1)
+/// - `diagonal[i]` if j = i
+/// - `Σ beyond.0[r][i] beyond.1[r][j]` if i is before j (`relations[i][j]` is 1)
+/// - 0 otherwise
+///
+/// - `blocks`: for each joint i, the blocks of columns with joints before it, and the blocks with joints
+///   beyond it
 #[inline]
 pub fn pairs<const N: usize, const L: usize, const W: usize, const A: usize, const B: usize>(
     before: (&[[f64; L]; A], &[[f64; L]; A]),
@@ -17,7 +21,7 @@ pub fn pairs<const N: usize, const L: usize, const W: usize, const A: usize, con
         if W == L {
             pairs_of(i, before, beyond, to, relations, blocks);
         } else {
-            // A row that ends within a block is made with its padding.
+            // A row that ends within a block is computed with its padding.
             let mut row = [0.0; L];
             pairs_of(i, before, beyond, &mut row, relations, blocks);
             for (to, from) in to.chunks_mut(K).zip(row.as_chunks::<K>().0) {
@@ -30,8 +34,8 @@ pub fn pairs<const N: usize, const L: usize, const W: usize, const A: usize, con
     }
 }
 
-/// A row of this matrix without its diagonal entry. Each load has the size of the preceding store: a longer load would wait
-/// for all stores that it overlaps.
+/// A row of this matrix without its diagonal entry. Each load has the size of the preceding store, because a
+/// longer load would wait for all stores that it overlaps.
 #[inline(always)]
 fn pairs_of<const L: usize, const W: usize, const A: usize, const B: usize>(
     i: usize,

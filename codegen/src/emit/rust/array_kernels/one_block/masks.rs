@@ -1,4 +1,5 @@
-/// Bits that choose entries of a row: those before joint i, and its own. Compilers make branches of choices by `if`.
+/// Bit masks that select the entries of a row before joint i, and the entry of joint i. Compilers would turn
+/// selections by `if` into branches.
 struct Masks<const L: usize>;
 
 impl<const L: usize> Masks<L> {

@@ -1,4 +1,4 @@
-/// `to = −left right`
+/// Product `to = −left right`.
 #[inline]
 pub fn negative_product<const N: usize, const L: usize, const W: usize>(
     left: &[[f64; L]; N],
@@ -7,7 +7,7 @@ pub fn negative_product<const N: usize, const L: usize, const W: usize>(
 ) {
     let factors = left.map(|row| row.map(|factor| -factor));
     let mut rows = [[0.0; L]; N];
-    // The loop over the columns is the outer one: it becomes one run of vector operations.
+    // The loop over the columns is the outer loop, so that it becomes one sequence of vector operations.
     for j in 0..L {
         for i in 0..N {
             let mut sum = factors[i][0] * right[0][j];

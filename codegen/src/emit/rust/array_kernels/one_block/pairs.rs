@@ -1,5 +1,5 @@
-/// A matrix over the pairs of a chain's joints: `Σ before.0[r][i] before.1[r][j]` for j < i, `diagonal[i]`, and
-/// `Σ beyond.0[r][i] beyond.1[r][j]` for j > i.
+/// A matrix over the pairs of a chain's joints. Its entries are `Σ before.0[r][i] before.1[r][j]` if j < i,
+/// `diagonal[i]` if j = i, and `Σ beyond.0[r][i] beyond.1[r][j]` if j > i.
 #[inline]
 pub fn pairs<const N: usize, const L: usize, const W: usize, const A: usize, const B: usize>(
     before: (&[[f64; L]; A], &[[f64; L]; A]),
@@ -11,7 +11,7 @@ pub fn pairs<const N: usize, const L: usize, const W: usize, const A: usize, con
         let (is_before, is_own) = (&Masks::<L>::BEFORE[i], &Masks::<L>::OWN[i]);
         let own = diagonal[0][i];
         let mut row = [0.0; L];
-        // The loop over the columns is the outer one: it becomes one run of vector operations.
+        // The loop over the columns is the outer loop, so that it becomes one sequence of vector operations.
         for j in 0..L {
             let mut lower = before.0[0][i] * before.1[0][j];
             for r in 1..A {
