@@ -60,7 +60,7 @@ fn efforts_that_carry_another_robot_are_refused() {
         ([1.0, 1.0, 1e3], "they may be in mNm (--columns 'torque=…[mNm]')"),
         ([1.0, 1.0, DEGREES], "for example --columns 'torque=…[0.05 Nm]'"),
         ([1.0, 1.0, 20.0], "for example --columns 'torque=…[0.05 Nm]'"),
-        ([1.0, 1.0, 0.05], "--gravity-compensated"),
+        ([1.0, 1.0, 0.05], "--effort input"),
         ([1.0, 1.0, 1e-3], "--effort input"),
         ([1.0, DEGREES, 1.0], "check the unit of the positions"),
         ([1.0, 1e-3, 1.0], "check the unit of the positions"),

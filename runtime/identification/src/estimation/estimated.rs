@@ -227,7 +227,8 @@ impl Estimated<'_> {
             let body = names[body * PER_BODY].trim_start_matches("m_");
             let message = format!(
                 "the described body of {body} has a smaller weight than the others, by which the error on held-out data falls by \
-                 {percent:.1} %"
+                 {} %",
+                plain(percent, 2)
             );
             Some(CONTRADICTED.found(message).with("fall of the error", percent, "%"))
         });
