@@ -144,7 +144,7 @@ fn estimate_of(
     pass(robot, runs, settings, (&layout, None), progress).map(|(found, _)| found)
 }
 
-/// The estimate with friction under load.
+/// The estimate with load-dependent friction.
 fn under_load(
     robot: &dyn Robot,
     runs: &[PreparedRun],
@@ -152,10 +152,10 @@ fn under_load(
     progress: &mut dyn FnMut(&str),
 ) -> Result<Estimate> {
     let layout = Layout::of(robot, runs, settings, (settings.steepness.as_deref(), false))?;
-    // Friction under load may be most of the residual, so that a poor fit is accepted here.
+    // Load-dependent friction may be most of the residual, so a poor fit is accepted here.
     let first = EstimationSettings { accept_poor: true, ..settings.clone() };
     let (mut found, steepness) = pass(robot, runs, &first, (&layout, None), progress)?;
-    // The term of friction under load changes sign as the Coulomb term does.
+    // The term of load-dependent friction has the same steepness k as the Coulomb term.
     let layout = Layout::of(robot, runs, settings, (Some(&steepness), true))?;
     for number in 1..=PASSES {
         let loads = Loads::new(robot, &layout, &found)?;
@@ -344,7 +344,7 @@ impl Task<'_> {
     ) -> Result<Estimate> {
         let solved = last.solved(self.prior)?;
         let offsets = offsets_of(&last.centred, &solved.values);
-        progress("Intervals are computed under correlated residuals.");
+        progress("Intervals are computed for correlated residuals.");
         let forces = self.forces(&solved.values, &offsets);
         let times = self.correlation_times(&forces);
         let measured = times.iter().zip(&self.layout.measured).filter(|(_, measured)| **measured);

@@ -13,7 +13,7 @@ use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
 
 /// Sees: the effort of one joint that fits better with a factor.
-/// Matters: its masses and its friction would be wrong by the factor.
+/// Matters: masses and friction of this joint would be wrong by the factor.
 /// Example: one sensor in another unit.
 /// Fixture: `factor` in `codegen/tests/findings/arm.rs`.
 pub(super) const OTHER_FACTOR: Rule = Rule::error("other-factor");
@@ -24,7 +24,7 @@ const TRIED: [f64; 12] = [0.05, 0.1, 0.2, 0.33, 0.5, 0.7, 1.4, 2.0, 3.0, 5.0, 10
 const FINE: f64 = 1.05;
 const STEPS: i32 = 8;
 
-/// Whether every joint is explained well.
+/// Whether the fit explains the effort of every joint sufficiently.
 pub(super) fn explains(case: &Case, errors: &HeldOut) -> bool {
     let r_squared = case.chosen.centred_r_squared(&errors.rss);
     case.layout().rubbing().all(|joint| r_squared[joint] >= levels::POOR.get())

@@ -44,7 +44,7 @@ const GRAVITY: Rule = Rule::error("other-gravity");
 /// Fixture: `efforts_that_come_early_are_moved` in `codegen/tests/external_arm/main.rs`.
 const DELAY: Rule = Rule::warning("other-delay");
 
-/// Sees: friction that grows with the load of a gear.
+/// Sees: load-dependent friction of a gear.
 /// Matters: a law of the velocity alone is wrong under other loads.
 /// Example: a worm gear.
 /// Fixture: `friction_under_load_is_identified_where_it_is_asked_for` in `codegen/tests/command_line/identify.rs`.
@@ -71,7 +71,7 @@ const TABLE: [Hypothesis; 7] = [
         rule: GRAVITY,
         changes: |case| Ok(vec![Change::Gravity(Gravity::of(!is_compensated(case)))]),
         bodies: Bodies::Described,
-        // Bodies that are described too heavy, and efforts in a larger unit, are also better explained without gravity.
+        // If described bodies are too heavy or efforts are in a larger unit, the data are also better explained without gravity.
         rival: |case| case.ratio.map(|ratio| Change::Factor(None, 1.0 / ratio.factor())),
         finding: other_gravity,
         ..USUAL
@@ -168,8 +168,9 @@ impl Case<'_> {
         Ok(self.offered(&UNITS)?.pop())
     }
 
-    /// Finding that replaces a doubt about a sign if friction cannot be separated from chance; `None` if there are enough
-    /// samples. The number of samples decides, because a wrong sign makes the correlation time of the residuals long.
+    /// Finding that replaces a doubt about a sign if there are too few samples to distinguish friction from noise; `None` if
+    /// there are enough samples. The criterion is the number of samples, because a wrong sign makes the correlation time of the
+    /// residuals long.
     fn too_short(&self) -> Option<Finding> {
         let task = self.checked?.task;
         let samples: usize = task.runs.iter().map(|run| run.times.len()).sum();
@@ -223,8 +224,8 @@ fn signs(case: &Case) -> Result<Vec<Change>> {
 
 fn other_sign(_: &Case, _: &Change, rule: &Rule) -> Result<Option<Finding>> {
     Ok(Some(rule.found("the data are explained better with the other sign of its effort").help(
-        "check the signs of effort and position; --columns turns all columns, 'torque=tau{}[-1 Nm]', or one of them, \
-         'torque=tau1|tau2[-1 Nm]|tau3'",
+        "check the signs of effort and position. To change the sign of all efforts, use --columns 'torque=tau{}[-1 Nm]'; to change \
+         one sign, use --columns 'torque=tau1|tau2[-1 Nm]|tau3'",
     )))
 }
 
@@ -263,10 +264,12 @@ fn delays(case: &Case) -> Result<Vec<Change>> {
 fn other_delay(_: &Case, change: &Change, rule: &Rule) -> Result<Option<Finding>> {
     let Change::Delay(_, seconds) = change else { return Ok(None) };
     let way = if *seconds > 0.0 { "later" } else { "earlier" };
-    let message =
-        format!("its effort comes {:.1} ms {way} than stated, next to its position", 1e3 * seconds.abs());
+    let message = format!(
+        "compared with its position, its effort comes {:.1} ms {way} than the stated delay says",
+        1e3 * seconds.abs()
+    );
     let remedy =
-        "leave --delay out, or give the whole delay with --delay SECONDS, above 0 if efforts are late";
+        "leave --delay out, or give the whole delay with --delay SECONDS (positive if efforts are late)";
     Ok(Some(rule.found(message).with("delay", *seconds, "s").help(remedy)))
 }
 

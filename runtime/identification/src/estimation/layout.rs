@@ -106,7 +106,7 @@ impl Layout {
     /// The layout of an estimate with these settings.
     ///
     /// - `steepness`: factors k of the Coulomb terms tanh(k v) of each joint
-    /// - `loads`: whether there is a term of friction under load
+    /// - `loads`: whether there is a term of load-dependent friction
     pub(super) fn of(
         robot: &dyn Robot,
         runs: &[PreparedRun],
@@ -297,8 +297,8 @@ fn measured(robot: &dyn Robot, runs: &[PreparedRun]) -> Vec<bool> {
 fn require_known_inputs(robot: &dyn Robot, effort: Effort) -> Result<()> {
     if effort != Effort::Joint && robot.has_inputs_at_frames() {
         return Err(Place::default().fault(
-            "inputs act at frames, so that their forces at the joints depend on the positions; convert currents to forces of the \
-             inputs first, and say so (`--effort input`)",
+            "inputs act at frames, so their forces at the joints depend on the positions; convert the efforts to forces at the \
+             joints first, and use --effort joint",
         ));
     }
     if known_gains(robot, effort).contains(&false) { require_own_inputs(robot) } else { Ok(()) }
@@ -328,8 +328,8 @@ fn require_own_inputs(robot: &dyn Robot) -> Result<()> {
         return Ok(());
     }
     Err(Place::default().fault(
-        "currents give gains only if each joint has one input of its own; convert the currents to \
-         forces of the inputs first",
+        "motor constants can be estimated only if each joint has one input that drives no other joint; convert \
+         the currents to forces of the inputs first, and use --effort input",
     ))
 }
 

@@ -105,7 +105,7 @@ impl Uncertain {
     }
 }
 
-/// Estimate of one joint, or of the shaft that takes its row ([`crate::shafts`]).
+/// Estimate of one joint, or of the shaft that replaces the joint in the equations ([`crate::shafts`]).
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct JointEstimate {
     /// Name of the joint in the description, or of the shaft's drive.

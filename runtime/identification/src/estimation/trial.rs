@@ -23,14 +23,14 @@ use std::cell::OnceCell;
 use std::rc::Rc;
 use std::slice;
 
-/// Weight with which an additional parameter stays zero.
+/// Weight of the prior that keeps an additional parameter at zero.
 const HELD: f64 = 1e12;
 /// Weight with which the data alone determine an additional parameter.
 const FREE: f64 = 1e-12;
-/// Weight of the description at which the fit does not change its bodies.
+/// Weight of the description at which the bodies stay as described.
 const AS_DESCRIBED: f64 = 1e12;
 
-/// Name of the number in a finding by which a hypothesis lowers the error, in percent.
+/// Name of the decrease of the held-out error [%] among the numbers of a finding.
 pub(super) const FALL: &str = "fall of the held-out error";
 
 /// A change of the log or of the description.

@@ -200,7 +200,7 @@ fn the_sum_finds_what_the_arm_is_and_what_the_logs_themselves_give() {
         law.result
             .settings
             .iter()
-            .any(|note| note.message == "the Stribeck law needs samples: it was not tried")
+            .any(|note| note.message == "the Stribeck law was not tried, because it needs samples")
     );
     let FrictionLaw::Terms(terms) = &law.result.law else { panic!("a law of terms") };
     assert!(terms.iter().all(|term| term.standard_error.is_some()));

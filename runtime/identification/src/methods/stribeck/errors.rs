@@ -11,7 +11,7 @@ use gelenk_findings::{Finding, Rule};
 use nalgebra::{DMatrix, DVector, SMatrix};
 
 /// Sees: parameters of a Stribeck law that the data do not determine.
-/// Matters: they are guesses.
+/// Matters: the values of these parameters are guesses.
 /// Example: a Stribeck speed below all speeds in the data.
 /// Fixture: `methods/stribeck/tests.rs`.
 const PARAMETERS: Rule = Rule::warning("stribeck-parameters");
