@@ -69,12 +69,13 @@ pub struct Joint {
     /// Forces of springs and dampers on this joint as functions of position y and velocity v (N m or N). They
     /// are a part of the generalized forces q.
     pub springs: Vec<Formula>,
-    /// Terms of the friction torque τ(v) = Σ coefficient · basis. The torque is positive at positive velocity.
-    /// It is subtracted from the generalized forces q.
+    /// Terms of the friction torque (or force) τ = Σ coefficient · basis, functions of the velocity v and
+    /// possibly of the position y. τ is positive at positive velocity. It is subtracted from the generalized
+    /// forces q.
     pub friction: Vec<FrictionTerm>,
-    /// Terms of the load-dependent friction: s₁(v) = Σ coefficient · basis is the friction per unit of the load
-    /// τ_l. The friction |τ_l| s₁ is added to `friction`. The list is empty without load-dependent friction.
-    /// Otherwise the joint has its own input, and |s₁| < 1.
+    /// Terms of the load-dependent friction: s₁ = Σ coefficient · basis is the friction per unit of the load
+    /// τ_l. The load is the drive's force without friction. The friction |τ_l| s₁ is added to `friction`. The
+    /// list is empty without load-dependent friction. Otherwise the joint has its own input, and |s₁| < 1.
     pub load_friction: Vec<FrictionTerm>,
 }
 

@@ -110,7 +110,8 @@ impl<'g> BasePoses<'g> {
         }
     }
 
-    /// Acceleration of a frame without gravity: linear, then angular. At ÿ = 0 this is `J̇ ẏ`.
+    /// Acceleration of a frame without gravity: linear, then angular. At ÿ = 0 this is `J̇ ẏ` with the
+    /// frame's Jacobian J.
     pub fn acceleration(
         &self,
         link: usize,

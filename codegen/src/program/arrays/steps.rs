@@ -18,8 +18,8 @@ pub struct Arrays {
     pub joints: Tree,
     /// Coordinates that the joints follow; `None` if each joint is independent.
     pub coordinates: Option<Coordinates>,
-    /// For each joint with a quaternion, the joints of the loops that are its velocities, from the base
-    /// outwards.
+    /// For each joint with a quaternion, its velocities from the base outwards. Each velocity is one joint of
+    /// the loops.
     pub chains: Vec<Vec<usize>>,
     /// Whether products and sums of the steps are fused.
     pub is_fused: bool,
@@ -109,7 +109,7 @@ pub enum Step {
         /// A matrix over coordinates.
         to: ArrayId,
     },
-    /// `to[·][j] = from[·][k]` with the carrier k of joint j, or 0 if the base carries joint j.
+    /// `to[·][j] = from[·][k]` with the joint k whose body carries joint j, or 0 if the base carries joint j.
     GatherCarriers {
         /// Source array.
         from: ArrayId,
@@ -173,7 +173,7 @@ pub struct Map {
     pub body: Program,
 }
 
-/// A matrix over pairs of joints. The entry `to[i][j]` is
+/// A matrix over pairs of joints. The sums are over the rows r of the arrays. The entry `to[i][j]` is
 ///
 /// - `Σ before.0[r][i] · before.1[r][j]` if j is before i on its path to the base, or is another velocity of
 ///   the same joint
@@ -218,8 +218,8 @@ impl Arrays {
         self.joints.is_chain() && self.chains.is_empty()
     }
 
-    /// Carrier of each joint; `None` for the base. A velocity of a joint with a quaternion has the carrier of
-    /// the whole joint.
+    /// Carrier of each joint: the joint whose body carries it; `None` for the base. A velocity of a joint
+    /// with a quaternion has the carrier of the whole joint.
     #[must_use]
     pub fn carriers(&self) -> Vec<Option<usize>> {
         let mut carriers = self.joints.parents.clone();
