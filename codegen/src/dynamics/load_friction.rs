@@ -28,7 +28,7 @@ pub fn is_there(model: &Model) -> bool {
     model.joints().any(|joint| !joint.load_friction.is_empty())
 }
 
-/// Coefficients s₁ of load-dependent friction (see [`self`]) by coordinate, without unit.
+/// Coefficients s₁ of load-dependent friction (see [`super::load_friction`]) by coordinate, without unit.
 pub fn shares<'g>(graph: &'g Graph, model: &Model, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
     let joints = model.joints().enumerate();
     let share =

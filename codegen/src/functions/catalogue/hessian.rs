@@ -45,11 +45,11 @@ pub const QUANTITY: Quantity = Quantity {
 /// Blocks of the Hessian of `λᵀ (M ÿ + k − q)`. The blocks ∂²/∂ẏ ∂ÿ and ∂²/∂ÿ² are zero.
 #[derive(Debug, Clone)]
 pub struct Hessian<'g> {
-    /// Block ∂²/∂y²
+    /// Block ∂²/∂y².
     pub by_coordinates: Matrix<'g>,
     /// Block ∂²/∂y ∂ẏ. Row i belongs to coordinate i.
     pub mixed: Matrix<'g>,
-    /// Block ∂²/∂ẏ²
+    /// Block ∂²/∂ẏ².
     pub by_velocities: Matrix<'g>,
     /// Block ∂²/∂y ∂ÿ. Row i belongs to coordinate i.
     pub by_accelerations: Matrix<'g>,
