@@ -18,7 +18,7 @@ use crate::graph::Scalar;
 use crate::kinematics::Mechanism;
 use crate::spatial::{Force, Vector3};
 
-/// Masses of a mechanism at given positions.
+/// Masses of a mechanism at given positions, from which its centre of mass and its momentum are computed.
 pub struct Masses<'g> {
     mechanism: Mechanism<Scalar<'g>>,
     plain: Formulation,

@@ -197,9 +197,9 @@ pub struct Limits {
     pub position: Option<[f64; 2]>,
     /// Highest speed (rad/s or m/s).
     pub velocity: Option<f64>,
-    /// Nominal force at the joint (N m or N).
+    /// Limit of the continuous (nominal) force at the joint (N m or N).
     pub effort: Option<f64>,
-    /// Peak force at the joint (N m or N).
+    /// Limit of the short-time (peak) force at the joint (N m or N).
     pub peak_effort: Option<f64>,
     /// Highest acceleration (rad/s² or m/s²).
     pub acceleration: Option<f64>,

@@ -39,9 +39,9 @@ pub struct Formulations<'m> {
 /// Method to compute the accelerations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ForwardRoute {
-    /// M and its factors `Lᵀ D L`.
+    /// The mass matrix M is computed and factorized, `M = Lᵀ D L`.
     Factorization,
-    /// Articulated bodies, without M.
+    /// Articulated bodies, without the mass matrix M.
     ArticulatedBodies,
 }
 
@@ -89,7 +89,8 @@ impl ForwardRoute {
 pub enum DerivativeRoute {
     /// Forward differentiation of the program of the inverse dynamics.
     Forward,
-    /// Composite bodies in a formulation. The pair frame is the frame in which pairs of joints are combined.
+    /// Composite bodies in a formulation. The derivatives for pairs of joints are computed in the
+    /// [`PairFrame`].
     Composite(Formulation, PairFrame),
 }
 

@@ -53,9 +53,10 @@ pub enum Relation {
 /// Index set of the entries of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Over {
-    /// Joints.
+    /// The row has one entry per joint.
     Joints,
-    /// Coordinates that joints follow. If each joint is independent, all arrays are over joints.
+    /// The row has one entry per coordinate that joints follow. If each joint is independent, all arrays are
+    /// over joints.
     Coordinates,
 }
 
@@ -182,9 +183,11 @@ pub struct Map {
 /// - 0 otherwise
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pairs {
-    /// Arrays for j before i: rows by i, then rows by j.
+    /// The two arrays for the entries with j before i. The first array is read at joint i, the second at
+    /// joint j.
     pub before: (ArrayId, ArrayId),
-    /// Arrays for j beyond i: rows by i, then rows by j.
+    /// The two arrays for the entries with j beyond i. The first array is read at joint i, the second at
+    /// joint j.
     pub beyond: (ArrayId, ArrayId),
     /// Array of the diagonal, with one row.
     pub diagonal: ArrayId,

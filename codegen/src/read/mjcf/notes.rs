@@ -7,8 +7,10 @@ pub(super) const ACTUATOR: Remark = Remark::warning(
     "actuator-skipped",
     "actuators were omitted unless they act on a joint, a fixed tendon or a single named site",
 );
-pub(super) const ACTUATOR_RANGE: Remark =
-    Remark::note("actuator-range", "force ranges that are not symmetric about 0 were omitted");
+pub(super) const ACTUATOR_RANGE: Remark = Remark::note(
+    "actuator-range",
+    "force and control ranges of actuators that are not symmetric about 0 were omitted",
+);
 pub(super) const EFFORT_RANGE: Remark = Remark::note(
     "effort-range",
     "force ranges of joints that are not symmetric about 0 were reduced to the smaller side, or omitted if they exclude 0",
@@ -37,7 +39,7 @@ pub(super) const QUATERNION_FORCE: Remark = Remark::warning(
     "armature, springs, limits and dry friction of ball and free joints were omitted",
 );
 pub(super) const RANGE: Remark =
-    Remark::warning("limit-unusable", "ranges with equal or reversed ends were omitted");
+    Remark::warning("limit-unusable", "joint ranges with equal or reversed ends were omitted");
 pub(super) const SERVO: Remark =
     Remark::warning("servo-as-torque", "servos were read as force inputs; their gains were omitted");
 pub(super) const SPRING_DAMPER: Remark = Remark::warning(
@@ -50,7 +52,7 @@ pub(super) const START_POSE: Remark = Remark::note(
 );
 pub(super) const TENDON_BRANCHES: Remark = Remark::warning(
     "tendon-branches",
-    "tendons with armature couple joints of different branches in M; MuJoCo omits these entries",
+    "tendons with armature couple joints of different branches in M; MuJoCo omits these entries, so its M differs",
 );
 pub(super) const TENDON_FORCE: Remark =
     Remark::warning("tendon-skipped", "springs, limits and spatial paths of tendons were omitted");

@@ -57,5 +57,7 @@ pub(super) const SPHERICAL_WITHOUT_DRIVE: Remark = Remark::note(
     "spherical-without-drive",
     "spherical joints of a URDF have no drive and no input; add inputs in a TOML file (`drive = \"ideal\"`)",
 );
-pub(super) const UNKNOWN: Remark =
-    Remark::warning("unknown-tag", "unknown elements and attributes of the dynamics were skipped");
+pub(super) const UNKNOWN: Remark = Remark::warning(
+    "unknown-tag",
+    "unknown elements and attributes inside elements that describe the dynamics were skipped",
+);
