@@ -25,13 +25,13 @@ pub struct AccelerationDerivatives<'g> {
 /// Linearized accelerations `ÿ = A_y y + A_v ẏ + B_x u + c` with n coordinates y and m inputs u.
 #[derive(Debug, Clone)]
 pub struct AffineAccelerations<'g> {
-    /// Matrix A_y, n × n.
+    /// Matrix A_y = ∂ÿ/∂y, n × n.
     pub by_coordinates: Matrix<'g>,
-    /// Matrix A_v, n × n.
+    /// Matrix A_v = ∂ÿ/∂ẏ, n × n.
     pub by_velocities: Matrix<'g>,
-    /// Matrix B_x, n × m.
+    /// Matrix B_x = ∂ÿ/∂u, n × m.
     pub by_inputs: Matrix<'g>,
-    /// Vector c, n entries.
+    /// Affine remainder c, n entries.
     pub remainder: Vec<Scalar<'g>>,
 }
 

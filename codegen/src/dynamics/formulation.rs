@@ -87,8 +87,8 @@ pub struct BodyChoices {
     pub angular: AngularRoute,
     /// Way to compute the diagonal of U.
     pub diagonal: Diagonal,
-    /// Whether U_zx is computed from the y component of the angular acceleration, which children may need.
-    /// This choice only has an effect with [`AngularRoute::AxisPoints`].
+    /// Whether the entry U_zx of the matrix U is computed from the y component of the angular acceleration,
+    /// which children may need. This choice only has an effect with [`AngularRoute::AxisPoints`].
     pub by_acceleration: bool,
     /// Assignment of the translation along the axis.
     pub lift: Lift,
@@ -103,7 +103,8 @@ pub struct BodyChoices {
     pub regroup: RegroupChoice,
     /// Rotation of the frame of a leaf.
     pub leaf: LeafAlignment,
-    /// Unit of length of the body's forces and accelerations \[m\].
+    /// Unit of length of the body's forces and accelerations \[m\]. A length that is equal to the unit
+    /// becomes 1 and saves products.
     pub length_unit: f64,
 }
 
@@ -115,8 +116,8 @@ pub struct Formulation {
 }
 
 impl Formulation {
-    /// The usual recursive formulation of a mechanism with `count` bodies: equations in body frames, in
-    /// metres, and from joint to joint.
+    /// The usual recursive formulation of a mechanism with `count` bodies: equations in body frames and in
+    /// metres. Velocities and moments are passed from joint to joint.
     pub fn plain(count: usize) -> Self {
         let choices = BodyChoices {
             angular: AngularRoute::Acceleration,

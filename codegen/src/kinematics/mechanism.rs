@@ -38,7 +38,7 @@ pub struct Mechanism<S: Numbers> {
 pub struct Body<S> {
     /// Name of the joint in the description. For the slide of a helical joint, `(slide)` is appended.
     pub name: String,
-    /// Identifier of the joint, for names of values.
+    /// Identifier of the joint, for names of values in generated code.
     pub identifier: String,
     /// Index among the moving joints: first the joints of the coordinates, then followers.
     pub joint: usize,

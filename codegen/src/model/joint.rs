@@ -62,7 +62,7 @@ pub struct Joint {
     pub origin: Pose,
     /// Axis in the joint frame, with unit length.
     pub axis: [f64; 3],
-    /// Motion of the joint.
+    /// Motion of the joint: fixed, held, by its own coordinate, or following coordinates.
     pub motion: Motion,
     /// Limits on position, speed and force.
     pub limits: Limits,
@@ -175,7 +175,7 @@ impl JointKind {
     }
 }
 
-/// Motion of a joint.
+/// Motion of a joint: fixed, held, by its own coordinate, or following coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Motion {
     /// A fixed joint.

@@ -37,7 +37,7 @@ pub mod shared {
     }
 }
 
-/// A text. The variants have the order in which the texts are pasted.
+/// A text that the generator pastes into modules. The variants have the order in which the texts are pasted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Text {
     /// Sums of arrays.

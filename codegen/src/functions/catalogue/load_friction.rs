@@ -12,7 +12,7 @@ use crate::function_names as names;
 /// friction per unit of the load.
 pub const MOTION: &str = "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u − |τ_l| s₁(y, ẏ)";
 
-/// Row of the additional function.
+/// Row of the function `load_friction`, which only these robots have.
 pub const QUANTITIES: &[Quantity] = &[Quantity {
     name: names::LOAD_FRICTION,
     summary: "Load-dependent friction `s₁(y, ẏ)`: additional friction per unit of load.",
