@@ -193,8 +193,8 @@ impl<'m> Formulations<'m> {
         })
     }
 
-    /// The pair of formulations of M and of the bias forces with the smallest total weight. Common terms
-    /// count once.
+    /// The pair of formulations of M and of the bias forces with the smallest total weight of operations.
+    /// Common terms count once.
     pub fn mass_and_bias(&self) -> &(Formulation, Formulation) {
         self.mass_and_bias
             .get_or_init(|| self.cheapest_pair(&[self.mass_matrix(), self.bias_forces()], |_, _| Vec::new()))
@@ -221,8 +221,8 @@ impl<'m> Formulations<'m> {
         (matrix, newton_euler::inverse_dynamics(&bias.mechanism(graph, self.mechanism), bias, input))
     }
 
-    /// The pair of formulations of M and of the bias forces that has the smallest total weight together with
-    /// the derivatives of the inverse dynamics. Common terms count once.
+    /// The pair of formulations of M and of the bias forces that has the smallest total weight of operations
+    /// together with the derivatives of the inverse dynamics. Common terms count once.
     pub fn mass_and_bias_beside_derivatives(&self) -> &(Formulation, Formulation) {
         self.beside_derivatives.get_or_init(|| {
             let mut candidates = vec![self.mass_matrix(), self.bias_forces()];
