@@ -196,13 +196,13 @@ fn limits_beyond_a_torque_speed_line_are_told() {
             ", torque = 1.5",
             "",
             Severity::Warning,
-            "warning[beyond-stall-torque]: the torque of motor `arm` is 1.5 N m, but the motor drives with at most its stall torque of 1.2 N m",
+            "warning[beyond-stall-torque]: the torque of motor `arm` is 1.5 N m, but its stall torque allows at most 1.2 N m",
         ),
         (
             ", torque = { nominal = 0.5, peak = 1.5 }",
             "",
             Severity::Note,
-            "note[beyond-stall-torque]: the peak torque of motor `arm` is 1.5 N m, but the motor drives with at most its stall torque of 1.2 N m",
+            "note[beyond-stall-torque]: the peak torque of motor `arm` is 1.5 N m, but its stall torque allows at most 1.2 N m",
         ),
         (
             ", speed = 700",
