@@ -22,7 +22,7 @@ use crate::program::interpret::interpret;
 use crate::program::{GraphOutput, InputArray, Operand, Program, Shape, lower};
 
 /// A column depends on earlier columns if at most this part of its length remains after the projection on
-/// them. If the dependency is exact, about 1e-15 remains. If it is exact only up to angles with nine digits,
+/// them. If the dependency is exact, about 1e-15 remains. If the description gives angles with nine digits,
 /// about 1e-9 remains.
 const DEPENDENT: f64 = 1e-7;
 
