@@ -20,7 +20,7 @@ pub struct Pose<S> {
 }
 
 impl<'g> Pose<Scalar<'g>> {
-    /// The identity.
+    /// The identity pose.
     pub fn identity(graph: &'g Graph) -> Self {
         Self { rotation: Matrix3::identity(), translation: Vector3([graph.constant(0.0); 3]) }
     }

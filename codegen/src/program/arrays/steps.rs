@@ -21,7 +21,7 @@ pub struct Arrays {
     /// For each joint with a quaternion, its velocities from the base outwards. Each velocity is one joint of
     /// the loops.
     pub chains: Vec<Vec<usize>>,
-    /// Whether products and sums of the steps are fused.
+    /// Whether products and sums of the steps are contracted to fused multiply-adds.
     pub is_fused: bool,
 }
 
@@ -44,9 +44,9 @@ pub enum Relation {
     Before,
     /// The joints are the same.
     Same,
-    /// The joint is beyond the other joint.
+    /// The joint is beyond the other joint: the other joint is on its path to the base.
     Beyond,
-    /// The joints are on different paths.
+    /// Neither joint is on the path from the other joint to the base.
     Apart,
 }
 
