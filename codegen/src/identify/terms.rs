@@ -1,4 +1,5 @@
-//! Tables of friction terms and of the evidence for them, for the page and for JSON.
+//! Tables of the friction terms, with their intervals and probabilities, for the report page ([`super::page`]) and for the JSON
+//! output.
 
 use gelenk_findings::digits::{plain, significant};
 use gelenk_identification::friction::{Candidate, FrictionReport};

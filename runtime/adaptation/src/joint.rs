@@ -14,7 +14,8 @@ const FIRST_NOISE: f64 = 0.1;
 /// Smallest variance of the noise, relative to the square of the friction at the largest speed. Numbers with seven digits have
 /// this variance.
 const LEAST_NOISE: f64 = 1e-14;
-/// Settling time of the filter, in time constants. After x time constants, the share 1 − (1 + x) e⁻ˣ of a step has passed (0.96).
+/// Settling time of the filter, in time constants. After x time constants, the share 1 − (1 + x) e⁻ˣ of a step has passed
+/// (0.96).
 const SETTLED: f64 = 5.0;
 /// Number of consecutive equal torques (bit for bit) after which a sensor counts as stuck or at the end of its range.
 const REPEATED: u32 = 5;
@@ -87,12 +88,13 @@ pub(super) struct Instant {
     pub is_exact: bool,
 }
 
-/// A sample of the filtered torque with its prediction by the law that was learned before the sample.
+/// A sample of the filtered torque of a joint, with its prediction by the law that was learned before the sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Prediction {
-    /// Filtered values of the [`terms`].
+    /// Filtered values of the [`terms`] of the learned law.
     pub terms: [f64; TERMS],
-    /// Filtered torque that the described robot does not explain [N m or N]. It is the prediction error of the described law.
+    /// Filtered torque minus the torque of the described robot, including its friction [N m or N]. It is the prediction error
+    /// of the described law.
     pub torque: f64,
     /// Prediction error of the learned law [N m or N].
     pub error: f64,
@@ -132,8 +134,8 @@ pub(super) struct Joint {
 impl Joint {
     /// Initial state of a joint.
     ///
-    /// - `index`: index of the joint. Joints take their samples in different periods, so that the computing time of all periods is
-    ///   similar.
+    /// - `index`: index of the joint. Joints take their samples in different periods, so that the computing time of all periods
+    ///   is similar.
     pub(super) fn new(index: usize, derived: &Derived, scale: &JointScale) -> Self {
         let noise = FIRST_NOISE * scale.torque;
         let bank = Bank::new(&derived.prior, noise * noise);
@@ -261,8 +263,8 @@ impl Joint {
             .all(|side| described + dot(&[along, viscous, 0.0, side * asymmetry, 0.0], &self.law.mean) > 0.0)
     }
 
-    /// Learns from a sample. `error` is the prediction error of the learned law. Returns false without learning if the sample is
-    /// outside the prediction interval.
+    /// Learns from a sample. `error` is the prediction error of the learned law. Returns false without learning if the sample
+    /// is outside the prediction interval.
     fn learn(
         &mut self,
         settings: &AdaptationSettings,

@@ -13,7 +13,7 @@ use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
 
 /// Sees: the effort of one joint that fits better with a factor.
-/// Matters: its masses and its friction would be wrong by the factor.
+/// Matters: masses and friction of this joint would be wrong by the factor.
 /// Example: one sensor in another unit.
 /// Fixture: `factor` in `codegen/tests/findings/arm.rs`.
 pub(super) const OTHER_FACTOR: Rule = Rule::error("other-factor");

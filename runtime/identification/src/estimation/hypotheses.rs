@@ -44,7 +44,7 @@ const GRAVITY: Rule = Rule::error("other-gravity");
 /// Fixture: `efforts_that_come_early_are_moved` in `codegen/tests/external_arm/main.rs`.
 const DELAY: Rule = Rule::warning("other-delay");
 
-/// Sees: friction that grows with the load of a gear.
+/// Sees: load-dependent friction of a gear.
 /// Matters: a law of the velocity alone is wrong under other loads.
 /// Example: a worm gear.
 /// Fixture: `friction_under_load_is_identified_where_it_is_asked_for` in `codegen/tests/command_line/identify.rs`.

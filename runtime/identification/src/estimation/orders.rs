@@ -7,8 +7,8 @@ use super::trial::{Case, Change};
 use gelenk_findings::{Finding, Rule, Subject};
 
 /// Sees: columns that fit better in another order of the joints.
-/// Matters: every joint would get the law and the body of another one.
-/// Example: columns in the order of the alphabet, as ROS writes them.
+/// Matters: every joint would get the friction law and the body of another joint.
+/// Example: columns in alphabetical order, as ROS writes them.
 /// Fixture: `alphabetic` and `pan_lift` in `codegen/tests/findings/arm.rs`.
 pub(super) const ORDER: Rule = Rule::error("other-order");
 

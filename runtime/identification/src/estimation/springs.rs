@@ -8,8 +8,8 @@ use super::trial::{Case, Change};
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule, Subject};
 
-/// Sees: efforts of a joint that another stiffness of its spring explains better, next to bodies that may change.
-/// Matters: its force causes errors of bodies and friction.
+/// Sees: efforts of a joint that another spring stiffness explains better, even if the bodies are fitted, too.
+/// Matters: a spring that the description lacks causes errors of bodies and friction.
 /// Example: a cable that the joint winds up.
 /// Fixture: `spring` in `codegen/tests/findings/arm.rs`.
 pub(super) const SPRING: Rule = Rule::warning("spring");

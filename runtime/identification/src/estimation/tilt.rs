@@ -25,7 +25,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 const STAYS: f64 = 1e-3;
 const PASSES: usize = 10;
 
-/// Sees: weights that another direction of gravity explains.
+/// Sees: gravity forces that another direction of gravity explains.
 /// Matters: the tilt causes errors of the bodies.
 /// Example: a robot on a wedge of 5°.
 /// Fixture: `tilted` in `codegen/tests/findings/arm.rs`.

@@ -1,4 +1,4 @@
-//! Fits of the same choice to a changed log or description, and their errors on held-out data.
+//! Fits of the same choice of terms to a changed log or description, and their errors on held-out data.
 //!
 //! Each hypothesis is judged with one kind of bodies, because bodies that may change would explain much of some changes. With
 //! the other kind of bodies the change must not raise the error by more than its standard error.

@@ -19,8 +19,8 @@ pub struct PlanSettings {
     pub acceleration: Option<f64>,
     /// Largest speed of joints without a described limit [rad/s or m/s].
     pub velocity: f64,
-    /// Range of positions of prismatic joints without described limits \[m\]. Revolute joints without described limits may
-    /// turn by ±π.
+    /// Width of the position range of prismatic joints without described limits \[m\]: they move from −travel/2 to travel/2.
+    /// Revolute joints without described limits move from −π to π. [`Self::position_share`] narrows both ranges.
     pub travel: f64,
     /// Largest rotation of joints with a quaternion from their zero position \[rad\], above 0 and below π. Descriptions have
     /// no such limit.

@@ -22,7 +22,7 @@ use gelenk_findings::{Finding, Rule};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
-/// Sees: a fit whose Coulomb friction, static friction or Stribeck speed mean nothing.
+/// Sees: a fit whose Coulomb friction, static friction or Stribeck speed has no physical meaning.
 /// Matters: the law is refused.
 /// Example: static friction below Coulomb friction.
 /// Fixture: `a_stribeck_law_is_taken_and_another_law_is_refused` in `friction/stribeck.rs`.

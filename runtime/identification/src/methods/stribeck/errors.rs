@@ -11,7 +11,7 @@ use gelenk_findings::{Finding, Rule};
 use nalgebra::{DMatrix, DVector, SMatrix};
 
 /// Sees: parameters of a Stribeck law that the data do not determine.
-/// Matters: they are guesses.
+/// Matters: the values of these parameters are guesses.
 /// Example: a Stribeck speed below all speeds in the data.
 /// Fixture: `methods/stribeck/tests.rs`.
 const PARAMETERS: Rule = Rule::warning("stribeck-parameters");
@@ -185,7 +185,11 @@ fn warnings(fit: &StribeckFit, data: &Data) -> Vec<Finding> {
         match fit.standard_errors[i] {
             None => warn(format!("{name} is not identifiable: the data do not depend on it"), name, a[i]),
             Some(s) if s > 0.5 * a[i].abs() => {
-                warn(format!("{name} = {value} has a standard error of {}", plain(s, 2)), name, a[i]);
+                let error = plain(s, 2);
+                let message = format!(
+                    "{name} = {value} is uncertain: its standard error of {error} is more than half of the value"
+                );
+                warn(message, name, a[i]);
             }
             Some(_) => {}
         }

@@ -97,9 +97,9 @@ pub struct StribeckFit {
     pub iterations: usize,
     /// Whether the iteration reached its tolerance. If it did not, [`Self::warnings`] contains a warning.
     pub converged: bool,
-    /// Doubts about the parameters, with numbers.
+    /// Warnings about the parameters, with numbers.
     pub warnings: Vec<Finding>,
-    /// JᵀWJ at the result, with offsets eliminated.
+    /// JᵀWJ at the result, with the derivatives J and the weights W, after the elimination of the offsets.
     pub(super) information: SMatrix<f64, 5, 5>,
 }
 
