@@ -38,9 +38,10 @@ const DELAYS: Rule = Rule::note("delays-estimated");
 /// Fixture: `good` in `codegen/tests/findings/arm.rs`.
 const WEIGHT: Rule = Rule::note("description-weight");
 
-/// Sees: a described body for which a smaller weight of the description lowers the held-out error by more than its standard
-/// error. Matters: the data may change this body more than the other bodies. Example: a link of a published model, with
-/// measured efforts. Fixture: `halves` in `codegen/tests/findings/shared.rs`.
+/// Sees: a body for which a smaller weight of its description lowers the held-out error by more than the standard error.
+/// Matters: the data may change this body more than the other bodies.
+/// Example: a link of a published model, with measured efforts.
+/// Fixture: `halves` in `codegen/tests/findings/shared.rs`.
 const CONTRADICTED: Rule = Rule::note("body-contradicted");
 
 /// Sees: a motor constant whose interval is wider than a factor of 2.
