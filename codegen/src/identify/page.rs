@@ -182,9 +182,13 @@ fn friction_figure(joint: &JointFriction, unit: &str) -> Figure {
 /// Error on held-out data over the number of terms.
 fn front(subsets: &SubsetValidation, force: &str) -> Plot {
     let point = |subset: &ValidatedSubset| [subset.active.len() as f64, subset.mean_error.sqrt()];
-    Plot::new("Error by number of terms", Axis::new("terms", ""), Axis::new("rms error, left out", force))
-        .series("tried", Marks::Points, subsets.best.iter().map(point).collect())
-        .series("chosen", Marks::Points, vec![point(&subsets.best[subsets.chosen])])
+    Plot::new(
+        "Error by number of terms",
+        Axis::new("terms", ""),
+        Axis::new("rms error on held-out data", force),
+    )
+    .series("tried", Marks::Points, subsets.best.iter().map(point).collect())
+    .series("chosen", Marks::Points, vec![point(&subsets.best[subsets.chosen])])
 }
 
 /// Returns the joints whose efforts were measured.

@@ -44,10 +44,11 @@ pub(super) fn measured(value: f64, error: Option<f64>) -> Cell {
 }
 
 /// Returns the Pareto tables of the chosen friction laws as rows of text. The columns are joint, number of
-/// terms, rms error on left-out data, `*` for the chosen row, and terms.
+/// terms, rms error on held-out data, `*` for the chosen row, and terms.
 #[must_use]
 pub fn front(found: &Identification) -> Vec<Vec<String>> {
-    let head = ["joint", "terms", "rms error, left out", "", "terms of the law"].map(str::to_owned).to_vec();
+    let head =
+        ["joint", "terms", "rms error on held-out data", "", "terms of the law"].map(str::to_owned).to_vec();
     let mut table = vec![head];
     for joint in &found.friction {
         let Some((report, subsets)) = joint.report.as_ref().ok().and_then(|r| Some((r, r.subsets.as_ref()?)))

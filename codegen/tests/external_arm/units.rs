@@ -90,7 +90,7 @@ fn efforts_that_carry_another_robot_are_refused() {
     // Right units pass.
     arm.record("arm.toml", "log.csv", None);
     let found = arm.identify(&["log.csv", "--output", "found.toml"]);
-    assert!(!found["warnings"].to_string().contains("described force"), "{:#}", found["warnings"]);
+    assert!(!found["warnings"].to_string().contains("of the described bodies"), "{:#}", found["warnings"]);
 }
 
 /// A load is refused by the same values as a robot.
@@ -118,7 +118,8 @@ fn loads_from_logs_in_other_units_are_refused() {
     record([1.0, 1.0, 1e3], "without.csv");
     let said = load("arm.toml");
     assert!(
-        said.contains("the rigid bodies need") && said.contains("need 1000 times the described force"),
+        said.contains("the rigid-body forces")
+            && said.contains("are 1000 times the forces of the described bodies"),
         "{said}"
     );
     // It is written where that is asked for, and says so; a right load has no doubt.

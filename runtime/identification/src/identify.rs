@@ -389,7 +389,7 @@ pub(crate) fn unless_refused(
 ) -> std::result::Result<FrictionReport, Vec<Finding>> {
     let refusals: Vec<Finding> = report.result.refusals().cloned().collect();
     if report.result.vanishes() {
-        let nothing = || vec![NOTHING_LEFT.found("no term differs from 0 by more than its error")];
+        let nothing = || vec![NOTHING_LEFT.found("no term differs from 0 by more than its standard error")];
         return Err(if refusals.is_empty() { nothing() } else { refusals });
     }
     if accept_poor {

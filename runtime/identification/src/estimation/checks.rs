@@ -108,9 +108,10 @@ impl Checked<'_> {
         let (factor, share) = self.explained(joint, &|run, i| self.task.runs[run].accelerations[joint][i])?;
         self.is_suspicious(share).then(|| {
             let message = format!(
-                "{:.0} % of the residual's variance is proportional to the acceleration (factor {}): the rigid body is wrong",
-                100.0 * share,
-                plain(factor, 3)
+                "its residual follows the acceleration, so the rigid body is wrong: {} times the acceleration explains {:.0} % of the \
+                 residual's variance",
+                plain(factor, 3),
+                100.0 * share
             );
             let remedy = "describe the rotor's inertia, or look for a delay (--delay) or an elastic gear";
             ACCELERATION.found(message).help(remedy)

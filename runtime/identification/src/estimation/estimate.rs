@@ -167,9 +167,10 @@ fn under_load(
             return Ok(found);
         }
     }
-    found
-        .findings
-        .push(UNSETTLED.found(format!("load-dependent friction did not settle within {PASSES} passes")));
+    let message = format!(
+        "load-dependent friction did not settle within {PASSES} passes, so the intervals of its coefficients are too narrow"
+    );
+    found.findings.push(UNSETTLED.found(message));
     Ok(found)
 }
 
@@ -344,7 +345,7 @@ impl Task<'_> {
     ) -> Result<Estimate> {
         let solved = last.solved(self.prior)?;
         let offsets = offsets_of(&last.centred, &solved.values);
-        progress("Intervals are computed under correlated residuals.");
+        progress("Intervals are computed for correlated residuals.");
         let forces = self.forces(&solved.values, &offsets);
         let times = self.correlation_times(&forces);
         let measured = times.iter().zip(&self.layout.measured).filter(|(_, measured)| **measured);

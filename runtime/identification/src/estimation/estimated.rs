@@ -226,8 +226,8 @@ impl Estimated<'_> {
             let percent = 100.0 * self.fall_by_doubt(*body)?;
             let body = names[body * PER_BODY].trim_start_matches("m_");
             let message = format!(
-                "the described body of {body} has a smaller weight than the others, by which the error on held-out data falls by \
-                 {percent:.1} %"
+                "the description of the body of {body} has a smaller weight than the descriptions of other bodies. The smaller \
+                 weight lowers the error on held-out data by {percent:.1} %"
             );
             Some(CONTRADICTED.found(message).with("fall of the error", percent, "%"))
         });
@@ -394,7 +394,9 @@ pub(super) fn require_explained(
     };
     let r_squared = held_out[joint];
     let message = match r_squared >= least {
-        true => format!("the fit is doubted although R² is {r_squared:.3} on held-out data"),
+        true => format!(
+            "its fit is refused, although R² is {r_squared:.3} on held-out data; the next finding is the reason"
+        ),
         false => format!(
             "the fit does not explain its effort: R² is {r_squared:.3} on held-out data, but at least {least} is required"
         ),

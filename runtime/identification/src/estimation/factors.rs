@@ -70,6 +70,6 @@ pub(super) fn finding(case: &Case, change: &Change, rule: &Rule) -> Result<Optio
     let remedy = format!(
         "check the effort's unit, {sources}, and the zero of its position; to multiply one column by the factor, use --columns {example}"
     );
-    let message = format!("the data are explained better with its effort times {shown}");
+    let message = format!("the data are explained better if its effort is multiplied by {shown}");
     Ok(Some(rule.found(message).with("factor", *factor, "").help(remedy)))
 }

@@ -252,7 +252,9 @@ impl<'a> Equations<'a> {
         Err(IdentificationError::NotConverged {
             what: "the estimate of motor constants".into(),
             iterations: STEPS as usize,
-            detail: format!("the last one changed their logarithms by more than {SETTLED}"),
+            detail: format!(
+                "the last iteration changed the logarithms of the constants by more than {SETTLED}"
+            ),
         })
     }
 

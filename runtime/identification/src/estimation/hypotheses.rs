@@ -263,8 +263,10 @@ fn delays(case: &Case) -> Result<Vec<Change>> {
 fn other_delay(_: &Case, change: &Change, rule: &Rule) -> Result<Option<Finding>> {
     let Change::Delay(_, seconds) = change else { return Ok(None) };
     let way = if *seconds > 0.0 { "later" } else { "earlier" };
-    let message =
-        format!("its effort comes {:.1} ms {way} than stated, next to its position", 1e3 * seconds.abs());
+    let message = format!(
+        "relative to its position, its effort comes {:.1} ms {way} than the stated delay",
+        1e3 * seconds.abs()
+    );
     let remedy =
         "leave --delay out, or give the whole delay with --delay SECONDS, above 0 if efforts are late";
     Ok(Some(rule.found(message).with("delay", *seconds, "s").help(remedy)))
@@ -283,9 +285,11 @@ fn under_load(case: &Case, change: &Change, rule: &Rule) -> Result<Option<Findin
     let solved = case.changed(change, Some(&data)).solved(&data.prior)?;
     let share = |joint: &usize| solved.values.unknowns[data.layout.term(*joint, LOAD)];
     let names = case.robot.joint_names();
-    let said: Vec<String> =
-        joints.iter().map(|j| format!("{:.2} of it at {}", share(j), names[*j])).collect();
-    let message = format!("friction grows with the load of the gear, by about {}", said.join(", "));
+    let said: Vec<String> = joints.iter().map(|j| format!("{:.2} at {}", share(j), names[*j])).collect();
+    let message = format!(
+        "friction grows with the load of the gear; the ratio of friction to load is about {}",
+        said.join(", ")
+    );
     // Other shares cannot exist.
     let can_exist = joints.iter().map(share).all(|share| share > 0.0 && share < 1.0);
     let finding = rule.found(message).with("share of the load", share(&joints[0]), "");

@@ -37,8 +37,8 @@ impl Loads {
         let joints: Vec<bool> = (0..layout.joints).map(|joint| layout.moves[joint] && own[joint]).collect();
         if !joints.contains(&true) {
             return Err(Place::default().fault(
-                "no joint that moves has an input of its own, and the load of a gear is known only there; \
-                 leave friction under load out",
+                "no moving joint has an input that drives only this joint, and the load of a gear is known only at such \
+                 joints: leave load-dependent friction out",
             ));
         }
         let values = found.parameters.iter().zip(robot.parameters());

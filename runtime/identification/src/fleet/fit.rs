@@ -202,12 +202,16 @@ impl LogMoments {
         let [narrow, wide] = self.range(&|log| [log.bandwidth; 2]);
         let [early, late] = self.range(&|log| log.delays);
         let filters = (wide > levels::OTHER_FILTER.get() * narrow).then(|| {
-            let message = format!("the logs passed different filters ({narrow:.3} to {wide:.3} Hz)");
+            let message = format!(
+                "the logs passed filters of different bandwidths ({narrow:.3} to {wide:.3} Hz), so the moments mix different signals"
+            );
             OTHER_FILTERS.found(message).help("use the same --bandwidth for every --reduce")
         });
         let delays = (late - early > levels::OTHER_DELAY.get()).then(|| {
             let [early, late] = [early, late].map(|delay| 1e3 * delay);
-            let message = format!("delays of {early:.1} to {late:.1} ms were removed from the efforts");
+            let message = format!(
+                "different delays, from {early:.1} to {late:.1} ms, were removed from the efforts of the logs, so one of them may be wrong"
+            );
             OTHER_DELAYS.found(message).help("use the same --delay for every --reduce")
         });
         filters.into_iter().chain(delays).collect()

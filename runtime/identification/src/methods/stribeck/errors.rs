@@ -177,7 +177,10 @@ fn warnings(fit: &StribeckFit, data: &Data) -> Vec<Finding> {
     };
     let a = &fit.parameters;
     if !fit.converged {
-        let message = format!("no convergence in {} passes: some parameters run away", fit.iterations);
+        let message = format!(
+            "the regression did not converge in {} passes, because some parameters grow without a limit",
+            fit.iterations
+        );
         warn(message, "passes", fit.iterations as f64);
     }
     for i in 0..5 {
@@ -197,8 +200,9 @@ fn warnings(fit: &StribeckFit, data: &Data) -> Vec<Finding> {
             let c = fit.covariance[(i, j)] / (fit.covariance[(i, i)] * fit.covariance[(j, j)]).sqrt();
             if c.abs() > 0.995 {
                 let other = NAMES[j];
-                let message =
-                    format!("{other} and {name} are correlated with {c:.4}: only a combination is known");
+                let message = format!(
+                    "the errors of {other} and {name} have the correlation {c:.4}: the data determine only a combination of both"
+                );
                 warn(message, "correlation", c);
             }
         }
@@ -206,8 +210,9 @@ fn warnings(fit: &StribeckFit, data: &Data) -> Vec<Finding> {
     let (slow, speed) =
         (data.samples.v.iter().filter(|v| v.abs() < 1.0 / a[2]).count(), plain(1.0 / a[2], 4));
     if slow < 10 {
-        let message =
-            format!("only {slow} samples are slower than 1/a3 = {speed}: the step at zero is a guess");
+        let message = format!(
+            "only {slow} samples are slower than 1/a3 = {speed}: the data do not determine the width 1/a3 of the step at zero velocity"
+        );
         warn(message, "slow samples", slow as f64);
     }
     warnings
