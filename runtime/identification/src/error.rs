@@ -45,10 +45,10 @@ pub enum IdentificationError {
         /// Largest magnitude of the samples.
         largest: f64,
     },
-    /// The equations of the fit are singular, although no value is too large.
+    /// The equations of the fit are singular and have no unique solution, although no value is too large.
     #[error("the fit has no solution: {reason}")]
     NoSolution {
-        /// Known details of the cause.
+        /// Cause, as far as it is known.
         reason: String,
     },
     /// There are fewer samples than the method needs.
@@ -117,10 +117,10 @@ pub enum IdentificationError {
         /// Number of samples.
         samples: usize,
     },
-    /// A threshold or λ removes every term.
+    /// The threshold (STLS) or the weight λ of the penalty (LASSO) is so large that no friction term remains.
     #[error("{what} = {} removes every term: the largest value that keeps at least one term is {}", plain(*.value, 6), plain(*.largest, 6))]
     EverythingRemoved {
-        /// Name of the setting: "threshold" or "lambda".
+        /// Name of the setting: "threshold" (of STLS) or "lambda" (weight of the LASSO's penalty).
         what: String,
         /// Value of the setting.
         value: f64,
@@ -153,10 +153,10 @@ pub enum IdentificationError {
         what: String,
         /// Number of iterations.
         iterations: usize,
-        /// Numbers at the end of the iteration.
+        /// Numbers at the end of the iteration, which show how far the iteration is from its tolerance.
         detail: String,
     },
-    /// There are findings with the severity "error", so that there is no result.
+    /// Findings with the severity "error" reject the result.
     #[error("{}", findings.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
     Found {
         /// The findings, at least one.

@@ -16,7 +16,8 @@ pub struct Run {
     pub rows: Vec<usize>,
     /// Measured positions [rad or m], one column for each joint of the robot. A joint with a quaternion has one column for
     /// each of its velocities. Such a column starts at 0 and adds up the displacements `y ⊖ y_before` between consecutive
-    /// samples. Its rate is the velocity in the body's frame.
+    /// samples: rotation vectors, and for a floating joint also translations. The rate of the column is the velocity in the
+    /// body's frame.
     pub positions: Vec<Vec<f64>>,
     /// Measured positions y of a robot with quaternions, one column for each entry; empty for other robots.
     pub poses: Vec<Vec<f64>>,
@@ -52,8 +53,8 @@ impl Effort {
     }
 }
 
-/// A run on an equidistant time grid, with smoothed positions and their derivatives. The efforts passed the same filter, and
-/// their delay is removed.
+/// A run on an equidistant time grid, with smoothed positions and their derivatives, as [`crate::preparation`] makes it. The
+/// efforts passed the same filter, and their delay is removed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PreparedRun {
     /// Name of the run from which this run was made.

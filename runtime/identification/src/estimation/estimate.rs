@@ -55,12 +55,13 @@ const LEFT_OUT: Rule = Rule::warning("joint-left-out");
 /// - o: offset
 ///
 /// Regularization keeps the parameters π near the description in directions that the data do not determine: λ times the
-/// squared distance from the described bodies is added to the sum of squares. λ is the largest value whose held-out error
-/// exceeds the smallest held-out error by at most one standard error.
+/// squared distance from the described bodies is added to the sum of squares. The held-out error is the error on folds of the
+/// data to which the values were not fitted. λ is the largest value whose held-out error exceeds the smallest held-out error
+/// by at most one standard error.
 ///
-/// If [`EstimationSettings::load_friction`] is set, the friction of a joint may also contain `|τ_l| s₁ tanh(k v)`. The load
-/// τ_l of the gear is the force of the rigid-body dynamics without friction. It is computed from the values of the previous
-/// pass. Passes are repeated until s₁ settles.
+/// If [`EstimationSettings::load_friction`] is set, the friction of a joint may also contain `|τ_l| s₁ tanh(k v)` with a
+/// coefficient s₁. The load τ_l of the gear is the force of the rigid-body dynamics without friction. It is computed with the
+/// estimate of the previous pass. Passes are repeated until s₁ settles.
 ///
 /// `progress` receives a sentence at each stage.
 ///

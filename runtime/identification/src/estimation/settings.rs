@@ -4,7 +4,7 @@ use super::super::error::{Result, require_setting};
 use super::super::preparation::Filter;
 use super::result::Offsets;
 
-/// Settings of [`super::estimate`]. The defaults suit a log about which nothing is known.
+/// Settings of [`estimate`](super::estimate()). The defaults suit a log about which nothing is known.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EstimationSettings {
     /// Whether the recorded efforts exclude gravity because the robot compensates it. The held-out error decides whether the
@@ -20,12 +20,14 @@ pub struct EstimationSettings {
     /// [`Self::steepness`]. The term is added to a joint if it lowers the held-out error. The joint must have an input that
     /// drives no other joint.
     pub load_friction: bool,
-    /// Whether reflected inertia (ÿ) and asymmetric viscous friction (|v|) may be added. Each term is added to a joint if it
-    /// lowers the held-out error.
+    /// Whether two terms may be added to the force of a joint: reflected inertia (times the acceleration ÿ) and asymmetric
+    /// viscous friction (times |v|, with the velocity v). Each term is added if it lowers the held-out error.
     pub optional_terms: bool,
-    /// Number of folds of contiguous blocks, 4 to 50.
+    /// Number of folds, 4 to 50. Each fold consists of contiguous parts of the runs. The held-out error is the error on each
+    /// fold of the fit to the other folds.
     pub folds: usize,
-    /// Number of passes in which outliers lose weight (Huber 1964), at most 20. With 0 all samples have the same weight.
+    /// Number of repetitions of the fit, at most 20. Each repetition reduces the weights of outliers (Huber 1964). If it is
+    /// 0, all samples have the same weight.
     pub robust_passes: usize,
     /// Whether the inertial parameters must be those of physically possible bodies.
     pub consistent: bool,

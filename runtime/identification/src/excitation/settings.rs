@@ -9,13 +9,13 @@ use std::f64::consts::PI;
 pub struct PlanSettings {
     /// Settings of the search, with the period of the motion.
     pub excitation: Excitation,
-    /// Usable share of the range of positions, about the middle of the range; above 0, at most 1.
+    /// Usable share of the position range of each joint, centred at the middle of the range; above 0, at most 1.
     pub position_share: f64,
     /// Usable share of the described speeds; above 0, at most 1.
     pub velocity_share: f64,
     /// Usable share of the described efforts, which the described robot does not exceed in the motion; above 0, at most 1.
     pub effort_share: f64,
-    /// Largest acceleration [rad/s² or m/s²]. `None` takes twice the usable speed per second.
+    /// Largest acceleration [rad/s² or m/s²]. If it is `None`, a joint may reach twice its usable speed in one second.
     pub acceleration: Option<f64>,
     /// Largest speed of joints without a described limit [rad/s or m/s].
     pub velocity: f64,

@@ -21,7 +21,7 @@ const HASH: usize = 32;
 const LARGEST: u64 = 1 << 30;
 
 impl LogMoments {
-    /// Reads a file of moments.
+    /// Reads a file of moments (sums of products of logs).
     ///
     /// # Errors
     /// [`IdentificationError::File`](crate::error::IdentificationError::File) if the file cannot be read, is not a file of

@@ -38,8 +38,8 @@ const OTHER_DELAYS: Rule = Rule::warning("different-delays");
 /// Fixture: `merge` in `codegen/tests/findings/arm.rs`.
 const OF_MOMENTS: Rule = Rule::note("moments");
 
-/// Identifies a robot from moments of its logs, as [`super::super::identify::identify`] does from the logs. Runs, efforts,
-/// predictions and offsets in the result are empty, because they need samples.
+/// Identifies a robot from moments of its logs ([`LogMoments`]), as [`super::super::identify::identify`] does from the logs.
+/// Runs, efforts, predictions and offsets in the result are empty, because they cannot be computed from sums.
 ///
 /// - `description`: source of the robot, as for [`super::reduce()`]
 /// - `progress`: receives a sentence at each step

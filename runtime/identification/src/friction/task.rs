@@ -36,9 +36,9 @@ pub struct FrictionData<'a> {
     /// Friction terms of the estimate of all joints ([`crate::estimation`]); `None` if there are no terms. The errors of the
     /// law are at least as large as the errors that follow from this estimate.
     pub(crate) common: Option<&'a CommonTerms>,
-    /// Limits of the joint; `None` if the law is not compared with limits.
+    /// Described limits of the joint; `None` if the law is not compared with limits.
     pub limits: Option<JointLimits>,
-    /// Name and hash of the log.
+    /// Name and hash of the log, as text for the report.
     pub data: &'a str,
     /// Sentences that say how the samples were processed, for example how velocities were computed.
     pub settings: &'a [String],
@@ -64,7 +64,7 @@ pub(crate) struct CommonTerms {
     pub(crate) freedom: f64,
 }
 
-/// Meaning of a constant torque in the data.
+/// Meaning of a constant torque in the friction samples of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Offsets {
     /// A constant torque of a run is an offset of the sensor, or an error of the modelled gravity. The offset is estimated
@@ -97,7 +97,7 @@ pub struct FrictionIdentification {
     ///
     /// Terms are chosen among laws with these properties. A Stribeck law that drives the joint is refused.
     pub passive: bool,
-    /// Least R² on held-out data. A law with a lower R² is refused.
+    /// Smallest acceptable R² on held-out data. A law with a lower R² is refused.
     pub least_r_squared: f64,
 }
 

@@ -50,8 +50,8 @@ impl Default for Thresholding {
 }
 
 impl Thresholding {
-    /// Solves least squares and removes every coefficient below the threshold. This is repeated until no coefficient is
-    /// removed. Returns the least-squares solution on the remaining terms.
+    /// Solves least squares and removes every term whose coefficient is below the threshold. This is repeated until no
+    /// coefficient is removed. Returns the least-squares solution on the remaining terms.
     ///
     /// - `reduced`: data of the regression
     /// - `target`: index of the target column

@@ -43,14 +43,14 @@ pub struct JointPreparation {
     pub noise: f64,
     /// Smallest change between two measured positions in rad or m. For a coarse encoder it is the resolution.
     pub resolution: f64,
-    /// Mean number of log rows for each new position, in the run with the largest number. It is 1 if each row has a new
-    /// position.
+    /// Mean number of log rows in which the same measured position is repeated, in the run with the largest number. It is 1 if
+    /// each row has a new position.
     pub hold: f64,
     /// Whether the joint moves by more than ten times its noise.
     pub moves: bool,
     /// Half-amplitude frequency of the filter in Hz. It is the same for all joints.
     pub bandwidth: f64,
-    /// Estimated share of noise in the power of the filtered acceleration ÿ.
+    /// Estimated share of noise in the power (mean square) of the filtered acceleration ÿ.
     pub acceleration_noise: f64,
     /// Removed delay in s of the effort whose index is that of this joint. It is one of these delays, in this order:
     ///

@@ -1,7 +1,7 @@
-//! Writes identified friction as a robot description in TOML, which `gelenk generate` accepts.
+//! Writes identified values as a robot description in TOML, which `gelenk generate` accepts.
 //!
-//! The description extends the one that was used for the identification, and replaces the friction of the identified
-//! joints. It does not change anything else:
+//! The written description extends the description that was used for the identification. For example, this description
+//! replaces only the friction of joint `beta`:
 //!
 //! ```toml
 //! name = "arm_identified"

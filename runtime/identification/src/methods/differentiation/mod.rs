@@ -21,7 +21,7 @@ pub struct Derivatives {
     pub second: Vec<f64>,
     /// Root mean square of the signal minus the smoothed signal, in the unit of the signal.
     pub residual: f64,
-    /// Weight γ of the regularization.
+    /// Weight γ of the regularization ([`TotalVariation`]).
     pub parameter: f64,
 }
 

@@ -31,7 +31,7 @@ pub struct TotalVariation {
 /// Rule for the weight γ.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Regularization {
-    /// A given γ.
+    /// A given weight γ.
     Weight(f64),
     /// Standard deviation σ of the noise. By the discrepancy principle (Morozov 1966), γ is the largest weight for which
     /// `rms(s − f)` does not exceed σ, apart from a margin for chance.

@@ -1,4 +1,5 @@
-//! LASSO along a path of λ, by coordinate descent on the Gram matrix (Friedman, Hastie, Tibshirani 2010).
+//! LASSO for a sequence of weights λ of the penalty, by coordinate descent on the Gram matrix (Friedman, Hastie, Tibshirani
+//! 2010).
 //!
 //! Every λ in this crate follows the convention of glmnet and scikit-learn: `min 1/(2N) ‖y − Θ ξ‖² + λ Σ ωᵢ |ξᵢ|` with N
 //! samples and the penalty weights ωᵢ. In the form `‖y − Θ ξ‖² + λ' ‖ξ‖₁` the value is `λ' = 2 N λ` (`paper_lambda`).
@@ -26,7 +27,7 @@ pub struct Lasso {
     pub unpenalized: Vec<usize>,
     /// Indices of terms whose coefficient must not be negative.
     pub nonnegative: Vec<usize>,
-    /// Duality gap at which the iteration ends, as a share of `‖y‖²/(2N)`.
+    /// Duality gap at which the iteration ends, as a share of `‖y‖²/(2N)` for N samples of the target y.
     pub tolerance: f64,
     /// Largest number of sweeps over all terms for each λ.
     pub max_sweeps: usize,
@@ -44,7 +45,7 @@ impl Default for Lasso {
     }
 }
 
-/// Solutions along a path of λ.
+/// Solutions of the LASSO for a sequence of weights λ of the penalty.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LassoPath {
     /// Values of λ, descending.
