@@ -21,7 +21,7 @@ const MOST_DIGITS: i32 = 8;
 /// Largest change of a parameter of a load by rounding, as a share of half the width of its interval.
 const NOTICED: f64 = 0.1;
 
-/// Rounds the bodies of all links.
+/// Rounds the identified bodies of all links to the digits that their intervals justify.
 ///
 /// - `described`: the same bodies with the described parameters
 pub fn round_bodies(links: &mut [LinkBodies], described: &[LinkBodies], estimate: &Estimate) {

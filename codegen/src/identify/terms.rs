@@ -43,7 +43,7 @@ pub(super) fn measured(value: f64, error: Option<f64>) -> Cell {
     Cell::Rounded(value, significant(value, error).unwrap_or(DIGITS))
 }
 
-/// Returns the Pareto tables of the chosen friction laws as rows of text. The columns are joint, number of
+/// Returns the tables of the choice of terms of all friction laws as rows of text. The columns are joint, number of
 /// terms, rms error on held-out data, `*` for the chosen row, and terms.
 #[must_use]
 pub fn front(found: &Identification) -> Vec<Vec<String>> {
@@ -69,7 +69,7 @@ pub fn front(found: &Identification) -> Vec<Vec<String>> {
     table
 }
 
-/// Returns the Pareto table of a friction law as JSON.
+/// Returns the table of the choice of terms (error against number of terms) of a friction law as JSON.
 #[must_use]
 pub fn front_as_json(report: &FrictionReport) -> Value {
     let Some(subsets) = &report.subsets else { return Value::Null };

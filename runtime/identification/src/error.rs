@@ -172,41 +172,43 @@ pub enum IdentificationError {
     },
 }
 
-/// A file, a part of it, an option, or a part of the robot, at which data have a fault; the whole robot by default.
+/// Place of a fault in the data: a file, a part of a file, an option, or a part of the robot. The default is the whole robot.
 #[derive(Default)]
 pub(crate) struct Place(About);
 
-/// The log or the file with this name.
+/// Returns the place of a log or another file with this name.
 pub(crate) fn at(file: impl Into<String>) -> Place {
     Place(About { log: Some(file.into()), ..About::default() })
 }
 
-/// The joint with this name.
+/// Returns the place of the joint with this name.
 pub(crate) fn at_joint(name: impl Into<String>) -> Place {
     Place(About { subject: Subject::Joint(name.into()), ..About::default() })
 }
 
 impl Place {
-    /// The row of this log.
+    /// Adds the row of the log to the place.
     pub(crate) fn row(mut self, row: usize) -> Self {
         self.0.rows = Some((row, row));
         self
     }
 
-    /// The option that names columns of this log.
+    /// Adds the option that names columns of the log to the place.
     pub(crate) fn option(mut self, option: String) -> Self {
         self.0.column = Some(option);
         self
     }
 
-    /// The error that there is a fault at this place.
+    /// Returns the error with this message at this place.
     pub(crate) fn fault(self, message: impl Into<String>) -> IdentificationError {
         IdentificationError::File(Box::new(Finding { about: self.0, ..UNUSABLE.found(message) }))
     }
 }
 
 impl IdentificationError {
-    /// The error that a file, or another input with this name, cannot be used.
+    /// Returns the error that a file, or another input with this name, cannot be used.
+    ///
+    /// - `message`: reason why it cannot be used
     pub fn unusable(place: impl Into<String>, message: impl Into<String>) -> Self {
         at(place).fault(message)
     }
@@ -306,7 +308,7 @@ pub(crate) fn require_changing(what: &str, values: &[f64]) -> Result<()> {
     }
 }
 
-/// The error that a setting removes every term.
+/// Returns the error that a threshold or the weight λ of a penalty removes every term.
 pub(crate) fn everything_removed(what: &str, value: f64, largest: f64) -> IdentificationError {
     IdentificationError::EverythingRemoved { what: what.into(), value, largest }
 }

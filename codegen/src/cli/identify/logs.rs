@@ -207,7 +207,7 @@ fn replaced_load(model: &Model, found: &Identification) -> Option<Finding> {
     })
 }
 
-/// Path of the written description. Returns an error if it is an input of the command.
+/// Returns the path of the written description. Fails if this file is an input of the command.
 ///
 /// - `kind`: end of the name without `--output`
 pub(super) fn output(arguments: &Identify, loaded: &Loaded, kind: &str) -> Result<PathBuf, Failure> {

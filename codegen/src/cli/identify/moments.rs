@@ -1,5 +1,5 @@
-//! The commands `gelenk identify --reduce` and `--merge`. Moments are sums of products of a log's samples,
-//! to which a log can be reduced.
+//! The commands `gelenk identify --reduce`, which reduces logs to moments, and `--merge`, which identifies the
+//! robot from moments. Moments are sums of products of a log's samples.
 
 use std::fs;
 use std::path::{Path, PathBuf};

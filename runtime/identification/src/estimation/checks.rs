@@ -118,8 +118,9 @@ impl Checked<'_> {
         })
     }
 
-    /// Whether the residual of a joint shows friction that grows with the load: `(|τ_l| − mean) sign(v)`, because the Coulomb
-    /// term explains the mean of the load's magnitude |τ_l|.
+    /// Whether the residual of a joint shows load-dependent friction. Such friction leaves the residual
+    /// `(|τ_l| − mean) sign(v)` with the load τ_l of the gear and the velocity v, because the Coulomb term explains the mean of
+    /// |τ_l|.
     pub(super) fn rubs_under_load(&self, joint: usize) -> bool {
         let Task { robot, layout, settings, .. } = self.task;
         // Without gravity, rigid forces are not the loads of the gears. A joint with a quaternion has no gear.

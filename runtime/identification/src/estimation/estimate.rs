@@ -145,7 +145,7 @@ fn estimate_of(
     pass(robot, runs, settings, (&layout, None), progress).map(|(found, _)| found)
 }
 
-/// The estimate with friction under load.
+/// The estimate with load-dependent friction.
 fn under_load(
     robot: &dyn Robot,
     runs: &[PreparedRun],

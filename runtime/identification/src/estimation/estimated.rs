@@ -200,8 +200,8 @@ impl Estimated<'_> {
         self.layout.delays.iter().map(|number| self.delay(*number)).collect()
     }
 
-    /// Share by which the smaller weight of a described body lowers the held-out error of the last fit; `None` if it does
-    /// not lower the error by more than the standard error.
+    /// Relative decrease of the held-out error of the last fit by the smaller weight of a body's description; `None` if the
+    /// weight does not lower the error by more than the standard error.
     fn fall_by_doubt(&self, body: usize) -> Option<f64> {
         let own = self.chosen.held_out(self.prior).ok()?;
         let mut trusted = self.chosen.over(self.chosen.centred.sums);

@@ -24,13 +24,13 @@ const TRIED: [f64; 12] = [0.05, 0.1, 0.2, 0.33, 0.5, 0.7, 1.4, 2.0, 3.0, 5.0, 10
 const FINE: f64 = 1.05;
 const STEPS: i32 = 8;
 
-/// Whether every joint is explained well.
+/// Whether the fit explains the effort of every joint sufficiently.
 pub(super) fn explains(case: &Case, errors: &HeldOut) -> bool {
     let r_squared = case.chosen.centred_r_squared(&errors.rss);
     case.layout().rubbing().all(|joint| r_squared[joint] >= levels::POOR.get())
 }
 
-/// The factor of each joint's effort with the least held-out error, if it lowers the error noticeably.
+/// For each joint, the factor of its effort with the least held-out error, if this factor lowers the error noticeably.
 pub(super) fn factors(case: &Case) -> Result<Vec<Change>> {
     let mut found = Vec::new();
     if case.layout().known_gains.contains(&false) {

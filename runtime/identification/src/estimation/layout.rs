@@ -106,7 +106,7 @@ impl Layout {
     /// The layout of an estimate with these settings.
     ///
     /// - `steepness`: factors k of the Coulomb terms tanh(k v) of each joint
-    /// - `loads`: whether there is a term of friction under load
+    /// - `loads`: whether there is a term of load-dependent friction
     pub(super) fn of(
         robot: &dyn Robot,
         runs: &[PreparedRun],

@@ -50,7 +50,7 @@ impl Loads {
         })
     }
 
-    /// Loads by the values of the unknowns of a fit, with friction under load of some joints.
+    /// Loads computed with the values of the unknowns of a fit, with load-dependent friction at some joints.
     pub(super) fn of(layout: &Layout, unknowns: &DVector<f64>, joints: &[usize]) -> Self {
         Self {
             changes: unknowns.rows(0, layout.parameters).iter().copied().collect(),

@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 /// Kind of the offsets of measured forces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Offsets {
-    /// Measured forces have no offset, because the sensors and the described gravity are exact.
+    /// Measured forces have no offset, because the sensors and the described gravity are assumed to be exact.
     None,
     /// One offset for each joint.
     Common,

@@ -97,7 +97,7 @@ impl Turning<'_> {
         }
     }
 
-    /// Whether bodies that differ by these changes have weights opposite to those of the described bodies. The assumed
+    /// Whether bodies that differ by these changes have gravity forces opposite to those of the described bodies. The assumed
     /// gravity is then upside down.
     fn weighs_less_than_nothing(&self, runs: &[PreparedRun], changes: &DVector<f64>) -> bool {
         let described = self.robot.parameters();
@@ -128,7 +128,8 @@ impl Turning<'_> {
         turned * (size / turned.norm())
     }
 
-    /// The angles in the directions that the data determine, and the changes of all unknowns that are fitted with them.
+    /// The fitted angles by which gravity turns in the directions that the data determine, and the fitted changes of all
+    /// unknowns.
     fn angles(&self, task: &Task, last: &Chosen) -> Result<[DVector<f64>; 2]> {
         let more = |y: &[f64], regressor: &mut [f64]| self.add(y, task.layout.joints, regressor);
         task.with_more((2, &more), |task| {

@@ -78,7 +78,7 @@ fn middle(ratios: &[f64]) -> Option<f64> {
 impl CommonRatio {
     /// A doubt about the efforts of the robot as a whole; `None` if the ratio is near 1.
     ///
-    /// - `unit`: gives the finding with a unit in which the efforts are explained better; `None` if there is no such unit
+    /// - `unit`: returns the finding with a unit in which the efforts are explained better; `None` if there is no such unit
     ///
     /// # Errors
     /// [`IdentificationError::Found`] with the ratio and its likely causes, if the ratio is far from 1 and this is not

@@ -21,8 +21,8 @@ pub(super) const SHARES: usize = 16;
 pub(super) type Hash = [u8; 32];
 
 /// Moments of one or several logs: sums of products of the columns of each joint's equation (regressor and measured force). The
-/// mean of each run is subtracted from the columns before. The samples are divided into 16 groups (shares) with separate sums.
-/// The size of moments does not depend on the length of the logs.
+/// mean of each run is subtracted from the columns before, except in the equations of joints with a quaternion. The samples are
+/// divided into 16 groups (shares) with separate sums. The size of moments does not depend on the length of the logs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LogMoments {
     pub(super) about: About,
