@@ -170,18 +170,20 @@ pub struct Shaft {
     pub name: String,
     /// Index of the joint whose row the shaft's equation replaces. This joint has no separate drive.
     pub joint: usize,
-    /// Motion of the shaft per unit of motion of each of the N joints: gear ratio times weight [1 or rad/m].
+    /// Motion of the shaft per unit of motion of each of the N joints [1 or rad/m]: the gear ratio of the drive times the
+    /// weight of the joint in the drive.
     pub ratios: Vec<f64>,
     /// Largest torque of the drive's motor [N·m]; infinite if the description has no limit.
     pub torque: f64,
 }
 
-/// A torque–speed line of a motor: the largest input u falls with the joint velocities ẏ, `|u + C ẏ| ≤ limit`.
+/// Torque–speed line of a motor: the limit `|u + C ẏ| ≤ limit` of the input u, in which the row C makes the largest input fall
+/// with the joint velocities ẏ.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TorqueSpeedLine {
     /// Index of the input u.
     pub input: usize,
-    /// C: for each of the N joints, the decrease of the largest input per unit of the joint's velocity, in the unit of the
+    /// Row C: for each of the N joints, the decrease of the largest input per unit of the joint's velocity, in the unit of the
     /// input per rad/s or m/s.
     pub slopes: Vec<f64>,
     /// Largest input of the motor at rest, in the unit of the input.

@@ -47,8 +47,8 @@ pub struct JointValidation {
     pub r_squared_with_offset: f64,
 }
 
-/// Predicts the efforts of other logs with the identified description: inertial parameters, added inertias, the chosen
-/// friction laws with their constants, and gains. Nothing is fitted again. Offsets of the fitted logs are not added.
+/// Predicts the efforts of other logs with the identified description: inertial parameters, added inertias, the chosen friction
+/// laws with their constants, and gains of the drives. No value is fitted again. Offsets of the fitted logs are not added.
 ///
 /// Signals pass the filter of the identification, and friction passes the filter of the efforts. The delay of the
 /// identification is removed from the efforts.

@@ -1,4 +1,4 @@
-//! Checks of the residual efforts against effects that the model lacks.
+//! Checks whether the residuals of the efforts show effects that the model lacks.
 
 use super::super::methods::offset::mean;
 use super::super::robot::Robot;

@@ -38,13 +38,13 @@ const UNSETTLED: Rule = Rule::warning("load-shares-unsettled");
 /// Fixture: `codegen/tests/external_arm/doubts.rs`.
 const LEFT_OUT: Rule = Rule::warning("joint-left-out");
 
-/// Estimates inertial parameters, friction, offsets and gains of a robot from its runs.
+/// Estimates inertial parameters, friction, offsets of the efforts and gains of the drives of a robot from its runs.
 ///
 /// For each joint j the fit explains the measured force, with weights 1/σⱼ² from the variance σⱼ² of the joint's residual e:
 ///
 /// `K z = W(y, ẏ, ÿ) π + s + v φ₁ + tanh(k v) φ₂ [+ |v| φ₃ + ÿ φ₄] + o + e`
 ///
-/// - z: measured effort, times the input matrix B if efforts are inputs or currents
+/// - z: measured effort of the joint. If efforts are inputs or currents, it is the row of the input matrix B times the efforts.
 /// - K: gain of the drive. The gain is one except for currents without a described motor constant. Such gains are estimated
 ///   first, relative to the described masses.
 /// - W π: regressor of the robot times its inertial parameters

@@ -12,7 +12,7 @@ use super::settings::PlanSettings;
 use super::{ExcitationLimits, FourierMotion, Instant};
 use nalgebra::DMatrix;
 
-/// Speed and torque that a planned motion requires from the motor of a drive that acts on several joints.
+/// Speed and torque that a planned motion requires from a drive that acts on several joints.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlannedShaft {
     /// Name of the drive.

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-/// Constant torque of one run, in addition to the friction law.
+/// Constant torque of one run (offset of the sensor or error of the modelled gravity), in addition to the friction law.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Offset {
     /// Indices of the run's samples among the samples of all runs.

@@ -1,4 +1,4 @@
-//! Identified friction: the law, its statistics, and text about both. [`description`] writes the law as TOML.
+//! Identified friction: the law, its statistics, and text about both. The module [`description`] writes the law as TOML.
 
 use super::error::Result;
 use super::methods::confidence::quantile;
