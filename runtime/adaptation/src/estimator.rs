@@ -96,7 +96,7 @@ pub struct TermState {
 }
 
 impl JointState {
-    /// Terms that the joint has.
+    /// Returns the terms that the learned law of the joint has, with their coefficients.
     pub fn terms(&self) -> impl Iterator<Item = TermState> + '_ {
         let term = |k: usize| TermState {
             name: TERM_NAMES[k],
@@ -288,7 +288,7 @@ impl<const N: usize> Adaptation<N> {
         instants.iter().all(finite).then_some(instants)
     }
 
-    /// State of each joint; `None` for joints whose friction is not learned.
+    /// Returns the state of the learned law of each joint; `None` for joints whose friction is not learned.
     #[must_use]
     pub fn states(&self) -> [Option<JointState>; N] {
         core::array::from_fn(|i| {
@@ -380,7 +380,7 @@ impl<const N: usize> Adaptation<N> {
         Ok(())
     }
 
-    /// Speed [rad/s or m/s] below which a joint counts as at rest; 0 for joints whose friction is not learned.
+    /// Returns the speed [rad/s or m/s] below which a joint counts as at rest; 0 for joints whose friction is not learned.
     #[must_use]
     pub fn rest(&self, joint: usize) -> f64 {
         self.derived[joint].map_or(0.0, |derived| derived.rest)

@@ -1,4 +1,4 @@
-//! Check that the inputs of a robot can load joints separately.
+//! Check that the inputs of a robot can load each learned joint without loading other joints.
 
 use super::settings::AdaptationError;
 use gelenk_dynamics::pseudo_inverse::pseudo_inverse;

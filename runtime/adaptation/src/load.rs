@@ -11,7 +11,7 @@ use super::trust::{Comparison, Trust};
 /// State of a [`LoadEstimator`] at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoadState<const P: usize> {
-    /// Learned parameters of the load.
+    /// Learned parameters θ of the load, within their bounds.
     pub learned: [f64; P],
     /// Half of the 90 % confidence interval of each parameter.
     pub half_widths: [f64; P],
@@ -139,13 +139,14 @@ impl<const N: usize, const P: usize> LoadEstimator<N, P> {
         core::array::from_fn(|k| self.law.mean[k].clamp(self.bounds[k][0], self.bounds[k][1]))
     }
 
-    /// Acting parameters of the load.
+    /// Returns the acting parameters of the load, which controllers use.
     #[must_use]
     pub fn acting(&self) -> &[f64; P] {
         &self.acting
     }
 
-    /// Learned and acting parameters, and confidence intervals.
+    /// Returns the learned and the acting parameters, the confidence intervals, and the reason why the learned parameters act
+    /// or do not act.
     #[must_use]
     pub fn state(&self) -> LoadState<P> {
         LoadState {

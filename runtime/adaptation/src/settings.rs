@@ -3,7 +3,7 @@
 use gelenk_dynamics::dynamics::Named;
 use thiserror::Error;
 
-/// Largest delay of an input, in periods.
+/// Largest delay of the inputs that the estimator supports, in periods ([`AdaptationSettings::delay`]).
 pub const MOST_DELAY: usize = 8;
 
 /// Settings of the recursive estimation.

@@ -69,8 +69,8 @@ const SHOWN: usize = 10;
 
 /// Plans a motion that determines the base parameters and the friction of all joints.
 ///
-/// The search minimizes minus the logarithm of the determinant of the Fisher information `Σ Wᵀ Σ_τ⁻¹ W` (D-optimality). This
-/// is a measure of the volume of the parameters' confidence ellipsoid.
+/// The search minimizes minus the logarithm of the determinant of the Fisher information `Σ Wᵀ Σ_τ⁻¹ W` (D-optimality). The
+/// determinant is large if the confidence ellipsoid of the parameters is small.
 /// - W is the regressor at one time. It has a column for each independent inertial parameter, and three columns for each
 ///   joint without a quaternion: the velocity v, a smooth sign of v, and 1.
 /// - Σ_τ is the diagonal matrix of the squares of the usable efforts. If a joint has no limit of the effort, its typical force

@@ -10,7 +10,8 @@ pub struct PreparationReport {
     pub joints: Vec<JointPreparation>,
     /// Delay of each effort.
     pub(crate) delays: Vec<Delay>,
-    /// Filter of positions and efforts. Columns of the regressor must also pass this filter (`Filter::apply`).
+    /// Filter that positions and efforts passed. In a regression, the columns of friction must pass this filter, too
+    /// (`Filter::apply`).
     pub filter: Filter,
     /// Sample rate of the prepared runs in Hz.
     pub sample_rate: f64,
