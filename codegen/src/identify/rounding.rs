@@ -60,7 +60,7 @@ struct Found<'a> {
     body: &'a BodyValues,
     /// Parameters of the link that come from rotors of held joints, not from bodies.
     fixed: &'a [f64],
-    /// Numbers of the described body.
+    /// Mass, centre of mass and moments of inertia of the described body.
     described: [Option<f64>; PER_LINK],
     /// Half the width of each value's interval; `None` if it is unknown.
     errors: [Option<f64>; PER_LINK],

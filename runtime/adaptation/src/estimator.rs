@@ -194,7 +194,7 @@ impl<const N: usize> Adaptation<N> {
         })
     }
 
-    /// Settings of the estimator.
+    /// Returns the settings of the estimator.
     #[must_use]
     pub fn settings(&self) -> &AdaptationSettings {
         &self.settings
@@ -353,7 +353,7 @@ impl<const N: usize> Adaptation<N> {
         Some(described + dot(&phi, &state.acting))
     }
 
-    /// Terms at velocity `v` without load.
+    /// Values of the [`terms`] at velocity `v` without load.
     fn terms(&self, joint: usize, described: f64, v: f64) -> Option<[f64; TERMS]> {
         let scale = self.scales[joint].as_ref()?;
         Some(terms(scale.shape(described, v, self.rest(joint)), v, 0.0))

@@ -110,9 +110,9 @@ pub(super) struct Joint {
     pub comparison: Comparison,
     /// Average of the nested laws.
     pub law: Gaussian,
-    /// Terms δ of the learned law: mean of `law` within its bounds.
+    /// Coefficients δ of the learned law: mean of `law` within its bounds.
     pub learned: [f64; TERMS],
-    /// Terms δ of the acting law.
+    /// Coefficients δ of the acting law.
     pub acting: [f64; TERMS],
     pub trust: Trust,
     /// Time of the last change of trust (s).
@@ -287,14 +287,14 @@ impl Joint {
         true
     }
 
-    /// Half of the 90 % confidence interval of the learned friction at a velocity [N m or N].
+    /// Half width of the 90 % confidence interval of the learned friction at a velocity [N m or N].
     ///
     /// - `phi`: [`terms`] at this velocity
     pub(super) fn half_width(&self, phi: &[f64; TERMS]) -> f64 {
         QUANTILE * root(self.law.variance(phi))
     }
 
-    /// Half of the 90 % confidence interval of each term.
+    /// Half width of the 90 % confidence interval of each coefficient δ.
     pub(super) fn term_half_widths(&self) -> [f64; TERMS] {
         core::array::from_fn(|i| QUANTILE * root(self.law.covariance[i][i].max(0.0)))
     }

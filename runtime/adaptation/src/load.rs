@@ -13,7 +13,7 @@ use super::trust::{Comparison, Trust};
 pub struct LoadState<const P: usize> {
     /// Learned parameters θ of the load, within their bounds.
     pub learned: [f64; P],
-    /// Half of the 90 % confidence interval of each parameter.
+    /// Half width of the 90 % confidence interval of each parameter.
     pub half_widths: [f64; P],
     /// Acting parameters of the load, which controllers use. They follow the learned parameters, or 0 if the robot without load
     /// predicts the torques better.

@@ -133,9 +133,9 @@ pub enum AdaptationError {
     /// The saved state does not have the length of the states of this robot.
     #[error("the saved state has {found} numbers, but the state of this robot has {needed}")]
     Length {
-        /// Given number of values.
+        /// Number of values that were given.
         found: usize,
-        /// Necessary number of values.
+        /// Number of values that are necessary.
         needed: usize,
     },
     /// The saved state was saved with another description, number of joints, period, time constant or delay. The value names

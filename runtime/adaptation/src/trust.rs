@@ -27,7 +27,7 @@ pub enum Trust {
 }
 
 impl Trust {
-    /// Name of the variant in logs.
+    /// Returns the name of the variant for logs.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {

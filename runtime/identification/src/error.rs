@@ -112,7 +112,7 @@ pub enum IdentificationError {
         "the term {term} is zero in all {samples} samples, so that its coefficient cannot be identified: remove the term"
     )]
     ZeroColumn {
-        /// The term of the column.
+        /// The term whose column is zero.
         term: String,
         /// Number of samples.
         samples: usize,
@@ -130,7 +130,7 @@ pub enum IdentificationError {
     /// A text is not a valid expression.
     #[error("expression `{text}`: {message}")]
     Expression {
-        /// The text.
+        /// The text that is not a valid expression.
         text: String,
         /// Description of the fault. It often lists the valid alternatives.
         message: String,
@@ -167,7 +167,7 @@ pub enum IdentificationError {
     After {
         /// Earlier findings, in the order in which they were collected.
         noted: Vec<Finding>,
-        /// The error.
+        /// The error that occurred.
         error: Box<Self>,
     },
 }

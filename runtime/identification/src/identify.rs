@@ -77,7 +77,7 @@ impl IdentificationSettings {
 /// Result of an identification, with its data.
 #[derive(Debug, Clone)]
 pub struct Identification {
-    /// The logs as they were read.
+    /// The logs as they were read, before the preparation.
     pub recording: Recording,
     /// Report on the preparation of the signals.
     pub preparation: PreparationReport,
@@ -131,7 +131,7 @@ impl Identification {
 pub struct JointFriction {
     /// Index of the joint.
     pub joint: usize,
-    /// Name of the joint, or of the shaft's drive.
+    /// Name of the joint, or of the drive whose shaft replaces the joint.
     pub name: String,
     /// Velocities ẏ [rad/s or m/s] at the samples in which the joint does not rest, of all runs.
     pub velocities: Vec<f64>,

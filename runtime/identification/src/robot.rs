@@ -31,7 +31,7 @@ pub trait Robot {
     /// Unit of each joint's position: `rad` or `m`.
     fn position_units(&self) -> Vec<&'static str>;
 
-    /// Limits of each joint.
+    /// Limits of position, speed and force of each joint.
     fn limits(&self) -> Vec<JointLimits>;
 
     /// Names of the P inertial parameters: ten for each body (mass m, first moments m c, moments of inertia about the
@@ -205,7 +205,7 @@ pub struct JointTerm {
     pub joint: usize,
     /// Function of the joint's velocity `v` in the description.
     pub basis: String,
-    /// Described factor of the function.
+    /// Described coefficient, by which the function is multiplied.
     pub coefficient: f64,
 }
 

@@ -25,7 +25,7 @@ pub struct Run {
     pub velocities: Vec<Option<Vec<f64>>>,
     /// Measured efforts. [`Self::effort`] determines the unit, and whether there is a column for each joint or for each input.
     pub efforts: Vec<Vec<f64>>,
-    /// Kind of the efforts.
+    /// Kind of the efforts: forces at the joints, inputs, or currents.
     pub effort: Effort,
 }
 
@@ -76,7 +76,7 @@ pub struct PreparedRun {
     /// For each joint and sample, whether the joint rests. Dry friction at rest takes any value up to the static one, so the
     /// effort at this sample contains no information on friction. Empty if no joint rests.
     pub resting: Vec<Vec<bool>>,
-    /// Kind of the efforts.
+    /// Kind of the efforts: forces at the joints, inputs, or currents.
     pub effort: Effort,
 }
 

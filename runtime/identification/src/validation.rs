@@ -125,7 +125,7 @@ impl Sums {
         self.error += measured - predicted;
     }
 
-    /// Mean error.
+    /// Mean difference between measured and predicted force.
     fn offset(&self) -> f64 {
         self.error / self.count
     }

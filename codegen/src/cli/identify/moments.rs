@@ -140,8 +140,8 @@ impl Description {
     }
 }
 
-/// Returns the command line for the file and the page. It does not depend on the order of the files of
-/// moments. In the file, the names of the logs follow.
+/// Returns the command line as text for the written description and the report page. The text does not depend on
+/// the order of the files of moments. In the file, the names of the logs follow.
 fn command(arguments: &Identify) -> String {
     let workspace = place::Workspace::find();
     let description = quoted(&place::shown(&arguments.description, workspace.as_ref()));

@@ -51,7 +51,7 @@ pub struct JointReplay {
     pub speed: f64,
     /// Described friction at [`JointReplay::speed`], in N·m or N.
     pub described: f64,
-    /// Samples of the estimator.
+    /// Samples that the estimator took, in the order of time.
     pub samples: Vec<OnlineSample>,
 }
 

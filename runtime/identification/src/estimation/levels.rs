@@ -90,8 +90,8 @@ levels! {
     /// the measured force.
     NOTICEABLE_POWER: f64 = 0.05;
 
-    /// Smallest number of samples at which driving friction shows a wrong sign of an effort. It is ten periods of the usual
-    /// filter.
+    /// Smallest number of samples with which estimated friction that drives a joint shows a wrong sign of the effort. It is ten
+    /// periods of the usual filter.
     FEWEST_SAMPLES: usize = 100;
 
     /// Share of the residual's variance that one quantity may explain without a finding.

@@ -45,11 +45,11 @@ pub struct Estimate {
     pub consistent: bool,
     /// Estimate of each joint.
     pub joints: Vec<JointEstimate>,
-    /// Kind of the recorded efforts.
+    /// Kind of the recorded efforts: forces at the joints, inputs, or currents.
     pub effort: Effort,
     /// Part of the robot's weight that the recorded efforts contain.
     pub gravity: Gravity,
-    /// Kind of the estimated offsets.
+    /// Kind of the estimated offsets: none, one for each joint, or one for each joint and run.
     pub offsets: Offsets,
     /// Weight λ of the squared distance from the description.
     pub description_weight: f64,
@@ -109,7 +109,7 @@ impl Uncertain {
 /// Estimate of one joint, or of the shaft that replaces the joint in the equations ([`crate::shafts`]).
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct JointEstimate {
-    /// Name of the joint in the description, or of the shaft's drive.
+    /// Name of the joint in the description, or of the drive whose shaft replaces the joint.
     pub name: String,
     /// Unit of the forces: `N·m` or `N`.
     pub unit: &'static str,

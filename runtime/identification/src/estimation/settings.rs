@@ -16,9 +16,9 @@ pub struct EstimationSettings {
     /// Factors k of the Coulomb terms tanh(k v) with the velocity v, one for each joint [s/rad or s/m]. `None` chooses the
     /// factors by the held-out error.
     pub steepness: Option<Vec<f64>>,
-    /// Whether load-dependent friction may be added, `|τ_l| s₁ tanh(k v)` with 0 < s₁ < 1, the load τ_l of the gear and k as in
-    /// [`Self::steepness`]. The term is added to a joint if it lowers the held-out error. The joint must have an input that
-    /// drives no other joint.
+    /// Whether load-dependent friction may be added, `|τ_l| s₁ tanh(k v)`. Here τ_l is the load of the gear, s₁ is a
+    /// coefficient between 0 and 1, v is the velocity, and k is the factor of [`Self::steepness`]. The term is added to a joint
+    /// if it lowers the held-out error. The joint must have an input that drives no other joint.
     pub load_friction: bool,
     /// Whether two terms may be added to the force of a joint: reflected inertia (times the acceleration ÿ) and asymmetric
     /// viscous friction (times |v|, with the velocity v). Each term is added if it lowers the held-out error.

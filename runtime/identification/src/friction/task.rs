@@ -10,7 +10,7 @@ use super::selection::FrictionMethod;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
-/// Friction samples of one joint.
+/// Samples of the velocity and the friction torque of one joint, with their units and origin.
 #[derive(Debug, Clone, Default)]
 pub struct FrictionData<'a> {
     /// Name of the joint in the description.
@@ -19,7 +19,7 @@ pub struct FrictionData<'a> {
     pub unit: &'a str,
     /// Unit of the velocity, `rad/s` or `m/s`.
     pub velocity_unit: &'a str,
-    /// Velocity ẏ of each sample.
+    /// Velocity ẏ of each sample [rad/s or m/s].
     pub velocities: &'a [f64],
     /// Friction torque τ_f of each sample [N·m or N]: the effort minus the rigid-body force at the joint.
     pub torques: &'a [f64],
@@ -86,7 +86,7 @@ pub struct FrictionIdentification {
     pub library: Library,
     /// Method by which the law is identified.
     pub method: FrictionMethod,
-    /// Meaning of a constant torque.
+    /// Meaning of a constant torque in the samples of a run: an offset of the sensor, or friction.
     pub offsets: Offsets,
     /// Number of contiguous blocks of the cross-validation, if the data have no folds.
     pub folds: usize,

@@ -31,7 +31,7 @@ pub struct Reduced {
     condition: f64,
 }
 
-/// Least-squares solution on chosen terms.
+/// Least-squares solution on some of the terms of a library.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solution {
     /// Coefficients of all p terms. The coefficients of terms that were not chosen are zero.
@@ -88,7 +88,7 @@ impl Reduced {
         Ok(Self { moments, triangle: None, condition })
     }
 
-    /// Returns the sums of products.
+    /// Returns the sums of products of the data.
     pub fn moments(&self) -> &Moments {
         &self.moments
     }

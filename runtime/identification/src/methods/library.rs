@@ -87,7 +87,7 @@ impl Library {
         Self::new(&terms, &self.channels)
     }
 
-    /// Returns the texts of the terms.
+    /// Returns the terms as texts, for example `tanh(5*v)`.
     pub fn terms(&self) -> &[String] {
         &self.terms
     }

@@ -20,7 +20,7 @@ pub struct ValidatedSubset {
     pub active: Vec<usize>,
     /// Mean squared error on the held-out fold, averaged over the folds.
     pub mean_error: f64,
-    /// Standard error of [`Self::mean_error`].
+    /// Standard error of [`Self::mean_error`] over the folds.
     pub standard_error: f64,
 }
 

@@ -53,7 +53,7 @@ pub struct JointPreparation {
     pub bandwidth: f64,
     /// Estimated share of noise in the power (mean square) of the filtered acceleration ÿ.
     pub acceleration_noise: f64,
-    /// Removed delay in s of the effort whose index is that of this joint. It is one of these delays, in this order:
+    /// Removed delay in s of the effort whose index is that of this joint. It is the first of these delays that applies:
     ///
     /// - the given delay
     /// - the delay of this effort, if it differs significantly from the common delay

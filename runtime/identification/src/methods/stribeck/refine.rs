@@ -225,7 +225,7 @@ impl Data<'_> {
     }
 }
 
-/// Returns the offsets after a step, to first order.
+/// Returns the offsets of the runs after a step of the parameters, to first order in the step.
 fn ahead(state: &Normal, step: &SVector<f64, 5>) -> Vec<f64> {
     state.offsets.iter().zip(&state.levels).map(|(offset, level)| offset - level.dot(step)).collect()
 }
