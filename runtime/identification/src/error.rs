@@ -56,7 +56,7 @@ pub enum IdentificationError {
     TooFewSamples {
         /// Name of the method.
         what: String,
-        /// Smallest number of samples that works.
+        /// Smallest number of samples that the method needs.
         needed: usize,
         /// Given number of samples.
         got: usize,

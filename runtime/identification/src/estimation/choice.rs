@@ -25,7 +25,7 @@ pub(super) struct Chosen<'a> {
     pub(super) model: Model,
     pub(super) weighting: Weighting,
     pub(super) values: Values,
-    /// Covariance of the logarithms of the gains.
+    /// Covariance of the logarithms of the drives' gains.
     pub(super) log_gains: DMatrix<f64>,
     pub(super) centred: Centred<'a>,
 }

@@ -210,7 +210,8 @@ impl LogMoments {
         let delays = (late - early > levels::OTHER_DELAY.get()).then(|| {
             let [early, late] = [early, late].map(|delay| 1e3 * delay);
             let message = format!(
-                "different delays, from {early:.1} to {late:.1} ms, were removed from the efforts of the logs, so one of them may be wrong"
+                "different delays, from {early:.1} to {late:.1} ms, were removed from the efforts of the logs, so one of these \
+                 delays may be wrong"
             );
             OTHER_DELAYS.found(message).help("use the same --delay for every --reduce")
         });

@@ -43,7 +43,7 @@ pub struct SubsetValidation {
 /// `f(v)` if the motion has only one direction, and would drive the joint in the other direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Requirement {
-    /// Index of the term.
+    /// Index of the term that needs another term.
     pub term: usize,
     /// Index of the term that the first term needs.
     pub needs: usize,

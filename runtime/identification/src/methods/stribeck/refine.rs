@@ -9,7 +9,7 @@ use std::ops::Range;
 /// Number of columns: five derivatives and the residual.
 const WIDTH: usize = 6;
 
-/// First damping if the start is near the result.
+/// First damping of the Levenberg–Marquardt method if the start is near the result.
 pub(super) const NEAR: f64 = 1e-8;
 
 /// The samples of a regression.
