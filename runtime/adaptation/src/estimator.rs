@@ -75,7 +75,7 @@ pub struct JointState {
     pub noise: f64,
     /// Number of correlated samples that have the information of one independent sample.
     pub correlated: f64,
-    /// Whether samples are used at present. False at rest, after a reversal and in saturation.
+    /// Whether the estimator learns from samples at present. False at rest, after a reversal and in saturation.
     pub is_learning: bool,
 }
 

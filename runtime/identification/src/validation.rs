@@ -150,7 +150,7 @@ fn judged(name: String, [moving, all]: [Sums; 2]) -> JointValidation {
     }
 }
 
-/// The identified model.
+/// The identified model, which predicts efforts.
 struct Prediction<'a> {
     robot: &'a dyn Robot,
     found: &'a Identification,

@@ -1,4 +1,4 @@
-//! The command `gelenk identify` with logs.
+//! The command `gelenk identify` with logs: identifies a robot, and writes the description and the report page.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

@@ -73,7 +73,7 @@ impl OnlineJoint {
     }
 }
 
-/// Creates the report page.
+/// Creates the report page of a replay.
 ///
 /// - `joints`: joints whose friction is learned
 /// - `command`: command line that made the page

@@ -1,4 +1,4 @@
-//! Settings of a plan.
+//! Settings of a planned motion.
 
 use super::super::error::{Result, require_setting};
 use super::Excitation;

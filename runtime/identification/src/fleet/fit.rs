@@ -1,4 +1,4 @@
-//! Identification of a robot from moments.
+//! Identification of a robot from moments (sums of products) of its logs.
 
 use super::super::doubts::written::judge;
 use super::super::error::{IdentificationError, Result, at};

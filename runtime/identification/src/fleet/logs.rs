@@ -1,4 +1,4 @@
-//! Moments of logs, and their sum.
+//! Moments (sums of products) of logs, and the sum of the moments of several logs.
 
 use super::super::error::{IdentificationError, Result, at};
 use super::super::log::hexadecimal;

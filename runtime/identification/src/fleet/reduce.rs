@@ -1,4 +1,4 @@
-//! Reduction of a log to moments.
+//! Reduction of a log to moments (sums of products of its samples).
 
 use super::super::error::{IdentificationError, Result};
 use super::super::estimation::{

@@ -13,7 +13,7 @@ use std::ops::Range;
 /// Samples of the velocity and the friction torque of one joint, with their units and origin.
 #[derive(Debug, Clone, Default)]
 pub struct FrictionData<'a> {
-    /// Name of the joint in the description.
+    /// Name of the joint in the description, for the report.
     pub joint: &'a str,
     /// Unit of the torque, `N·m` or `N`.
     pub unit: &'a str,

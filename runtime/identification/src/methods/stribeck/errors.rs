@@ -1,4 +1,4 @@
-//! Standard errors of the parameters, and warnings about them.
+//! Standard errors of the parameters of a Stribeck law, and warnings about the parameters.
 
 use super::super::confidence::{LongRun, covariance_of_sums};
 use super::super::margin::change;

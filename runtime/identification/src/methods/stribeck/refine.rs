@@ -1,4 +1,4 @@
-//! Refinement of the parameters on all samples.
+//! Refinement of the parameters of a Stribeck law on all samples, by the Levenberg–Marquardt method.
 
 use super::super::filtered::Filtered;
 use super::law::{StribeckRegression, stribeck_block};
