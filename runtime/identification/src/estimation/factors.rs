@@ -13,7 +13,7 @@ use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
 
 /// Sees: the effort of one joint that fits better with a factor.
-/// Matters: its masses and its friction would be wrong by the factor.
+/// Matters: masses and friction of this joint would be wrong by the factor.
 /// Example: one sensor in another unit.
 /// Fixture: `factor` in `codegen/tests/findings/arm.rs`.
 pub(super) const OTHER_FACTOR: Rule = Rule::error("other-factor");
@@ -24,13 +24,13 @@ const TRIED: [f64; 12] = [0.05, 0.1, 0.2, 0.33, 0.5, 0.7, 1.4, 2.0, 3.0, 5.0, 10
 const FINE: f64 = 1.05;
 const STEPS: i32 = 8;
 
-/// Whether every joint is explained well.
+/// Whether the fit explains the effort of every joint sufficiently.
 pub(super) fn explains(case: &Case, errors: &HeldOut) -> bool {
     let r_squared = case.chosen.centred_r_squared(&errors.rss);
     case.layout().rubbing().all(|joint| r_squared[joint] >= levels::POOR.get())
 }
 
-/// The factor of each joint's effort with the least held-out error, if it lowers the error noticeably.
+/// For each joint, the factor of its effort with the least held-out error, if this factor lowers the error noticeably.
 pub(super) fn factors(case: &Case) -> Result<Vec<Change>> {
     let mut found = Vec::new();
     if case.layout().known_gains.contains(&false) {
@@ -70,6 +70,6 @@ pub(super) fn finding(case: &Case, change: &Change, rule: &Rule) -> Result<Optio
     let remedy = format!(
         "check the effort's unit, {sources}, and the zero of its position; to multiply one column by the factor, use --columns {example}"
     );
-    let message = format!("the data are explained better with its effort times {shown}");
+    let message = format!("the data are explained better if its effort is multiplied by {shown}");
     Ok(Some(rule.found(message).with("factor", *factor, "").help(remedy)))
 }

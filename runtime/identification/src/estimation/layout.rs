@@ -106,7 +106,7 @@ impl Layout {
     /// The layout of an estimate with these settings.
     ///
     /// - `steepness`: factors k of the Coulomb terms tanh(k v) of each joint
-    /// - `loads`: whether there is a term of friction under load
+    /// - `loads`: whether there is a term of load-dependent friction
     pub(super) fn of(
         robot: &dyn Robot,
         runs: &[PreparedRun],
@@ -328,7 +328,7 @@ fn require_own_inputs(robot: &dyn Robot) -> Result<()> {
         return Ok(());
     }
     Err(Place::default().fault(
-        "currents give gains only if each joint has one input of its own; convert the currents to \
+        "motor constants can be estimated only if each joint has one input that drives no other joint; convert the currents to \
          forces of the inputs first",
     ))
 }

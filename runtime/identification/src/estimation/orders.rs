@@ -7,8 +7,8 @@ use super::trial::{Case, Change};
 use gelenk_findings::{Finding, Rule, Subject};
 
 /// Sees: columns that fit better in another order of the joints.
-/// Matters: every joint would get the law and the body of another one.
-/// Example: columns in the order of the alphabet, as ROS writes them.
+/// Matters: every joint would get the friction law and the body of another joint.
+/// Example: columns in alphabetical order, as ROS writes them.
 /// Fixture: `alphabetic` and `pan_lift` in `codegen/tests/findings/arm.rs`.
 pub(super) const ORDER: Rule = Rule::error("other-order");
 
@@ -43,7 +43,9 @@ pub(super) fn finding(case: &Case, change: &Change, rule: &Rule) -> Result<Optio
     let Change::Order(order) = change else { return Ok(None) };
     let names = case.robot.joint_names();
     let moved = (0..order.len()).filter(|j| order[*j] != *j);
-    let said: Vec<String> = moved.map(|j| format!("{} has those of {}", names[order[j]], names[j])).collect();
-    let finding = rule.found(format!("columns belong to other joints: {}", said.join(", ")));
+    let said: Vec<String> =
+        moved.map(|j| format!("those of {} in the columns of {}", names[j], names[order[j]])).collect();
+    let finding =
+        rule.found(format!("values of joints are in the columns of other joints: {}", said.join(", ")));
     Ok(Some(finding.help("name the columns in the order of the joints, as in --columns 'position=q3|q2|q1'")))
 }

@@ -8,13 +8,13 @@ use super::trial::{Case, Change};
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule, Subject};
 
-/// Sees: efforts of a joint that another stiffness of its spring explains better, next to bodies that may change.
-/// Matters: its force causes errors of bodies and friction.
+/// Sees: efforts of a joint that another spring stiffness explains better, even if the bodies are fitted, too.
+/// Matters: a spring that the description lacks causes errors of bodies and friction.
 /// Example: a cable that the joint winds up.
 /// Fixture: `spring` in `codegen/tests/findings/arm.rs`.
 pub(super) const SPRING: Rule = Rule::warning("spring");
 
-/// A spring at each joint. Rows of joints with quaternions and of shafts have no spring.
+/// For each joint, the change by a spring of unknown stiffness. Rows of joints with quaternions and of shafts have no spring.
 pub(super) fn springs(case: &Case) -> Result<Vec<Change>> {
     let layout = case.layout();
     let is_possible = !layout.exact.contains(&true) && !layout.known_gains.contains(&false);

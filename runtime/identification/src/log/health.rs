@@ -9,18 +9,18 @@ use gelenk_findings::{Finding, Rule};
 use std::f64::consts::{PI, TAU};
 
 /// Sees: jumps of a position by a whole turn.
-/// Matters: such jumps are not motion. They are unwrapped.
+/// Matters: such jumps are not motion. They are removed.
 /// Example: an encoder that counts from -π to π.
 /// Fixture: `turns_are_unwrapped` in `log/tests/styles.rs`.
 const TURNS: Rule = Rule::note("turns");
 
-/// Sees: a column of velocities that is not the slope of the positions.
+/// Sees: a column of velocities that is not the derivative of the positions.
 /// Matters: a sign, a unit or the order of columns may be wrong. The velocities themselves are not used.
 /// Example: velocities in deg/s next to positions in rad.
 /// Fixture: `joints_that_look_wrong_are_named` in `log/tests/styles.rs`.
 const VELOCITY_DISAGREES: Rule = Rule::note("velocity-disagrees");
 
-/// Findings about all joints, from all runs together.
+/// Returns findings about the joints. Each finding is based on all runs together.
 pub(super) fn findings(runs: &[Run], robot: &dyn Robot) -> Vec<Finding> {
     let (names, units) = (robot.joint_names(), robot.position_units());
     let unit = |joint: usize| units.get(joint).copied().unwrap_or("rad");

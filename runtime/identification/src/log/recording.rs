@@ -16,24 +16,24 @@ use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use std::slice;
 
-/// Sees: the columns that were taken for a quantity, and those that were not used.
+/// Sees: the columns that are used for each quantity, and the columns that are not used.
 /// Matters: a wrong column makes a wrong estimate.
-/// Example: positions: `q{}` from `q1` of pan to `q3` of elbow.
+/// Example: the columns `q{}`, from `q1` of joint pan to `q3` of joint elbow, are the positions.
 /// Fixture: `good` in `codegen/tests/findings/arm.rs`.
 const COLUMNS: Rule = Rule::note("columns");
 
-/// The runs of several logs of one robot.
+/// Runs of one or more logs of a robot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording {
     /// Runs in the order of the files and rows.
     pub runs: Vec<Run>,
     /// Kind of the efforts of all runs. All logs have the same kind.
     pub effort: Effort,
-    /// Findings about values that are suspicious, left out or repaired.
+    /// Findings about values of the logs that are suspicious, left out or repaired.
     pub findings: Vec<Finding>,
     /// Headers of the columns in the first log.
     pub(crate) labels: Labels,
-    /// Columns that are used, one line for each quantity.
+    /// Columns that are used, one line of text for each quantity.
     pub columns: Vec<String>,
     /// Headers of columns that are not used.
     pub unused: Vec<String>,

@@ -16,32 +16,32 @@ use gelenk_findings::{Finding, Rule};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// Sees: fields of a column that are empty, or rows that end before it.
+/// Sees: empty fields of a column, or rows that end before the column.
 /// Matters: rows without a time, a position or an effort are not used.
 /// Example: a row `0.02,0.1,` of `t,q1,u1`.
 /// Fixture: `incomplete_rows_are_left_out_by_number` in `log/tests/styles.rs`.
 const MISSING: Rule = Rule::note("missing-values");
 
 /// Sees: text in a column of numbers.
-/// Matters: its rows are not used; a unit or a thousands separator may be the reason.
+/// Matters: the rows with this text are not used; a unit or a thousands separator may be the reason.
 /// Example: `x` below `u1`.
 /// Fixture: `incomplete_rows_are_left_out_by_number` in `log/tests/styles.rs`.
 const NOT_A_NUMBER: Rule = Rule::note("not-a-number");
 
-/// Sees: rows and runs that are not used: incomplete ones, rows of zeros, rows with a field too many, runs of few samples.
+/// Sees: rows and runs that are not used: incomplete rows, rows of zeros, rows with too many fields, runs of few samples.
 /// Matters: the estimate uses the remaining samples.
-/// Example: a driver writes 0 for all positions and efforts where a message was lost.
+/// Example: a driver writes 0 for all positions and efforts if a message was lost.
 /// Fixture: `zero_rows` in `codegen/tests/findings/arm.rs`.
 pub(super) const LEFT_OUT: Rule = Rule::note("rows-left-out");
 
-/// Sees: samples with the time of the one before.
-/// Matters: one of them is left out.
+/// Sees: consecutive samples with the same time.
+/// Matters: only the first of these samples is used.
 /// Example: two rows at 0.01 s.
 /// Fixture: `times_cut_runs` in `log/tests/styles.rs`.
 const REPEATED: Rule = Rule::note("repeated-times");
 
-/// Sees: a time that is earlier than the one before.
-/// Matters: a new run begins there, with an offset of its own.
+/// Sees: a time that is earlier than the time of the row before.
+/// Matters: a new run begins at this row. Each run has its own offset of the efforts.
 /// Example: two logs in one file.
 /// Fixture: `times_cut_runs` in `log/tests/styles.rs`.
 const NEW_RUN: Rule = Rule::note("time-goes-back");

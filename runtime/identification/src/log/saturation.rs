@@ -6,8 +6,8 @@ use super::levels;
 use gelenk_findings::{Finding, Rule};
 
 /// Sees: efforts that are at their largest or smallest value for a part of the motion.
-/// Matters: the model is wrong there: a sensor or a drive was saturated.
-/// Example: a torque sensor that ends at 6 N m.
+/// Matters: a sensor or a drive was saturated, so that the model is wrong for these samples.
+/// Example: a torque sensor with a range of ±6 N m.
 /// Fixture: `efforts_that_are_cut_off_are_said_with_their_column_and_share` in `log/saturation.rs`.
 const CUT_OFF: Rule = Rule::note("efforts-cut-off");
 

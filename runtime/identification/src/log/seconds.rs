@@ -3,9 +3,9 @@
 use super::levels;
 use gelenk_findings::{Finding, Rule};
 
-/// Sees: times without a unit, or times that step by exactly one second.
+/// Sees: times without a unit, or times with steps of exactly one second.
 /// Matters: a wrong unit of the time makes every rate wrong.
-/// Example: times that step by 4, taken as ms.
+/// Example: times with steps of 4, which are read as ms.
 /// Fixture: `epoch_times_keep_their_digits` in `log/tests/styles.rs`.
 pub(super) const UNIT_ASSUMED: Rule = Rule::note("unit-assumed");
 

@@ -6,8 +6,8 @@ use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
 
 /// Sees: single efforts far beyond all others.
-/// Matters: they are left out.
-/// Example: 999999 where a driver has no value.
+/// Matters: these efforts are not used.
+/// Example: a driver writes 999999 if it has no value.
 /// Fixture: `spikes` in `codegen/tests/findings/arm.rs`.
 const OUTLIER: Rule = Rule::note("outliers");
 

@@ -74,7 +74,7 @@ fn check_run(run: &Run, joints: usize, efforts: usize) -> Result<()> {
         let (before, after) = (run.times[i], run.times[i + 1]);
         return Err(at(&run.name)
             .row(run.rows[i + 1])
-            .fault(format!("time does not increase: {before} s is followed by {after} s")));
+            .fault(format!("the time does not increase: {before} s is followed by {after} s")));
     }
     for (j, column) in run.positions.iter().enumerate() {
         require_length(&format!("positions of joint {} in run {}", j + 1, run.name), m, column.len())?;

@@ -10,12 +10,12 @@ use super::pattern::ColumnOptions;
 use super::robot::RobotColumns;
 use gelenk_findings::Finding;
 
-/// The columns of a log that were found.
+/// Columns of a log that were found, as an argument of `--columns`.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ColumnGuess {
     /// Argument of `--columns`. The text `QUANTITY=?` means that no columns of this quantity were found.
     pub line: String,
-    /// Reasons for which quantities were not found.
+    /// Errors of the quantities whose columns were not found.
     pub faults: Vec<Finding>,
     /// All columns of the log: their headers, or the fields of the first row if there are no headers.
     pub columns: Vec<String>,
