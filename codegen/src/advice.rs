@@ -79,7 +79,7 @@ fn stiff(model: &Model, functions: &[Function]) -> Option<Diagnostic> {
          with {substeps} substep{}, `step` is unstable for periods longer than {} ms",
         joint.name,
         three_digits(rate),
-        if joint.load_friction.is_empty() { "" } else { ", because effort limits bound the load" },
+        if joint.load_friction.is_empty() { "" } else { " with inputs at the effort limits" },
         if substeps == 1 { "" } else { "s" },
         three_digits(1000.0 * longest),
     );

@@ -1,5 +1,5 @@
 //! Functions over lanes. A function over lanes computes eight states at once, and each state is a lane. This
-//! module checks and resolves the requested names.
+//! module checks and resolves the names of the functions that are requested over lanes.
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::function_names;
@@ -55,7 +55,8 @@ impl Lanes {
                     possible.push(name);
                 }
                 Some((reason, help)) => {
-                    let message = format!("`{name}` has no form over lanes: {reason}");
+                    let message =
+                        format!("`{name}` cannot be generated for eight states at once (lanes): {reason}");
                     let note = Diagnostic::note("no-lanes", message);
                     notes.push(help.into_iter().fold(note, Diagnostic::help));
                 }
@@ -98,11 +99,12 @@ fn without_loops(name: &str, functions: &[Function]) -> Option<Diagnostic> {
     let operations = cost.multiplications + cost.additions;
     (catalogue::may_be_loops(name) && is_large(operations)).then(|| {
         let message = format!(
-            "`{name}` is straight-line code of {operations} operations also for one state, because it is requested over lanes"
+            "`{name}` is straight-line code of {operations} operations also for one state, because it is requested for \
+             eight states at once (lanes)"
         );
         let help = format!(
             "loops over joints may be much shorter and faster for single states: generate a second module \
-             for them, without `{name}` over lanes"
+             for them, without `{name}` in `lanes`"
         );
         Diagnostic::note("lanes-without-loops", message).help(help)
     })
@@ -117,7 +119,7 @@ fn obstacle(name: &str, functions: &[Function]) -> Option<(&'static str, Option<
     Some(match composition {
         Some(composition) => (
             "it is a fixed text that calls another function",
-            Some(format!("request `{}` over lanes", composition.calls())),
+            Some(format!("request `{}` in `lanes` instead", composition.calls())),
         ),
         None => ("the function is not generated", Some(format!("add `{name}` to the functions"))),
     })

@@ -349,7 +349,7 @@ fn lanes_are_written_in_c_too() {
         assert_eq!(header.contains("#define ROBOT_LANES 8"), !functions.is_empty());
     }
     let (_, text) = gelenk(folder, "generate cart_pole.toml --language c --lanes step --output robot.c");
-    assert!(text.contains("`step` has no form over lanes"), "{text}");
+    assert!(text.contains("`step` cannot be generated for eight states at once (lanes)"), "{text}");
 }
 
 #[test]

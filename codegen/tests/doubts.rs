@@ -196,13 +196,13 @@ fn limits_beyond_a_torque_speed_line_are_told() {
             ", torque = 1.5",
             "",
             Severity::Warning,
-            "warning[beyond-stall-torque]: the torque of motor `arm` is 1.5 N m, but its stall torque is 1.2 N m",
+            "warning[beyond-stall-torque]: the torque of motor `arm` is 1.5 N m, but its stall torque allows at most 1.2 N m",
         ),
         (
             ", torque = { nominal = 0.5, peak = 1.5 }",
             "",
             Severity::Note,
-            "note[beyond-stall-torque]: the peak torque of motor `arm` is 1.5 N m, but its stall torque is 1.2 N m",
+            "note[beyond-stall-torque]: the peak torque of motor `arm` is 1.5 N m, but its stall torque allows at most 1.2 N m",
         ),
         (
             ", speed = 700",
@@ -214,7 +214,7 @@ fn limits_beyond_a_torque_speed_line_are_told() {
             "",
             ", effort = 150",
             Severity::Note,
-            "note[beyond-stall-torque]: joint `arm` has an effort limit of 150 N m, but its motor `arm` gives 120 N m at rest",
+            "note[beyond-stall-torque]: joint `arm` has an effort limit of 150 N m, but its motor `arm` gives at most 120 N m, at rest",
         ),
     ] {
         let (found, told) = only(&motor(keys, limits));

@@ -284,7 +284,10 @@ fn unknown_names_are_errors_and_impossible_ones_are_noted() {
     assert_eq!(over_lanes(&robot.source.text), ["linearize"]);
     let notes = robot.notes.to_string();
     for name in ["`step`", "`input_matrix`"] {
-        assert!(notes.contains(&format!("{name} has no form over lanes")), "{notes}");
+        assert!(
+            notes.contains(&format!("{name} cannot be generated for eight states at once (lanes)")),
+            "{notes}"
+        );
     }
 }
 

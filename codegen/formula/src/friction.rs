@@ -26,16 +26,16 @@ pub struct FrictionLaw<C = Formula> {
     /// Friction laws. The friction of the joint is their sum.
     pub parts: Vec<FrictionPart<C>>,
     /// Terms of the load-dependent friction per unit of load, without unit; empty if the friction does not
-    /// depend on the load.
+    /// depend on the load. The load is the drive's force without friction.
     pub load: Vec<FrictionTerm<C>>,
 }
 
 /// A friction law. Each variant is one key in descriptions.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FrictionPart<C = Formula> {
-    /// `viscous`: viscous friction `F_v v`.
+    /// `viscous`: viscous friction `F_v v` with the coefficient F_v and the velocity v.
     Viscous(C),
-    /// `coulomb`: Coulomb friction `F_c sign(v)`, or `F_c tanh(s v)` with a slope s.
+    /// `coulomb`: Coulomb friction `F_c sign(v)`, or `F_c tanh(s v)` with a slope s, at the velocity v.
     Coulomb {
         /// Coulomb friction F_c [N m or N].
         level: C,

@@ -3,8 +3,8 @@
 use super::formula::Formula;
 
 impl Formula {
-    /// Splits the formula into summands (coefficient, basis): `f(v) = Σ cᵢ φᵢ(v)`. Factors without position and
-    /// velocity form the coefficient cᵢ, all other factors form the basis φᵢ.
+    /// Splits the formula into summands (coefficient, basis): `f(y, v) = Σ cᵢ φᵢ(y, v)` with the position y and
+    /// the velocity v. Factors without y and v form the coefficient cᵢ, all other factors form the basis φᵢ.
     ///
     /// Products are not distributed over sums: `a*(v + tanh(v))` is one term.
     pub fn linear_terms(self) -> Vec<(Self, Self)> {

@@ -101,8 +101,8 @@ fn is_below_one(law: &Law<'_>, grid: &Grid, span: Span, report: &mut Report) -> 
         return true;
     }
     let message = format!(
-        "the load-dependent friction of {name} has no proven bound below 1, because no limits bound speed \
-         and position"
+        "the load-dependent friction of {name} cannot be shown to stay below the load, because limits do not \
+         bound the speed and the position on which it depends"
     );
     report.error(span, "load-friction-too-large", message);
     report.help("add position and velocity limits to the joint, or use a law that saturates, for example 0.1*tanh(50*v)");

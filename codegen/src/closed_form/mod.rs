@@ -124,8 +124,8 @@ fn check_coordinates(model: &Model) -> Result<(), Diagnostics> {
     let angles = letters::count_angles(&Bodies::new(model));
     if n + angles > MAXIMUM_ANGLES {
         let message = format!(
-            "closed forms support up to {MAXIMUM_ANGLES} coordinates and angles that are not multiples of \
-             90°; `{}` has {n} and {angles}",
+            "closed forms support up to {MAXIMUM_ANGLES} coordinates and constant angles together (multiples of 90° do \
+             not count); `{}` has {n} coordinates and {angles} angles",
             model.name
         );
         let problem = Diagnostic::error("too-many-angles", message).help(

@@ -68,7 +68,7 @@ pub enum Wave {
     /// Cosine `cos(Σ kᵢ αᵢ)` with the multiples k. The angles α are the coordinates, then
     /// [`ClosedForms::angles`].
     Cosine(Vec<i32>),
-    /// Sine `sin(Σ kᵢ αᵢ)` with the multiples k of the same angles.
+    /// Sine `sin(Σ kᵢ αᵢ)` with the multiples k. The angles α are those of [`Self::Cosine`].
     Sine(Vec<i32>),
 }
 

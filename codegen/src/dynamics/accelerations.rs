@@ -25,25 +25,26 @@ pub struct AccelerationDerivatives<'g> {
 /// Linearized accelerations `ÿ = A_y y + A_v ẏ + B_x u + c` with n coordinates y and m inputs u.
 #[derive(Debug, Clone)]
 pub struct AffineAccelerations<'g> {
-    /// Matrix A_y, n × n.
+    /// Matrix A_y = ∂ÿ/∂y, n × n.
     pub by_coordinates: Matrix<'g>,
-    /// Matrix A_v, n × n.
+    /// Matrix A_v = ∂ÿ/∂ẏ, n × n.
     pub by_velocities: Matrix<'g>,
-    /// Matrix B_x, n × m.
+    /// Matrix B_x = ∂ÿ/∂u, n × m.
     pub by_inputs: Matrix<'g>,
-    /// Vector c, n entries.
+    /// Affine remainder c, n entries.
     pub remainder: Vec<Scalar<'g>>,
 }
 
-/// Accelerations, M⁻¹ and derivatives of forces. The derivatives of the accelerations are
-/// `∂ÿ = −M⁻¹ ∂(M ÿ + k − q)`.
+/// Accelerations ÿ, the inverse mass matrix M⁻¹, and the forces `M ÿ + k − q` with derivatives. The
+/// derivatives of the accelerations are `∂ÿ = −M⁻¹ ∂(M ÿ + k − q)`, where ÿ is constant on the right-hand
+/// side.
 #[derive(Debug, Clone)]
 pub struct AcceleratedForces<'g> {
     /// Accelerations ÿ, n entries.
     pub accelerations: Vec<Scalar<'g>>,
     /// Inverse mass matrix M⁻¹, n × n.
     pub inverse: Matrix<'g>,
-    /// Forces M ÿ + k − q at these accelerations, with derivatives with respect to y and ẏ.
+    /// Forces `M ÿ + k − q` at these accelerations, with derivatives with respect to y and ẏ at constant ÿ.
     pub forces: ForceDerivatives<'g>,
 }
 
@@ -91,7 +92,8 @@ impl<'g> Equations<'_, 'g> {
         self.acceleration_derivatives(y, v, u, None)
     }
 
-    /// Accelerations, M⁻¹, and forces with derivatives with respect to y and ẏ. The robot must have no driven joints.
+    /// Computes the accelerations ÿ, M⁻¹, and the forces `M ÿ + k − q` at these accelerations, together with the
+    /// derivatives of the forces with respect to y and ẏ at constant ÿ. The robot must have no driven joints.
     pub fn accelerated_forces(
         &self,
         y: &[Scalar<'g>],
@@ -190,8 +192,9 @@ impl<'g> Equations<'_, 'g> {
         AffineAccelerations { by_coordinates, by_velocities, by_inputs, remainder }
     }
 
-    /// Returns the driving forces if their other parts also depend on the motion; otherwise only the joint
-    /// forces, because the other parts have no derivatives with respect to y and ẏ.
+    /// Returns the driving forces if friction depends on the load or B depends on the positions. Otherwise
+    /// returns only the joint forces (springs, dampers and friction), because the other part `B u` has no
+    /// derivatives with respect to y and ẏ.
     fn driving_forces_by_motion(
         &self,
         y: &[Scalar<'g>],
@@ -205,7 +208,7 @@ impl<'g> Equations<'_, 'g> {
     }
 
     /// Derivatives of the driving forces with respect to the inputs: the matrix B, with each row divided by
-    /// the gain `1 + s₁ sign τ_l` of load-dependent friction.
+    /// the gain `1 + s₁ sign τ_l` of load-dependent friction (see [`load_friction`]).
     fn loads_by_inputs(&self, y: &[Scalar<'g>], v: &[Scalar<'g>], u: &[Scalar<'g>]) -> Matrix<'g> {
         let matrix = self.input_matrix(y);
         let Some(shares) = self.load_shares(y, v) else {

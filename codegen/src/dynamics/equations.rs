@@ -175,7 +175,7 @@ impl<'g> Equations<'_, 'g> {
     }
 
     /// Coefficients s₁(ẏ) of load-dependent friction by coordinate, without unit. The friction force is s₁
-    /// times the magnitude of the load.
+    /// times the magnitude of the load. The load is the drive's force without friction.
     pub fn load_friction(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         load_friction::shares(self.graph, self.model, y, v)
     }
@@ -270,14 +270,14 @@ impl<'g> Equations<'_, 'g> {
         (forces, rows)
     }
 
-    /// Derivatives of `results` along a coordinate. [`super::tangent`] describes them for joints with
-    /// quaternions.
+    /// Derivatives of `results` along a coordinate. For joints with quaternions, they are derivatives along
+    /// small motions, which [`super::tangent`] defines.
     pub fn along(&self, results: &[Scalar<'g>], y: &[Scalar<'g>], coordinate: usize) -> Vec<Scalar<'g>> {
         differentiate_along(self.graph, self.model, results, y, coordinate)
     }
 
-    /// Derivatives of one result along all coordinates, and with respect to all velocities, by reverse
-    /// differentiation.
+    /// Derivatives of one result along all coordinates (see [`Self::along`]) and with respect to all
+    /// velocities, by reverse differentiation.
     pub fn gradient_along(
         &self,
         result: Scalar<'g>,
@@ -339,7 +339,8 @@ impl<'g> Equations<'_, 'g> {
             && model.force_inputs.is_empty()
     }
 
-    /// Matrix D in the kinematics `δ̇ = D δ + v − v̄` of small motions δ; see [`super::tangent::drift`].
+    /// Matrix D in `δ̇ = D δ + v − v̄`. δ is the deviation from a motion with the velocities v̄, which are
+    /// the argument `v`; see [`super::tangent::drift`].
     pub fn drift(&self, v: &[Scalar<'g>]) -> Matrix<'g> {
         drift(self.graph, self.model, v)
     }
@@ -390,7 +391,8 @@ impl<'g> Equations<'_, 'g> {
     }
 
     /// Regressor of the base parameters. Inertial parameters that act only as a sum form a group with a
-    /// leading parameter. The regressor has the columns of W for the leading parameters.
+    /// leading parameter. The regressor has the columns of W (see [`Self::inertial_regressor`]) for the
+    /// leading parameters.
     pub fn base_regressor(&self, input: MotionInput<'_, 'g>) -> Matrix<'g> {
         let leaders = &self.formulations.base_parameters().leaders;
         let rows = self.inertial_regressor(input).into_iter();
@@ -406,7 +408,8 @@ impl<'g> Equations<'_, 'g> {
     }
 
     /// Potential energy \[J\]: `−g · Σ m c` over the moving bodies, plus the energies of forces between
-    /// frames.
+    /// frames. g is the gravitational acceleration, m the mass of a body and c its centre of mass in the base
+    /// frame.
     pub fn potential_energy(&self, y: &[Scalar<'g>]) -> Scalar<'g> {
         let plain = Formulation::plain(self.formulations.mechanism().bodies.len());
         let choices = vec![RegroupChoice::Massless; plain.bodies.len()];

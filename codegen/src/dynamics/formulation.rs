@@ -7,17 +7,20 @@
 use crate::graph::{Graph, Scalar};
 use crate::kinematics::{Mechanism, Number, RegroupChoice};
 
-/// Way to compute the matrix U of a body.
+/// Way to compute the matrix U = ω̇× + ω× ω× of a body. A point r of the body has the acceleration a + U r,
+/// with the acceleration a of the body's origin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AngularRoute {
     /// Computes U from the angular acceleration ω̇.
     Acceleration,
-    /// Computes U from points of the joint's axis. These points belong to both bodies of the joint, so U z
-    /// transforms like a vector. Only ω, U z and the component of ω̇ along the axis have to be transformed.
+    /// Computes U from U z, with the unit vector z of the joint's axis. Points of the axis belong to both
+    /// bodies of the joint, so U z transforms like a vector. Only ω, U z and the component of ω̇ along the
+    /// axis have to be transformed from the parent.
     AxisPoints,
 }
 
-/// Way to compute the diagonal entries of U and their differences, which multiply second moments of mass.
+/// Way to compute the diagonal entries of the matrix U (see [`AngularRoute`]) and the differences of these
+/// entries. The differences multiply second moments of mass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Diagonal {
     /// The diagonal entries are computed from squares of the components of ω, and the differences from the
@@ -25,9 +28,11 @@ pub enum Diagonal {
     Sums,
     /// The diagonal entries and their differences are computed from squares of the components of ω.
     Squares,
-    /// U_zz is known from points of the axis, so the square of ω_x is not needed.
+    /// Computes U_yy from U_zz, `U_yy = U_zz + ω_y² − ω_z²`, so that the square of ω_x is not needed. This
+    /// saves operations if U_zz is already known ([`AngularRoute::AxisPoints`]).
     Axis,
-    /// U_zz is known from points of the axis, so the square of ω_y is not needed.
+    /// Computes U_xx from U_zz, `U_xx = U_zz + ω_x² − ω_z²`, so that the square of ω_y is not needed. This
+    /// saves operations if U_zz is already known ([`AngularRoute::AxisPoints`]).
     AxisAcross,
 }
 
@@ -78,12 +83,12 @@ pub enum LeafAlignment {
 /// Choices of a formulation for one body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BodyChoices {
-    /// Way to compute U.
+    /// Way to compute the matrix U.
     pub angular: AngularRoute,
     /// Way to compute the diagonal of U.
     pub diagonal: Diagonal,
-    /// Whether U_zx is computed from the y component of the angular acceleration, which children may need.
-    /// This choice only has an effect with [`AngularRoute::AxisPoints`].
+    /// Whether the entry U_zx of the matrix U is computed from the y component of the angular acceleration,
+    /// which children may need. This choice only has an effect with [`AngularRoute::AxisPoints`].
     pub by_acceleration: bool,
     /// Assignment of the translation along the axis.
     pub lift: Lift,
@@ -98,7 +103,8 @@ pub struct BodyChoices {
     pub regroup: RegroupChoice,
     /// Rotation of the frame of a leaf.
     pub leaf: LeafAlignment,
-    /// Unit of length of the body's forces and accelerations \[m\].
+    /// Unit of length of the body's forces and accelerations \[m\]. A length that is equal to the unit
+    /// becomes 1 and saves products.
     pub length_unit: f64,
 }
 
@@ -110,8 +116,8 @@ pub struct Formulation {
 }
 
 impl Formulation {
-    /// The usual recursive formulation of a mechanism with `count` bodies: equations in body frames, in
-    /// metres, and from joint to joint.
+    /// The usual recursive formulation of a mechanism with `count` bodies: equations in body frames and in
+    /// metres. Velocities and moments are passed from joint to joint.
     pub fn plain(count: usize) -> Self {
         let choices = BodyChoices {
             angular: AngularRoute::Acceleration,

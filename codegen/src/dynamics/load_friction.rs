@@ -15,8 +15,8 @@
 //! τ_l = w / (1 + s₁ sign w)
 //! ```
 //!
-//! Both functions have a kink at zero load. There `sign` is 0, and both derivatives are 1, which is between
-//! the one-sided limits.
+//! At zero load, τ_j as a function of τ_l and τ_l as a function of w have kinks. There `sign` is 0, so both
+//! derivatives are 1. This value is between the one-sided limits.
 
 use super::forces::friction_sum;
 use crate::graph::{Graph, Scalar};
@@ -28,7 +28,7 @@ pub fn is_there(model: &Model) -> bool {
     model.joints().any(|joint| !joint.load_friction.is_empty())
 }
 
-/// Coefficients s₁ of load-dependent friction by coordinate, without unit.
+/// Coefficients s₁ of load-dependent friction (see [`super::load_friction`]) by coordinate, without unit.
 pub fn shares<'g>(graph: &'g Graph, model: &Model, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
     let joints = model.joints().enumerate();
     let share =
@@ -36,18 +36,19 @@ pub fn shares<'g>(graph: &'g Graph, model: &Model, y: &[Scalar<'g>], v: &[Scalar
     share.collect()
 }
 
-/// Load-dependent friction `|τ_l| s₁` at the load τ_l, with `share` = s₁.
+/// Load-dependent friction `|τ_l| s₁` at the load τ_l, with `share` = s₁. The load is the drive's force
+/// without friction.
 pub fn friction<'g>(load: Scalar<'g>, share: Scalar<'g>) -> Scalar<'g> {
     load.call(Function::Abs) * share
 }
 
 /// Derivative `1 + s₁ sign τ_l` of the drive's force with respect to the load τ_l. `load` may also be the
-/// drive's force minus s₀, because both have the same sign.
+/// drive's force minus the friction s₀ without load, because both have the same sign.
 pub fn gain<'g>(load: Scalar<'g>, share: Scalar<'g>) -> Scalar<'g> {
     load.constant(1.0) + share * load.call(Function::Sign)
 }
 
-/// Load τ_l from the drive's force minus s₀ (`exerted`).
+/// Load τ_l, computed from `exerted`, the drive's force minus the friction s₀ without load.
 pub fn load<'g>(exerted: Scalar<'g>, share: Scalar<'g>) -> Scalar<'g> {
     exerted.divided_by(gain(exerted, share))
 }

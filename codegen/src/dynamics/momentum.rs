@@ -18,7 +18,7 @@ use crate::graph::Scalar;
 use crate::kinematics::Mechanism;
 use crate::spatial::{Force, Vector3};
 
-/// Masses of a mechanism at given positions.
+/// Masses of a mechanism at given positions, from which its centre of mass and its momentum are computed.
 pub struct Masses<'g> {
     mechanism: Mechanism<Scalar<'g>>,
     plain: Formulation,
@@ -75,8 +75,9 @@ impl<'g> Masses<'g> {
         rows
     }
 
-    /// Centroidal momentum matrix, 6 × n. The first three rows are the linear momentum, the last three the
-    /// angular momentum.
+    /// Centroidal momentum matrix, 6 × n. Its product with the velocities is the momentum in the axes of the
+    /// base: the linear momentum in the first three rows, and the angular momentum about the centre of mass
+    /// in the last three rows.
     pub fn momentum_matrix(&self) -> Matrix<'g> {
         self.columns()
     }

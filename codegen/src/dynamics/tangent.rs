@@ -94,8 +94,10 @@ fn rates<'g>(
     quaternion.into_iter().zip(rates).collect()
 }
 
-/// Matrix D of the linearized kinematics `δ̇ = D δ + δv` of a small motion δ. The rows of a joint with a
-/// quaternion contain `−ad_v`, the other rows are 0.
+/// Matrix D in `δ̇ = D δ + v − v̄`. δ is the deviation from a motion with the velocities v̄, which are the
+/// argument `v`. The rows of a joint with a quaternion contain `−ad_v`, the other rows are 0. For a floating
+/// joint with the linear velocity l and the angular velocity ν, `−ad_v` is the matrix with the rows (−ν×,
+/// −l×) and (0, −ν×). For a spherical joint it is −ν×.
 pub fn drift<'g>(graph: &'g Graph, model: &Model, v: &[Scalar<'g>]) -> Vec<Vec<Scalar<'g>>> {
     let n = v.len();
     let mut matrix = vec![vec![graph.constant(0.0); n]; n];

@@ -35,8 +35,8 @@ pub enum Form {
 /// values on x86-64 with AVX-512 are 10 to 20. Small functions need fewer.
 const BYTES_PER_OPERATION: usize = 12;
 
-/// Largest machine code of a straight-line function in bytes. It was chosen from measurements with AVX-512 of
-/// two functions for each robot. The ratio in the table is the time of the loops divided by the time of the
+/// Largest machine code of a straight-line function in bytes. It was chosen from measurements with AVX-512.
+/// Two functions were measured for each robot. A ratio is the time of the loops divided by the time of the
 /// straight-line code.
 ///
 /// | robot | straight-line code (kB) | ratios |
@@ -50,8 +50,9 @@ const BYTES_PER_OPERATION: usize = 12;
 pub const LARGEST_STRAIGHT: usize = 27_000;
 
 /// Largest ratio of the operations of loops to the operations of straight-line code for which loops are used.
-/// Loops may have more operations, because they work on whole vectors. The last three columns have the measured
-/// time of the loops divided by the time of straight-line code.
+/// Loops may have more operations, because they work on whole vectors. The following values are the measured
+/// times of the loops divided by the times of straight-line code, for processors with AVX-512, with AVX2, or
+/// with neither.
 ///
 /// | Jacobians | operations | AVX-512 | AVX2 | neither |
 /// |---|---|---|---|---|
@@ -303,7 +304,7 @@ fn gains(model: &Model) -> Option<Vec<Gains>> {
     (0..columns).map(of_input).collect()
 }
 
-/// Non-zero entries of the matrix D in `δ̇ = D δ + v`; `None` if no position is a quaternion.
+/// Non-zero entries of the matrix D (see [`Affine::drift`]); `None` if no position is a quaternion.
 fn drift(model: &Model) -> Option<Vec<Drift>> {
     if model.quaternion_joints.is_empty() {
         return None;

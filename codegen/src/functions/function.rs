@@ -108,6 +108,6 @@ pub enum ConstantValue {
     Rows(Dimension, Vec<Vec<f64>>),
     /// The non-zero entries of a matrix with row, column and value: `[(usize, usize, f64); n]`.
     Sparse(Vec<(usize, usize, f64)>),
-    /// A pattern of a matrix: `[[bool; columns]; rows]`.
+    /// For each entry of a matrix, whether it can be non-zero: `[[bool; columns]; rows]`.
     Pattern(Vec<Vec<bool>>),
 }

@@ -103,7 +103,8 @@ fn terms_text(model: &Model) -> String {
     }
 }
 
-/// Returns a note if the constant map to the base parameters is omitted; otherwise `None`.
+/// Returns a note if the module lacks the constant with the map from the inertial parameters to the base
+/// parameters, because this map depends on free parameters; otherwise `None`.
 pub fn notes(functions: &[Function]) -> Option<Diagnostic> {
     let base = functions.iter().find(|function| function.name == "base_regressor")?;
     if base.constants.iter().any(|constant| constant.name == BASE_TERMS) {

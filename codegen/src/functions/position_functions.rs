@@ -5,13 +5,13 @@ use crate::layout::{Dimension, Extent};
 /// A function of the positions of a robot with quaternions. Its text is the same for all these robots.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PositionFunction {
-    /// Sum `y ⊕ d` of positions and a displacement d.
+    /// Positions `y ⊕ d` after a displacement d from the positions y. d has one entry per velocity.
     Integrate,
-    /// Difference `to ⊖ from`.
+    /// Displacement `to ⊖ from`, which leads from the positions `from` to the positions `to`.
     Difference,
-    /// Derivatives of `y ⊕ d` with respect to y and d.
+    /// Derivatives of the positions `y ⊕ d` with respect to small motions of y and with respect to d.
     IntegrateDerivatives,
-    /// Normalization of each quaternion.
+    /// Scales each quaternion of the positions to unit length.
     Normalize,
 }
 

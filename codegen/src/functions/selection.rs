@@ -296,8 +296,11 @@ impl LeftOut {
             })
             .collect();
         if self.of_frames > 0 {
-            let message =
-                format!("the {} functions of {} frames are omitted", self.of_frames, model.frames.len());
+            let message = format!(
+                "the robot has {} frames, more than {MOST_FRAMES}, so {} functions of frames are omitted",
+                model.frames.len(),
+                self.of_frames
+            );
             let help = "request single functions by name (`frame_<name>_pose`), or all with `frames`";
             notes.push(Diagnostic::note("left-out", message).help(help));
         }

@@ -9,7 +9,8 @@ use crate::dynamics::parameters::regressor::PER_LINK;
 use crate::model::{Model, Motion};
 use crate::wording::toml_text;
 
-/// A body of a description. Its axes are parallel to those of the link's frame.
+/// A body of a description, with identified values. The axes of its inertia matrix are parallel to those of
+/// the link's frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BodyValues {
     /// Name of the body.
@@ -25,9 +26,9 @@ pub struct BodyValues {
 }
 
 impl BodyValues {
-    /// Creates a body from the ten inertial parameters of a link: m, m c, and the entries xx, xy, yy, xz,
-    /// yz, zz of the inertia matrix I_o about the origin of the link's frame. The inertia about the centre
-    /// of mass c is `I_c = I_o − m (cᵀc 1 − c cᵀ)` (parallel axis theorem).
+    /// Creates a body from the ten inertial parameters of a link: mass m, first moments m c with the centre
+    /// of mass c, and the entries xx, xy, yy, xz, yz, zz of the inertia matrix I_o about the origin of the
+    /// link's frame. The inertia about the centre of mass is `I_c = I_o − m (cᵀc 1 − c cᵀ)` (parallel axis theorem).
     #[must_use]
     pub fn of_link(name: String, link: Option<String>, parameters: &[f64]) -> Self {
         let &[mass, hx, hy, hz, xx, xy, yy, xz, yz, zz] = parameters else {

@@ -9,10 +9,11 @@ use gelenk_formula::Formula;
 /// Identified values of a joint's drive.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct IdentifiedDrive {
-    /// Axial inertia of the rotor in kg m²; `None` if the rotor is not a parameter of the equations.
+    /// Inertia of the rotor about its axis in kg m²; `None` if the equations of motion have no parameter for
+    /// this rotor.
     pub rotor: Option<f64>,
-    /// Inertia that the drive adds to its joint, in kg m² or kg; `None` if the description has a rotor or a
-    /// gear.
+    /// Inertia that the drive adds to its joint (reflected inertia), in kg m² or kg; `None` if the description
+    /// has a rotor or a gear.
     pub reflected: Option<f64>,
     /// Motor constant K_M in N m/A; `None` if it was not identified.
     pub motor_constant: Option<f64>,

@@ -1,8 +1,9 @@
 //! Identification of robots with a description: functions of the robot for the estimator, and the estimates
 //! as a description.
 //!
-//! The crate [`gelenk_identification`] computes the estimates. This module provides the robot
-//! ([`InterpretedRobot`], whose functions are interpreted), and writes the results.
+//! The crate [`gelenk_identification`] computes the estimates. This module provides the equations of motion
+//! that this crate needs ([`InterpretedRobot`], without compiled code), and writes the estimates as a
+//! description and as a report page.
 
 mod bodies;
 mod drives;

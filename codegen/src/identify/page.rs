@@ -61,7 +61,8 @@ pub fn page(name: &str, robot: &dyn Robot, found: &Identification, command: &str
     report.section(parameters(robot, found)).section(data(found))
 }
 
-/// Returns the noun for the rows of the tables: joints, or joints and shafts.
+/// Returns the heading for the rows of tables: `joint`, or `joint or shaft` if shafts of drives replace joints
+/// in the equations.
 #[must_use]
 pub fn rows_are(found: &Identification) -> &'static str {
     if found.joint_terms().is_some() { "joint or shaft" } else { "joint" }
@@ -108,8 +109,8 @@ fn summary(found: &Identification) -> Section {
     Section::new("summary", "How well it fits").block(Block::Table(table)).blocks(choices)
 }
 
-/// Returns the lowest and the highest offset of a joint in single runs as text. These offsets are not part
-/// of the written description.
+/// Returns the lowest and the highest offset of a joint's efforts in single runs as text. These offsets are
+/// not part of the written description.
 #[must_use]
 pub fn offsets(joint: &JointEstimate) -> String {
     let error = joint.offset_errors.first().copied();
@@ -129,7 +130,7 @@ fn share(joint: &JointEstimate, r_squared: f64) -> Cell {
     if is_judged(joint) { Cell::Rounded(r_squared, 4) } else { Cell::Empty }
 }
 
-/// Returns whether R² of a joint is meaningful: the joint moves, and something acts on it.
+/// Returns whether R² of a joint is meaningful. It is meaningful if the joint moves and a force acts on it.
 #[must_use]
 pub fn is_judged(joint: &JointEstimate) -> bool {
     joint.moves && !joint.held_out_r_squared.is_nan()
@@ -182,9 +183,13 @@ fn friction_figure(joint: &JointFriction, unit: &str) -> Figure {
 /// Error on held-out data over the number of terms.
 fn front(subsets: &SubsetValidation, force: &str) -> Plot {
     let point = |subset: &ValidatedSubset| [subset.active.len() as f64, subset.mean_error.sqrt()];
-    Plot::new("Error by number of terms", Axis::new("terms", ""), Axis::new("rms error, left out", force))
-        .series("tried", Marks::Points, subsets.best.iter().map(point).collect())
-        .series("chosen", Marks::Points, vec![point(&subsets.best[subsets.chosen])])
+    Plot::new(
+        "Error by number of terms",
+        Axis::new("terms", ""),
+        Axis::new("rms error on held-out data", force),
+    )
+    .series("tried", Marks::Points, subsets.best.iter().map(point).collect())
+    .series("chosen", Marks::Points, vec![point(&subsets.best[subsets.chosen])])
 }
 
 /// Returns the joints whose efforts were measured.

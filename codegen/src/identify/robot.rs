@@ -66,8 +66,8 @@ impl InterpretedRobot {
         Self::with(model, &RobotChoices::default())
     }
 
-    /// Creates the robot and derives its functions. They do not contain the friction that is identified.
-    /// They contain the friction that is not identified:
+    /// Creates the robot and derives its equations of motion. The equations do not contain the friction that
+    /// is identified. They contain the friction that is not identified:
     ///
     /// - friction of spherical and floating joints
     /// - friction of joints that follow other joints, because the written description does not replace

@@ -21,7 +21,7 @@ const MOST_DIGITS: i32 = 8;
 /// Largest change of a parameter of a load by rounding, as a share of half the width of its interval.
 const NOTICED: f64 = 0.1;
 
-/// Rounds the bodies of all links.
+/// Rounds the identified bodies of all links to the digits that their intervals justify.
 ///
 /// - `described`: the same bodies with the described parameters
 pub fn round_bodies(links: &mut [LinkBodies], described: &[LinkBodies], estimate: &Estimate) {
@@ -60,7 +60,7 @@ struct Found<'a> {
     body: &'a BodyValues,
     /// Parameters of the link that come from rotors of held joints, not from bodies.
     fixed: &'a [f64],
-    /// Numbers of the described body.
+    /// Mass, centre of mass and moments of inertia of the described body.
     described: [Option<f64>; PER_LINK],
     /// Half the width of each value's interval; `None` if it is unknown.
     errors: [Option<f64>; PER_LINK],

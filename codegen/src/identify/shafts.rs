@@ -94,8 +94,8 @@ pub struct IdentifiedShaft<'a> {
     /// Friction of the shaft; `None` keeps the friction of the description. If the shaft moves only one
     /// joint, its friction is part of the joint's friction.
     pub friction: Option<&'a FrictionResult>,
-    /// Axial inertia of the rotor in kg m², as a parameter of the equations; `None` if the description has
-    /// no rotor.
+    /// Inertia of the rotor about its axis in kg m², as a parameter of the equations of motion; `None` if the
+    /// description has no rotor.
     pub rotor: Option<f64>,
     /// Inertia that is added at the shaft, in kg m²; `None` if the description has a rotor.
     pub added: Option<f64>,

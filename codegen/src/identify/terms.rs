@@ -1,4 +1,5 @@
-//! Tables of friction terms and of the evidence for them, for the page and for JSON.
+//! Tables of the friction terms, with their intervals and probabilities, for the report page ([`super::page`]) and for the JSON
+//! output.
 
 use gelenk_findings::digits::{plain, significant};
 use gelenk_identification::friction::{Candidate, FrictionReport};
@@ -42,11 +43,12 @@ pub(super) fn measured(value: f64, error: Option<f64>) -> Cell {
     Cell::Rounded(value, significant(value, error).unwrap_or(DIGITS))
 }
 
-/// Returns the Pareto tables of the chosen friction laws as rows of text. The columns are joint, number of
-/// terms, rms error on left-out data, `*` for the chosen row, and terms.
+/// Returns the tables of the choice of terms of all friction laws as rows of text. The columns are joint, number of
+/// terms, rms error on held-out data, `*` for the chosen row, and terms.
 #[must_use]
 pub fn front(found: &Identification) -> Vec<Vec<String>> {
-    let head = ["joint", "terms", "rms error, left out", "", "terms of the law"].map(str::to_owned).to_vec();
+    let head =
+        ["joint", "terms", "rms error on held-out data", "", "terms of the law"].map(str::to_owned).to_vec();
     let mut table = vec![head];
     for joint in &found.friction {
         let Some((report, subsets)) = joint.report.as_ref().ok().and_then(|r| Some((r, r.subsets.as_ref()?)))
@@ -67,7 +69,7 @@ pub fn front(found: &Identification) -> Vec<Vec<String>> {
     table
 }
 
-/// Returns the Pareto table of a friction law as JSON.
+/// Returns the table of the choice of terms (error against number of terms) of a friction law as JSON.
 #[must_use]
 pub fn front_as_json(report: &FrictionReport) -> Value {
     let Some(subsets) = &report.subsets else { return Value::Null };

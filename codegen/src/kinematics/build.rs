@@ -27,8 +27,8 @@ impl Mechanism<Number> {
 }
 
 impl Mechanism<Scalar<'_>> {
-    /// Regrouping: shifts inertial constants that act only as sums towards the base. M, k, q and energies do
-    /// not change.
+    /// Shifts inertial constants that act only as sums from each body to its parent (regrouping). M, k, q and
+    /// energies do not change.
     pub fn regrouped(mut self, choices: &[RegroupChoice]) -> Self {
         regroup(&mut self.bodies, &mut self.base_moments, choices);
         self

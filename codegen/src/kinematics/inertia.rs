@@ -7,15 +7,17 @@ use crate::graph::{Graph, Scalar};
 use crate::model;
 use crate::spatial::{MassMoments, Symmetric3, Vector3};
 
-/// Choice of the mass that is shifted from a body to its parent, at a point on the joint's axis.
+/// Choice of the mass that is shifted from a body to its parent, at a point on the joint's axis. It
+/// determines how inertial constants that act only as a sum are distributed to the two bodies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RegroupChoice {
-    /// The body becomes massless.
+    /// If the joint is revolute, the whole mass is shifted, so the body becomes massless. If it is prismatic,
+    /// the second moment of mass is shifted.
     Massless,
-    /// The parent's first moment of mass becomes zero along x.
+    /// The mass is chosen so that the x component of the parent's first moment of mass becomes zero.
     BalanceParent,
-    /// The component 0, 1 or 2 (x, y or z) of the parent's first moment of mass becomes zero. The masses of
-    /// all children with this choice are computed together.
+    /// The mass is chosen so that the component 0, 1 or 2 (x, y or z) of the parent's first moment of mass
+    /// becomes zero. The masses of all children with this choice are computed together.
     Take(usize),
 }
 

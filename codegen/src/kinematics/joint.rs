@@ -46,8 +46,8 @@ impl JointAxis {
         self.along(Vector3([zero, zero, any.constant(1.0)]), Vector3::zero(any))
     }
 
-    /// S with the direction `axis` about a point. `origin` is the vector from this point to the body's
-    /// origin.
+    /// The motion S of a joint with the direction `axis`, about another point than the body's origin.
+    /// `origin` is the vector from this point to the body's origin.
     pub fn along<'g>(self, axis: Vector3<Scalar<'g>>, origin: Vector3<Scalar<'g>>) -> Motion<'g> {
         match self {
             Self::Revolute => Motion { angular: axis, linear: origin.cross(axis) },

@@ -17,7 +17,8 @@ pub struct Mechanism<S: Numbers> {
     pub coordinates: usize,
     /// Number of driven coordinates. They are the last coordinates.
     pub driven: usize,
-    /// Position entry of each coordinate; `None` if the position belongs to a quaternion.
+    /// Index of each coordinate's position in the position entries y; `None` if the position belongs to a
+    /// quaternion.
     pub positions: Vec<Option<usize>>,
     /// Moving bodies, parents first.
     pub bodies: Vec<Body<S>>,
@@ -37,7 +38,7 @@ pub struct Mechanism<S: Numbers> {
 pub struct Body<S> {
     /// Name of the joint in the description. For the slide of a helical joint, `(slide)` is appended.
     pub name: String,
-    /// Identifier of the joint, for names of values.
+    /// Identifier of the joint, for names of values in generated code.
     pub identifier: String,
     /// Index among the moving joints: first the joints of the coordinates, then followers.
     pub joint: usize,
@@ -92,12 +93,12 @@ pub struct Rotor<S> {
 }
 
 impl<'g> Rotor<Scalar<'g>> {
-    /// Coupling inertia `i J_R`.
+    /// Coupling inertia `i J_R` with the gear ratio i and the axial inertia J_R.
     pub fn coupling_inertia(&self) -> Scalar<'g> {
         self.ratio * self.inertia
     }
 
-    /// Reflected inertia `i² J_R`.
+    /// Reflected inertia `i² J_R` with the gear ratio i and the axial inertia J_R.
     pub fn reflected_inertia(&self) -> Scalar<'g> {
         self.ratio * self.coupling_inertia()
     }

@@ -66,7 +66,7 @@ pub(super) fn displaced<'g>(graph: &'g Graph, model: &Model, joint: &QuaternionJ
 
 /// Position entries of a joint with a quaternion.
 pub struct PositionEntries<'g> {
-    /// Position of the origin; `None` for a spherical joint.
+    /// Position of the body's origin; `None` for a spherical joint.
     pub origin: Option<Vector3<Scalar<'g>>>,
     /// The quaternion x y z w.
     pub quaternion: [Scalar<'g>; 4],

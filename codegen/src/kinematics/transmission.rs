@@ -108,8 +108,9 @@ impl<'g> Transmission<Scalar<'g>> {
         self.add_force(force, &mut matrix[row]);
     }
 
-    /// Adds an entry and its mirror image to a symmetric matrix. If the motion follows `coordinate`, the two
-    /// entries are the same diagonal entry.
+    /// Adds the force along the motion per unit of one coordinate's motion, and its mirror image, to a
+    /// symmetric matrix: `ratio · force` in the row and in the column of `coordinate`. If the motion also
+    /// follows this coordinate, the diagonal entry gets both.
     pub fn add_coupling(&self, coordinate: usize, force: Scalar<'g>, matrix: &mut [Vec<Scalar<'g>>]) {
         self.add_row_entry(coordinate, force, matrix);
         self.add_column_entry(coordinate, force, matrix);

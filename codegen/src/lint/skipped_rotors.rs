@@ -38,7 +38,7 @@ pub(super) fn warn(robot: &RobotDescription, model: &Model, report: &mut Report)
             if entries.is_empty() {
                 String::new()
             } else {
-                format!(", compared with its diagonal {}", listed(entries.into_iter()))
+                format!("; without it, the diagonal of M is {}", listed(entries.into_iter()))
             },
         );
         report.push(Some(rotor.inertia.span), SKIPPED.found(message));

@@ -57,7 +57,9 @@ fn doubt_limits(name: &str, motor: &DriveDescription, report: &mut Report) {
     let beyond = |torque: Option<f64>| torque.filter(|torque| torque > stall_torque);
     let told = |kind: &str, torque: f64| {
         let [torque, stall] = [torque, *stall_torque].map(as_written);
-        format!("the {kind}torque of motor `{name}` is {torque} N m, but its stall torque is {stall} N m")
+        format!(
+            "the {kind}torque of motor `{name}` is {torque} N m, but its stall torque allows at most {stall} N m"
+        )
     };
     if let Some(torque) = beyond(motor.torque.nominal) {
         report.push(Some(*span), BEYOND_STALL.found(told("", torque)));
@@ -93,7 +95,7 @@ fn note_effort(name: &str, drive: &Drive, model: &Model, span: Span, report: &mu
     if effort > most * (1.0 + ROUNDING) {
         let unit = joint.kind.effort_unit();
         let message = format!(
-            "joint `{}` has an effort limit of {} {unit}, but its motor `{name}` gives {} {unit} at rest",
+            "joint `{}` has an effort limit of {} {unit}, but its motor `{name}` gives at most {} {unit}, at rest",
             joint.name,
             as_written(effort),
             three_digits(most)

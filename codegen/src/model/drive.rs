@@ -21,7 +21,7 @@ pub struct Drive {
     pub carrier: usize,
     /// Axis of the rotor in the frame of the carrier link, with unit length.
     pub axis: [f64; 3],
-    /// Effect of the rotor on M.
+    /// Effect of the rotor on the mass matrix M.
     pub coupling: RotorCoupling,
     /// Kind of the input.
     pub input: Input,
@@ -75,10 +75,11 @@ pub struct TorqueSpeedLine {
     pub no_load_speed: f64,
 }
 
-/// Effect of a rotor on the equations of motion.
+/// Effect of a rotor with the gear ratio i and the axial inertia J_R on the equations of motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RotorCoupling {
-    /// The rotor is a body on its carrier: i² J_R on the diagonal and coupling terms.
+    /// The rotor is a body on its carrier. It adds i² J_R to the diagonal of M, and terms that couple it with
+    /// the motion of its carrier.
     Body,
     /// The rotor only adds i² J_R to the diagonal of M.
     Diagonal,
@@ -87,10 +88,11 @@ pub enum RotorCoupling {
 /// Kind of an input.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Input {
-    /// Motor torque (N m). The input matrix has the gear ratio.
+    /// Motor torque (N m). The entry of the input matrix is the gear ratio.
     Torque,
     /// No input. The drive only describes a rotor that moves with joints, or friction of a transmission.
     None,
-    /// Motor current (A). The input matrix has the gear ratio times the motor constant K_M (N m/A).
+    /// Motor current (A). The entry of the input matrix is the gear ratio times the motor constant K_M (N
+    /// m/A).
     Current(Formula),
 }

@@ -62,19 +62,20 @@ pub struct Joint {
     pub origin: Pose,
     /// Axis in the joint frame, with unit length.
     pub axis: [f64; 3],
-    /// Motion of the joint.
+    /// Motion of the joint: fixed, held, by its own coordinate, or following coordinates.
     pub motion: Motion,
     /// Limits on position, speed and force.
     pub limits: Limits,
     /// Forces of springs and dampers on this joint as functions of position y and velocity v (N m or N). They
     /// are a part of the generalized forces q.
     pub springs: Vec<Formula>,
-    /// Terms of the friction torque τ(v) = Σ coefficient · basis. The torque is positive at positive velocity.
-    /// It is subtracted from the generalized forces q.
+    /// Terms of the friction torque (or force) τ = Σ coefficient · basis, functions of the velocity v and
+    /// possibly of the position y. τ is positive at positive velocity. It is subtracted from the generalized
+    /// forces q.
     pub friction: Vec<FrictionTerm>,
-    /// Terms of the load-dependent friction: s₁(v) = Σ coefficient · basis is the friction per unit of the load
-    /// τ_l. The friction |τ_l| s₁ is added to `friction`. The list is empty without load-dependent friction.
-    /// Otherwise the joint has its own input, and |s₁| < 1.
+    /// Terms of the load-dependent friction: s₁ = Σ coefficient · basis is the friction per unit of the load
+    /// τ_l. The load is the drive's force without friction. The friction |τ_l| s₁ is added to `friction`. The
+    /// list is empty without load-dependent friction. Otherwise the joint has its own input, and |s₁| < 1.
     pub load_friction: Vec<FrictionTerm>,
 }
 
@@ -174,7 +175,7 @@ impl JointKind {
     }
 }
 
-/// Motion of a joint.
+/// Motion of a joint: fixed, held, by its own coordinate, or following coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Motion {
     /// A fixed joint.
@@ -196,9 +197,9 @@ pub struct Limits {
     pub position: Option<[f64; 2]>,
     /// Highest speed (rad/s or m/s).
     pub velocity: Option<f64>,
-    /// Nominal force at the joint (N m or N).
+    /// Limit of the continuous (nominal) force at the joint (N m or N).
     pub effort: Option<f64>,
-    /// Peak force at the joint (N m or N).
+    /// Limit of the short-time (peak) force at the joint (N m or N).
     pub peak_effort: Option<f64>,
     /// Highest acceleration (rad/s² or m/s²).
     pub acceleration: Option<f64>,

@@ -49,7 +49,8 @@ impl Pose {
         self.translation.iter().all(Formula::is_zero) && self.rotation == IDENTITY
     }
 
-    /// Product of two poses: `a_x_c = a_x_b · b_x_c`.
+    /// Product of two poses. If `self` is the pose of frame b in frame a, and `next` the pose of frame c in
+    /// frame b, the result is the pose of c in a.
     pub fn then(&self, next: &Self) -> Self {
         Self { translation: self.point(&next.translation), rotation: product(&self.rotation, &next.rotation) }
     }

@@ -9,7 +9,7 @@ pub struct LimitedInput {
     pub input: usize,
     /// C, with one entry for each coordinate.
     pub slopes: Vec<f64>,
-    /// Limit at zero velocity.
+    /// Limit of the input's magnitude at zero velocity.
     pub limit: f64,
 }
 

@@ -37,7 +37,7 @@ pub struct Module {
     pub parameters: Vec<Parameter>,
     /// Functions with their own program. Each is printed after its constants.
     pub functions: Vec<Function>,
-    /// Constant with the number of Runge–Kutta steps; `None` if no function has several steps.
+    /// Constant with the number of Runge–Kutta steps in one period; `None` if no function has several steps.
     pub substeps: Option<Constant>,
     /// Functions over a sample time. They call other functions of the module.
     pub compositions: Vec<ComposedFunction>,

@@ -15,7 +15,7 @@ use gelenk_files::is_same_file;
 /// `<robot>`.
 ///
 /// If the description has errors, the build script prints all of them and ends with exit code 1. Cargo watches every
-/// file that was read. The path is relative to the package.
+/// file that was read. The path `description` is relative to the package.
 pub fn build(description: impl AsRef<Path>) {
     Builder::new().description(description).generate();
 }

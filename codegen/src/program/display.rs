@@ -8,7 +8,7 @@ use super::letters::greek_letter;
 use super::{Operand, Operation, Output, Program, Shape};
 use gelenk_formula::Function;
 
-/// Names of the program's parts that only have an index.
+/// Names for the parts of a program that have only an index in the program: the free parameters.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Notation {
     /// Names of all free parameters of the program.

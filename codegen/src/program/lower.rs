@@ -35,8 +35,8 @@ pub fn lower(graph: &Graph, inputs: Vec<InputArray>, outputs: &[GraphOutput]) ->
 ///
 /// If there are many values, results are computed from the last velocity to the first. A leaf of the tree
 /// depends only on its own branch. In this order, the values of a branch are computed together and used while
-/// they are in registers. The Jacobians of a quadruped's inverse dynamics then take 0.8 of the time. M and
-/// the inverse dynamics of a humanoid take 0.7 to 0.8 of the time.
+/// they are in registers. Relative to the usual order, the Jacobians of a quadruped's inverse dynamics then
+/// take 0.8 of the time. M and the inverse dynamics of a humanoid take 0.7 to 0.8 of the time.
 ///
 /// Functions with divisions, for example the forward dynamics, keep the usual order. In these functions each
 /// value waits for the previous one, so computing branches in parallel is faster.

@@ -96,7 +96,7 @@ pub enum Operation {
     SinCos(Operand),
     /// The cosine computed by the [`Operation::SinCos`] at this index.
     CosineOf(usize),
-    /// `f(a)`
+    /// `f(a)` with an elementary function f
     Call(Function, Operand),
 }
 

@@ -90,7 +90,7 @@ fn toml_with(
     finish(reader, robot, options)
 }
 
-/// Reads a URDF.
+/// Reads the URDF `text`. `name` is its name in messages.
 ///
 /// # Errors
 /// Returns all problems of the description.
@@ -103,6 +103,7 @@ pub fn from_urdf(text: &str, name: &str, options: &ReadOptions) -> Result<(Model
 
 /// Reads an MJCF.
 ///
+/// - `text`, `name`: text of the MJCF, and its name in messages
 /// - `load`: loads included files, but no meshes, so geoms with meshes have no mass
 ///
 /// # Errors

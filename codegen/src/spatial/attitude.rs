@@ -36,25 +36,25 @@ impl<'g> Attitude<Scalar<'g>> {
         Self(axes.map(|column| Vector3(axes.map(|row| self.0[column][row]))))
     }
 
-    /// `R v`: transforms a vector from the rotated frame.
+    /// `R v`: transforms a vector from the rotated frame to the parent's frame.
     pub fn to_parent(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         let [x, y, z] = self.0;
         x.scaled(v[0]) + y.scaled(v[1]) + z.scaled(v[2])
     }
 
-    /// `Rᵀ v`: transforms a vector to the rotated frame.
+    /// `Rᵀ v`: transforms a vector from the parent's frame to the rotated frame.
     pub fn to_child(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         Vector3(self.0.map(|axis| axis.dot(v)))
     }
 
-    /// `R A Rᵀ`: transforms a matrix from the rotated frame.
+    /// `R A Rᵀ`: transforms a matrix from the rotated frame to the parent's frame.
     pub fn matrix_to_parent(&self, a: &Matrix3<'g>) -> Matrix3<'g> {
         let columns = [0, 1, 2].map(|k| self.to_parent(a.column(k)));
         let row = |i: usize| Vector3([columns[0][i], columns[1][i], columns[2][i]]);
         Matrix3([0, 1, 2].map(|i| self.to_parent(row(i)).0))
     }
 
-    /// `R Σ Rᵀ`: transforms a symmetric matrix from the rotated frame.
+    /// `R Σ Rᵀ`: transforms a symmetric matrix from the rotated frame to the parent's frame.
     pub fn symmetric_to_parent(&self, s: Symmetric3<Scalar<'g>>) -> Symmetric3<Scalar<'g>> {
         let columns = s.columns().map(|column| self.to_parent(column));
         let row = |i: usize| Vector3([columns[0][i], columns[1][i], columns[2][i]]);

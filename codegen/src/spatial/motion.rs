@@ -24,7 +24,7 @@ pub struct Force<'g> {
 }
 
 impl<'g> Motion<'g> {
-    /// `factor · self`
+    /// The product `factor · self`.
     pub fn scaled(self, factor: Scalar<'g>) -> Self {
         let (angular, linear) = (self.angular.scaled(factor), self.linear.scaled(factor));
         Self { angular, linear }
@@ -41,7 +41,7 @@ impl<'g> Motion<'g> {
         self.angular.dot(f.moment) + self.linear.dot(f.force)
     }
 
-    /// `self × other` for two motions.
+    /// Spatial cross product `self × other` of two motions.
     pub fn cross(self, other: Self) -> Self {
         Self {
             angular: self.angular.cross(other.angular),
@@ -49,7 +49,7 @@ impl<'g> Motion<'g> {
         }
     }
 
-    /// `self ×* f` for a motion and a force.
+    /// Spatial cross product `self ×* f` of a motion and a force.
     pub fn cross_force(self, f: Force<'g>) -> Force<'g> {
         Force {
             moment: self.angular.cross(f.moment) + self.linear.cross(f.force),

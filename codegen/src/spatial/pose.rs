@@ -20,12 +20,13 @@ pub struct Pose<S> {
 }
 
 impl<'g> Pose<Scalar<'g>> {
-    /// The identity.
+    /// The identity pose.
     pub fn identity(graph: &'g Graph) -> Self {
         Self { rotation: Matrix3::identity(), translation: Vector3([graph.constant(0.0); 3]) }
     }
 
-    /// Product of two poses, `self · other`.
+    /// Product of two poses, `self · other`. If `self` is the pose of frame b in frame a, and `other` the
+    /// pose of frame c in frame b, the result is the pose of c in a.
     pub fn then(self, other: Self) -> Self {
         Self {
             rotation: cleaned(self.rotation * other.rotation),

@@ -307,7 +307,8 @@ impl<'m, T: Number> Case<'m, T> {
         minus(&self.inverse_dynamics(), &self.wrench_forces())
     }
 
-    /// `M ÿ + k − q − B(y) u − Σ Jᵀ w`, up to a constant. `B u` is included only if B depends on y.
+    /// `M ÿ + k − q − B(y) u − Σ Jᵀ w`, for derivatives with respect to y, ẏ and ÿ. If B does not depend on
+    /// y, `B u` is omitted, because its derivatives are zero.
     pub fn residual(&self) -> Vec<T> {
         let forces = match self.model().inputs_depend_on_position() {
             true => minus(&self.inverse_dynamics(), &self.input_forces()),

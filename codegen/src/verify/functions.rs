@@ -166,7 +166,7 @@ fn linearize<T: Number>(case: &Case<'_, T>, accelerations: &[T]) -> Vec<Vec<T>> 
     blocks.into_iter().chain(drift).collect()
 }
 
-/// `−ad_v` in the rows of quaternion joints: `δ̇ = D δ + v − v̄`.
+/// Matrix D in `δ̇ = D δ + v − v̄`: `−ad_v` in the rows of joints with quaternions, and 0 in all other rows.
 fn drift<T: Number>(case: &Case<'_, T>) -> Rows<T> {
     let n = case.n();
     let mut rows = vec![vec![T::zero(); n]; n];

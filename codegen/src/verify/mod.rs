@@ -74,8 +74,8 @@ impl Disagreement {
     fn problem(&self) -> Diagnostic {
         let [found, expected] = self.entry;
         let message = format!(
-            "`{}` differs from the independent evaluation of the robot: {found:e} instead of {expected:e}, \
-             {:.1e} times the bound for rounding",
+            "`{}` differs from the independent evaluation of the robot: {found:e} instead of {expected:e}; the \
+             difference is {:.1e} times the bound for rounding errors",
             self.function, self.excess
         );
         Diagnostic::error(INTERNAL, message).help(concat!(

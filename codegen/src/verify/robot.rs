@@ -83,7 +83,7 @@ impl<'m, T: Number> Robot<'m, T> {
         robot
     }
 
-    /// The robot over numbers with an additional derivative.
+    /// The robot with dual numbers, that is numbers with an additional derivative.
     pub fn lifted(&self) -> Robot<'m, Dual<T>> {
         let parameters = self.parameters.iter().map(|&p| Dual::fixed(p)).collect();
         let length = Dual::fixed(self.length);

@@ -26,7 +26,10 @@ fn one_effort_with_another_factor_is_refused_and_its_remedy_helps() {
     arm.record("arm.toml", "log.csv", None);
     rewrite(&arm, "log.csv", "half.csv", |_, fields| times(&mut fields[5], 0.5));
     let said = arm.refuses(&["arm.toml", "half.csv", "--effort", "joint", "--output", "refused.toml"]);
-    assert!(said.contains("joint lift: the fit is doubted") && said.contains("its effort times 2"), "{said}");
+    assert!(
+        said.contains("joint lift: its fit is refused") && said.contains("its effort is multiplied by 2"),
+        "{said}"
+    );
     let columns = "torque=effort_turn|effort_lift[2 Nm]|effort_reach";
     let done = arm.run(&["arm.toml", "half.csv", "--columns", columns, "--output", "found.toml"]);
     assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));

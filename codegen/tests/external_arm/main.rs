@@ -331,7 +331,7 @@ fn terms_are_chosen_by_the_method_that_is_named() {
     }
     let stls = ["arm.toml", "log.csv", "--method", "stls", "--threshold", "0.5", "--output", "found.toml"];
     let table = String::from_utf8(arm.run(&stls).stdout).unwrap();
-    assert!(table.contains("rms error, left out") && table.contains("  *  v"), "{table}");
+    assert!(table.contains("rms error on held-out data") && table.contains("  *  v"), "{table}");
     assert!(
         fs::read_to_string(arm.at("found.toml")).unwrap().contains("--threshold 0.5"),
         "the command is in the file"

@@ -62,7 +62,8 @@ fn described_motor_constants_that_are_wrong_are_refused() {
     let arm = Arm::new();
     arm.record("arm.toml", "log.csv", Some([0.05, 0.16, 0.05]));
     let said = arm.refuses(&["arm.toml", "log.csv", "--output", "refused.toml"]);
-    let doubt = "error[other-factor]: joint lift: the data are explained better with its effort times";
+    let doubt =
+        "error[other-factor]: joint lift: the data are explained better if its effort is multiplied by";
     assert!(said.contains(doubt), "{said}");
     assert!(said.contains("motor constant") && said.contains("'current=i1|i2["), "{said}");
 }

@@ -77,7 +77,7 @@ fn efforts_that_carry_another_robot_are_refused() {
     assert!(
         String::from_utf8(done.stdout)
             .unwrap()
-            .contains("warning[other-unit-of-efforts]: the rigid bodies need")
+            .contains("warning[other-unit-of-efforts]: the rigid-body forces in the efforts are")
     );
     // Moments say the same, where they are made and where they are merged.
     assert!(
@@ -86,11 +86,11 @@ fn efforts_that_carry_another_robot_are_refused() {
             .success()
     );
     let said = arm.refuses(&["arm.toml", "log.moments", "--merge", "--output", "refused.toml"]);
-    assert!(said.contains("the rigid bodies need"), "{said}");
+    assert!(said.contains("the rigid-body forces in the efforts are"), "{said}");
     // Right units pass.
     arm.record("arm.toml", "log.csv", None);
     let found = arm.identify(&["log.csv", "--output", "found.toml"]);
-    assert!(!found["warnings"].to_string().contains("described force"), "{:#}", found["warnings"]);
+    assert!(!found["warnings"].to_string().contains("of the described bodies"), "{:#}", found["warnings"]);
 }
 
 /// A load is refused by the same values as a robot.
@@ -114,11 +114,12 @@ fn loads_from_logs_in_other_units_are_refused() {
     assert!(load("limited.toml").contains("they may be in mNm: --columns 'torque=effort_{name}[mNm]'"));
     // Without limits the weight of the robot shows it. No fit has tried a unit, so none is named.
     let said = load("arm.toml");
-    assert!(said.contains("the rigid bodies need 1") && !said.contains("[mNm]"), "{said}");
+    assert!(said.contains("the rigid-body forces in the efforts are 1") && !said.contains("[mNm]"), "{said}");
     record([1.0, 1.0, 1e3], "without.csv");
     let said = load("arm.toml");
     assert!(
-        said.contains("the rigid bodies need") && said.contains("need 1000 times the described force"),
+        said.contains("the rigid-body forces")
+            && said.contains("are 1000 times the forces of the described bodies"),
         "{said}"
     );
     // It is written where that is asked for, and says so; a right load has no doubt.
@@ -127,7 +128,7 @@ fn loads_from_logs_in_other_units_are_refused() {
     assert!(
         String::from_utf8(done.stdout)
             .unwrap()
-            .contains("warning[other-unit-of-efforts]: the rigid bodies need")
+            .contains("warning[other-unit-of-efforts]: the rigid-body forces in the efforts are")
     );
     record([1.0; 3], "without.csv");
     record([1.0; 3], "with.csv");

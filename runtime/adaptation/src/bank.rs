@@ -5,13 +5,13 @@ use super::law::{TERMS, dot, product, root};
 use gelenk_kernels::math::exp;
 use libm::log;
 
-/// Weight of the initial noise variance, in samples. The weight is small, because a guess that is a hundred times too large would
-/// otherwise have an effect for longer than the memory.
+/// Weight of the initial noise variance, in samples. The weight is small, because a guess that is a hundred times too large
+/// would otherwise have an effect for longer than the memory.
 const FIRST_WEIGHT: f64 = 1.0;
 /// Number of rates of drift.
 pub(super) const RATES: usize = 3;
 
-/// Mean and covariance of the terms.
+/// Mean and covariance of the coefficients δ of the terms.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Gaussian<const K: usize = TERMS> {
     pub mean: [f64; K],
@@ -25,8 +25,8 @@ impl<const K: usize> Gaussian<K> {
         Self { mean: [0.0; K], covariance: core::array::from_fn(row) }
     }
 
-    /// Adds drift: `δ ← δ + N(0, share · V)` with the variances V of the prior. A variance that would exceed that of the prior is
-    /// reduced by scaling its row and column, so the covariance remains positive semidefinite.
+    /// Adds drift: `δ ← δ + N(0, share · V)` with the variances V of the prior. A variance that would exceed that of the prior
+    /// is reduced by scaling its row and column, so the covariance remains positive semidefinite.
     pub(super) fn widen(&mut self, share: f64, prior: &[f64; K]) {
         for i in 0..K {
             let wider = self.covariance[i][i] + share * prior[i];
@@ -41,7 +41,7 @@ impl<const K: usize> Gaussian<K> {
         }
     }
 
-    /// Variance of `φᵀ δ`.
+    /// Variance of the torque `φᵀ δ` for the values φ of the terms and their coefficients δ.
     pub(super) fn variance(&self, phi: &[f64; K]) -> f64 {
         dot(&product(&self.covariance, phi), phi).max(0.0)
     }
@@ -93,8 +93,8 @@ pub(super) struct Track {
 ///     w_l ∝ w_l^α p_l(r)^(1/c)        p_l(r) = N(r; φᵀ δ_l, S_l)        S_l = φᵀ P_l φ + σ²
 /// ```
 ///
-/// Here r is the torque of the sample, φ are the values of the terms, P_l is the covariance of filter l, and 1 − α is the interval
-/// between samples divided by the memory.
+/// Here r is the torque of the sample, φ are the values of the terms, P_l is the covariance of filter l, and 1 − α is the
+/// interval between samples divided by the memory.
 ///
 /// - All filters share the noise variance σ². It is estimated from the prediction errors e:
 ///   `σ² ← σ² (1 + (Σ w_l e²/S_l − 1)/n)` (West, Harrison, *Bayesian Forecasting and Dynamic Models*, 1997, section 10.8). With
@@ -102,8 +102,8 @@ pub(super) struct Track {
 /// - Each filter estimates from its residuals the number c_l of correlated samples that have the information of one independent
 ///   sample. It uses c_l σ² as noise variance. A filter that lags has correlated residuals, but must not slow down the other
 ///   filters. Therefore c is the smallest c_l.
-/// - In directions that φ does not excite, the mean of a filter is constant, and the covariance grows with the drift. So learned
-///   terms are only forgotten if new information replaces them.
+/// - In directions that φ does not excite, the mean of a filter is constant, and the covariance grows with the drift. So
+///   learned terms are only forgotten if new information replaces them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Bank {
     pub tracks: [Track; RATES],
@@ -167,7 +167,7 @@ impl Bank {
         self.tracks.iter_mut().for_each(|track| track.weight -= largest);
     }
 
-    /// Smallest number c_l of all filters.
+    /// Smallest number c_l over all filters l: the number of correlated samples with the information of one independent sample.
     pub(super) fn correlated(&self) -> f64 {
         self.tracks.iter().fold(f64::INFINITY, |least, track| least.min(track.correlated))
     }

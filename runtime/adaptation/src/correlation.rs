@@ -1,4 +1,4 @@
-//! Effective number of correlated samples.
+//! Number of correlated samples that have the information of one independent sample.
 
 /// Number of cells for the position.
 const POSITIONS: usize = 16;

@@ -13,7 +13,7 @@ use gelenk_kernels::hash::fnv1a;
 pub struct Measured<const N: usize> {
     /// Measured positions [rad or m]; `None` without a plausible measurement.
     pub positions: Option<[f64; N]>,
-    /// Torques of the drives at the joints during the previous period [N m or N].
+    /// Torques that the drives exerted at the joints during the previous period [N m or N].
     pub torques: [f64; N],
     /// Whether the torque of each joint was at a limit, so that the actual torque of the drive is unknown.
     pub saturated: [bool; N],
@@ -21,14 +21,15 @@ pub struct Measured<const N: usize> {
     pub periods: u32,
 }
 
-/// Torques of the described robot at positions, velocities and accelerations.
+/// Torques of the described robot at given positions, velocities and accelerations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DescribedForces<const N: usize> {
-    /// Inverse dynamics including friction [N m or N].
+    /// Torques of the drives by inverse dynamics, including friction [N m or N].
     pub forces: [f64; N],
     /// Friction without its load-dependent part [N m or N].
     pub friction: [f64; N],
-    /// Load-dependent friction |τ_l| s₁ [N m or N].
+    /// Load-dependent friction |τ_l| s₁ [N m or N]. τ_l is the load, the force of the drive without all friction, and s₁ is the
+    /// friction per unit of load.
     pub load_friction: [f64; N],
 }
 
@@ -43,7 +44,7 @@ impl<const N: usize> DescribedForces<N> {
     ///
     /// - `forces`: inverse dynamics including friction [N m or N]
     /// - `friction`: friction without its load-dependent part [N m or N]
-    /// - `shares`: load-dependent friction per unit of load, s₁
+    /// - `shares`: load-dependent friction per unit of load, s₁. The load is the force of the drive without all friction.
     #[must_use]
     pub fn new(forces: [f64; N], friction: [f64; N], shares: &[f64; N]) -> Self {
         let of_load = |i: usize| under_load(load(forces[i] - friction[i], shares[i]), shares[i]);
@@ -51,17 +52,17 @@ impl<const N: usize> DescribedForces<N> {
     }
 }
 
-/// State of the learned law of a joint, for logs and figures.
+/// State of the learned law of a joint, for logs and figures. The [crate](super) defines the learned and the acting law.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointState {
-    /// Terms δ of the learned law within their bounds, see [`terms`].
+    /// Coefficients δ of the learned law within their bounds, one for each of the [`terms`].
     pub learned: [f64; TERMS],
-    /// Half of the 90 % confidence interval of each learned term.
+    /// Half width of the 90 % confidence interval of each learned coefficient.
     pub half_widths: [f64; TERMS],
-    /// Whether the motion excites each term. A term counts as excited if its variance is below half of the variance before the
-    /// first sample.
+    /// Whether the motion excites each term. A term counts as excited if the variance of its coefficient is below half of the
+    /// variance before the first sample.
     pub is_excited: [bool; TERMS],
-    /// Terms δ of the acting law.
+    /// Coefficients δ of the acting law.
     pub acting: [f64; TERMS],
     /// Whether the learned law acts, and the reason.
     pub trust: Trust,
@@ -70,31 +71,32 @@ pub struct JointState {
     /// Root-mean-square one-step prediction errors of the described and of the learned law [N m or N]; NaN before the first
     /// sample.
     pub errors: [f64; 2],
-    /// Standard deviation of the noise of a sample [N m or N].
+    /// Standard deviation of the noise of a sample of the filtered torque [N m or N].
     pub noise: f64,
     /// Number of correlated samples that have the information of one independent sample.
     pub correlated: f64,
-    /// Whether samples are used at present. False at rest, after a reversal and in saturation.
+    /// Whether the estimator learns from samples at present. False at rest, after a reversal and in saturation.
     pub is_learning: bool,
 }
 
-/// A term of the learned law, see [`terms`].
+/// A term of the learned law with its coefficient δ, see [`terms`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TermState {
-    /// Name of the term.
+    /// Name of the term, one of [`TERM_NAMES`](super::TERM_NAMES).
     pub name: &'static str,
-    /// δ of the learned law within its bounds.
+    /// Coefficient δ of the learned law within its bounds.
     pub learned: f64,
-    /// Half of the 90 % interval.
+    /// Half width of the 90 % confidence interval of the coefficient.
     pub half_width: f64,
-    /// δ of the acting law.
+    /// Coefficient δ of the acting law, which controllers use.
     pub acting: f64,
-    /// Whether the variance is below half of the prior's. The term is frozen otherwise.
+    /// Whether the variance of the coefficient is below half of the variance before the first sample. If it is not, the motion
+    /// does not excite the term.
     pub is_excited: bool,
 }
 
 impl JointState {
-    /// Terms that the joint has.
+    /// Returns the terms that the learned law of the joint has, with their coefficients.
     pub fn terms(&self) -> impl Iterator<Item = TermState> + '_ {
         let term = |k: usize| TermState {
             name: TERM_NAMES[k],
@@ -110,8 +112,8 @@ impl JointState {
 /// Number of periods for which torques are stored. For the largest delay, the periods before and after an instant are needed.
 const HISTORY: usize = MOST_DELAY + 2;
 
-/// Recursive estimator of the friction of a robot with N joints, see the [module](super). Friction is learned for joints that a
-/// drive loads. Other joints keep the described law.
+/// Recursive estimator of the friction of a robot with N joints. The [crate](super) explains the method. Friction is learned
+/// for joints that a drive loads. Other joints keep the described law.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Adaptation<const N: usize> {
     pub(super) settings: AdaptationSettings,
@@ -129,7 +131,8 @@ pub struct Adaptation<const N: usize> {
 }
 
 impl<const N: usize> Adaptation<N> {
-    /// Constructs an estimator for a robot with the limits of its description.
+    /// Constructs an estimator for a robot. The scales of friction follow from the limits and the friction of its description
+    /// ([`Magnitudes::scale`]).
     ///
     /// # Errors
     /// - [`AdaptationError::Scale`] if the description of a joint has no finite speed limit, or neither friction nor a finite
@@ -159,7 +162,7 @@ impl<const N: usize> Adaptation<N> {
         Self::new(scales, settings, |y, v, a| DescribedForces::of(robot, y, v, a))
     }
 
-    /// Constructs an estimator for joints with these scales.
+    /// Constructs an estimator for joints with given scales of friction.
     ///
     /// - `scales`: scale of each joint; `None` for joints whose friction is not learned
     /// - `described`: function that returns the torques of the described robot. The saved state contains a fingerprint of the
@@ -191,13 +194,13 @@ impl<const N: usize> Adaptation<N> {
         })
     }
 
-    /// Settings of the estimator.
+    /// Returns the settings of the estimator.
     #[must_use]
     pub fn settings(&self) -> &AdaptationSettings {
         &self.settings
     }
 
-    /// Scales of the joints; `None` for joints whose friction is not learned.
+    /// Returns the scale of friction of each joint; `None` for joints whose friction is not learned.
     #[must_use]
     pub fn scales(&self) -> &[Option<JointScale>; N] {
         &self.scales
@@ -220,8 +223,8 @@ impl<const N: usize> Adaptation<N> {
     ///
     /// The sample belongs to the time one period ago, because central differences need earlier and later positions.
     ///
-    /// - `described`: function that returns the torques of the described robot for positions, velocities and accelerations. It is
-    ///   called at most once.
+    /// - `described`: function that returns the torques of the described robot for positions, velocities and accelerations. It
+    ///   is called at most once.
     pub fn step(
         &mut self,
         measured: &Measured<N>,
@@ -285,7 +288,7 @@ impl<const N: usize> Adaptation<N> {
         instants.iter().all(finite).then_some(instants)
     }
 
-    /// State of each joint; `None` for joints whose friction is not learned.
+    /// Returns the state of the learned law of each joint; `None` for joints whose friction is not learned.
     #[must_use]
     pub fn states(&self) -> [Option<JointState>; N] {
         core::array::from_fn(|i| {
@@ -305,20 +308,22 @@ impl<const N: usize> Adaptation<N> {
         })
     }
 
-    /// Sample of each joint in the last period. Samples are several periods apart; `None` in the periods between them.
+    /// Returns the sample of each joint in the last period. Samples are several periods apart. In the periods between them, the
+    /// entry is `None`.
     #[must_use]
     pub fn predictions(&self) -> [Option<Prediction>; N] {
         core::array::from_fn(|i| self.joints[i].as_ref()?.prediction)
     }
 
-    /// Terms δ of the acting law of each joint; zero for joints whose friction is not learned.
+    /// Returns the coefficients δ ([`terms`]) of the acting law of each joint; zero for joints whose friction is not learned.
     #[must_use]
     pub fn acting(&self) -> [[f64; TERMS]; N] {
         core::array::from_fn(|i| self.joints[i].as_ref().map_or([0.0; TERMS], |joint| joint.acting))
     }
 
-    /// Matrix of the mean squared errors of the acting terms δ, for each joint. It is the covariance of the learned law plus the
-    /// products of the differences between acting and learned terms. Zero for joints whose friction is not learned.
+    /// Returns for each joint the matrix `P + d dᵀ` of the expected products of errors of the acting coefficients δ
+    /// ([`terms`]). P is the covariance of the learned coefficients, and d is the difference between the acting and the learned
+    /// coefficients. The matrix is zero for joints whose friction is not learned.
     #[must_use]
     pub fn acting_errors(&self) -> [[[f64; TERMS]; TERMS]; N] {
         let errors = |joint: &Joint| {
@@ -329,9 +334,9 @@ impl<const N: usize> Adaptation<N> {
         core::array::from_fn(|i| self.joints[i].as_ref().map_or([[0.0; TERMS]; TERMS], errors))
     }
 
-    /// Returns the friction of a joint [N m or N] by the learned law at the velocity `v` [rad/s or m/s], and half of the 90 %
-    /// confidence interval of this friction. The friction includes the offset, but not load-dependent friction. `None` for joints
-    /// whose friction is not learned.
+    /// Returns the friction of a joint [N m or N] by the learned law at the velocity `v` [rad/s or m/s], and the half width of
+    /// the 90 % confidence interval of this friction. The friction includes the offset, but not load-dependent friction. `None`
+    /// for joints whose friction is not learned.
     ///
     /// - `described`: described friction at this velocity [N m or N]
     #[must_use]
@@ -340,24 +345,25 @@ impl<const N: usize> Adaptation<N> {
         Some([described + dot(&phi, &state.learned), state.half_width(&phi)])
     }
 
-    /// Friction by the acting law at velocity `v`, see [`Self::friction`].
+    /// Returns the friction of a joint [N m or N] by the acting law at the velocity `v` [rad/s or m/s]. The arguments are those
+    /// of [`Self::friction`].
     #[must_use]
     pub fn acting_friction(&self, joint: usize, described: f64, v: f64) -> Option<f64> {
         let (state, phi) = (self.joints[joint].as_ref()?, self.terms(joint, described, v)?);
         Some(described + dot(&phi, &state.acting))
     }
 
-    /// Terms at velocity `v` without load.
+    /// Values of the [`terms`] at velocity `v` without load.
     fn terms(&self, joint: usize, described: f64, v: f64) -> Option<[f64; TERMS]> {
         let scale = self.scales[joint].as_ref()?;
         Some(terms(scale.shape(described, v, self.rest(joint)), v, 0.0))
     }
 
-    /// Narrows the bounds of the terms of a joint, for example to half of the 95 % interval of an offline identification. The prior's
-    /// standard deviation is half of the bound. A term with the bound 0 is not learned. The learned law
-    /// of the joint is reset. A state that was saved with other bounds cannot be restored.
+    /// Narrows the bounds of the coefficients δ ([`terms`]) of a joint, for example to half of the 95 % interval of an offline
+    /// identification. The standard deviation of the prior of a coefficient is half of its bound. A term with the bound 0 is
+    /// not learned. The learned law of the joint is reset. A state that was saved with other bounds cannot be restored.
     ///
-    /// - `most`: largest magnitude of each δ; the bounds by [`AdaptationSettings::largest_change`] also apply
+    /// - `most`: largest magnitude of each coefficient; the bounds by [`AdaptationSettings::largest_change`] also apply
     ///
     /// # Errors
     /// [`AdaptationError::Bounds`] for a joint that is not learned, and for bounds that are negative or NaN.
@@ -374,7 +380,7 @@ impl<const N: usize> Adaptation<N> {
         Ok(())
     }
 
-    /// Speed [rad/s or m/s] below which a joint counts as at rest; 0 for joints whose friction is not learned.
+    /// Returns the speed [rad/s or m/s] below which a joint counts as at rest; 0 for joints whose friction is not learned.
     #[must_use]
     pub fn rest(&self, joint: usize) -> f64 {
         self.derived[joint].map_or(0.0, |derived| derived.rest)
@@ -396,10 +402,11 @@ pub struct Magnitudes {
 const USUAL: f64 = 0.1;
 
 impl Magnitudes {
-    /// Scale of the friction of a joint; `None` if the speed is unknown, or if both friction and effort are unknown.
+    /// Returns the scale of the friction of a joint; `None` if the speed is unknown, or if both friction and effort are
+    /// unknown.
     ///
-    /// If friction would exceed the effort at the largest speed, the drive cannot reach this speed. The scale then contains a
-    /// smaller largest speed.
+    /// If the friction at the largest speed exceeds the largest effort, the drive cannot reach this speed. The scale then
+    /// contains the largest of 64 equidistant speeds at which friction does not exceed the effort.
     ///
     /// - `joint`: index of the joint
     /// - `friction`: function that returns the described friction of this joint for the velocities of all joints, and its

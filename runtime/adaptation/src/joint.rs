@@ -14,7 +14,8 @@ const FIRST_NOISE: f64 = 0.1;
 /// Smallest variance of the noise, relative to the square of the friction at the largest speed. Numbers with seven digits have
 /// this variance.
 const LEAST_NOISE: f64 = 1e-14;
-/// Settling time of the filter, in time constants. After x time constants, the share 1 − (1 + x) e⁻ˣ of a step has passed (0.96).
+/// Settling time of the filter, in time constants. After x time constants, the share 1 − (1 + x) e⁻ˣ of a step has passed
+/// (0.96).
 const SETTLED: f64 = 5.0;
 /// Number of consecutive equal torques (bit for bit) after which a sensor counts as stuck or at the end of its range.
 const REPEATED: u32 = 5;
@@ -87,12 +88,13 @@ pub(super) struct Instant {
     pub is_exact: bool,
 }
 
-/// A sample of the filtered torque with its prediction by the law that was learned before the sample.
+/// A sample of the filtered torque of a joint, with its prediction by the law that was learned before the sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Prediction {
-    /// Filtered values of the [`terms`].
+    /// Filtered values of the [`terms`] of the learned law.
     pub terms: [f64; TERMS],
-    /// Filtered torque that the described robot does not explain [N m or N]. It is the prediction error of the described law.
+    /// Filtered torque minus the torque of the described robot, including its friction [N m or N]. It is the prediction error
+    /// of the described law.
     pub torque: f64,
     /// Prediction error of the learned law [N m or N].
     pub error: f64,
@@ -108,9 +110,9 @@ pub(super) struct Joint {
     pub comparison: Comparison,
     /// Average of the nested laws.
     pub law: Gaussian,
-    /// Terms δ of the learned law: mean of `law` within its bounds.
+    /// Coefficients δ of the learned law: mean of `law` within its bounds.
     pub learned: [f64; TERMS],
-    /// Terms δ of the acting law.
+    /// Coefficients δ of the acting law.
     pub acting: [f64; TERMS],
     pub trust: Trust,
     /// Time of the last change of trust (s).
@@ -132,8 +134,8 @@ pub(super) struct Joint {
 impl Joint {
     /// Initial state of a joint.
     ///
-    /// - `index`: index of the joint. Joints take their samples in different periods, so that the computing time of all periods is
-    ///   similar.
+    /// - `index`: index of the joint. Joints take their samples in different periods, so that the computing time of all periods
+    ///   is similar.
     pub(super) fn new(index: usize, derived: &Derived, scale: &JointScale) -> Self {
         let noise = FIRST_NOISE * scale.torque;
         let bank = Bank::new(&derived.prior, noise * noise);
@@ -261,8 +263,8 @@ impl Joint {
             .all(|side| described + dot(&[along, viscous, 0.0, side * asymmetry, 0.0], &self.law.mean) > 0.0)
     }
 
-    /// Learns from a sample. `error` is the prediction error of the learned law. Returns false without learning if the sample is
-    /// outside the prediction interval.
+    /// Learns from a sample. `error` is the prediction error of the learned law. Returns false without learning if the sample
+    /// is outside the prediction interval.
     fn learn(
         &mut self,
         settings: &AdaptationSettings,
@@ -285,14 +287,14 @@ impl Joint {
         true
     }
 
-    /// Half of the 90 % confidence interval of the learned friction at a velocity [N m or N].
+    /// Half width of the 90 % confidence interval of the learned friction at a velocity [N m or N].
     ///
     /// - `phi`: [`terms`] at this velocity
     pub(super) fn half_width(&self, phi: &[f64; TERMS]) -> f64 {
         QUANTILE * root(self.law.variance(phi))
     }
 
-    /// Half of the 90 % confidence interval of each term.
+    /// Half width of the 90 % confidence interval of each coefficient δ.
     pub(super) fn term_half_widths(&self) -> [f64; TERMS] {
         core::array::from_fn(|i| QUANTILE * root(self.law.covariance[i][i].max(0.0)))
     }

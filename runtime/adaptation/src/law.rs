@@ -14,9 +14,14 @@ pub const TERM_NAMES: [&str; TERMS] = ["shape", "viscous", "offset", "asymmetry"
 ///     τ(v) = τ_d(v) + |τ_l| s₁(v) + δ₁ s(v) + δ₂ v + δ₃ + δ₄ |s(v)| + δ₅ |τ_l| s₁(v)
 /// ```
 ///
-/// Here τ_d is the described friction, |τ_l| s₁ the described load-dependent friction, and δ₁ … δ₅ are the learned coefficients. The
-/// first term scales the shape s, and the fourth makes friction depend on the direction. The shape is the described friction, or
-/// smooth Coulomb friction if τ_d is zero. The fifth term scales the load-dependent friction.
+/// - τ_d: described friction without its load-dependent part
+/// - |τ_l| s₁: described load-dependent friction. The load τ_l is the force of the drive without all friction, and s₁ is the
+///   friction per unit of load.
+/// - s: shape of the friction ([`JointScale::shape`]). It is τ_d, or smooth Coulomb friction if τ_d is zero.
+/// - δ₁ … δ₅: learned coefficients
+///
+/// The first term scales the shape. The fourth term makes friction depend on the direction of motion. The fifth term scales the
+/// load-dependent friction.
 ///
 /// - `shape`: value s(v) of [`JointScale::shape`] [N m or N]
 /// - `load`: described load-dependent friction |τ_l| s₁ [N m or N]
@@ -26,10 +31,12 @@ pub fn terms(shape: f64, v: f64, load: f64) -> [f64; TERMS] {
     [shape, v, 1.0, shape.abs(), load]
 }
 
-/// Scale of the friction of a joint, usually from its description ([`Magnitudes::scale`](super::Magnitudes::scale)).
+/// Magnitudes of the friction of a joint, from which the bounds and the prior of the learned coefficients δ ([`terms`]) follow.
+/// [`Magnitudes::scale`](super::Magnitudes::scale) computes them from the description of the joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointScale {
-    /// Described friction at the largest speed [N m or N]; a tenth of the largest effort for a joint without described friction.
+    /// Described friction at the largest speed [N m or N]; a tenth of the largest effort for a joint without described
+    /// friction.
     pub torque: f64,
     /// Largest speed [rad/s or m/s].
     pub speed: f64,
@@ -39,15 +46,16 @@ pub struct JointScale {
     pub range: f64,
     /// Whether the shape s is the described friction τ_d. False if τ_d is zero.
     pub is_described: bool,
-    /// Whether the joint has described load-dependent friction. Without it, δ₅ is zero.
+    /// Whether the joint has described load-dependent friction. If it does not, its coefficient δ₅ is zero.
     pub is_loaded: bool,
-    /// Further bounds of the magnitudes of δ, see [`Adaptation::set_bounds`](super::Adaptation::set_bounds).
+    /// Additional bounds of the magnitudes of the coefficients δ ([`Adaptation::set_bounds`](super::Adaptation::set_bounds));
+    /// infinite if there are none.
     pub most: [f64; TERMS],
 }
 
 impl JointScale {
-    /// The shape s(v) of [`terms`] [N m or N]. It is the described friction, or smooth Coulomb friction `torque · x/√(1 + x²)` with
-    /// `x = v/rest` if friction is not described.
+    /// Returns the shape s(v) of the friction \[N m or N\], which is used in [`terms`]. It is the described friction, or smooth
+    /// Coulomb friction `torque · x/√(1 + x²)` with `x = v/rest` if friction is not described.
     ///
     /// - `described`: described friction at velocity `v` [N m or N]
     /// - `rest`: speed below which the joint counts as at rest [rad/s or m/s]
@@ -57,7 +65,9 @@ impl JointScale {
         if self.is_described { described } else { self.torque * smooth_sign(v / rest) }
     }
 
-    /// Largest magnitude of each coefficient δ if friction can change by `change` times the friction at the largest speed.
+    /// Returns the largest magnitude of each coefficient δ ([`terms`]).
+    ///
+    /// - `change`: largest change of friction, as a share of the friction at the largest speed
     #[must_use]
     pub fn bounds(&self, change: f64) -> [f64; TERMS] {
         let of_load = if self.is_loaded { change } else { 0.0 };
@@ -65,17 +75,19 @@ impl JointScale {
         core::array::from_fn(|k| usual[k].min(self.most[k]))
     }
 
-    /// Clamps the coefficients δ so that they are within ±`bounds`, and the friction dissipates energy at every velocity.
+    /// Clamps the coefficients δ ([`terms`]) so that they are within ±`bounds`, and the friction dissipates energy at every
+    /// velocity.
     ///
-    /// The power of friction without offset and load is (β = 1 if friction is described, otherwise β = 0)
+    /// Let β be 1 if friction is described, otherwise 0. The power of the friction τ without offset and load-dependent friction
+    /// is
     ///
     /// ```text
     ///     v τ(v) = |v| (|s| (β + δ₁ ± δ₄) + δ₂ |v|) ≥ v² (b (β + δ₁ − |δ₄|) + δ₂)       b = min |s|/|v|
     /// ```
     ///
-    /// because v s ≥ 0. Therefore `δ₁ ≥ −β`, `|δ₄| ≤ β + δ₁` and `δ₂ ≥ −b (β + δ₁ − |δ₄|)` are sufficient. The conditions are also
-    /// necessary if b is attained at a velocity. Load-dependent friction dissipates if δ₅ ≥ −1. The conditions are applied in this
-    /// order, and each depends continuously on δ.
+    /// with the shape s, because v s ≥ 0. Therefore `δ₁ ≥ −β`, `|δ₄| ≤ β + δ₁` and `δ₂ ≥ −b (β + δ₁ − |δ₄|)` are sufficient.
+    /// The conditions are also necessary if b is attained at a velocity. Load-dependent friction dissipates if δ₅ ≥ −1. The
+    /// conditions are applied in this order, and each depends continuously on δ.
     #[must_use]
     pub fn admissible(&self, mut delta: [f64; TERMS], bounds: &[f64; TERMS]) -> [f64; TERMS] {
         for (delta, bound) in delta.iter_mut().zip(bounds) {

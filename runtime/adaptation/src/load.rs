@@ -11,12 +11,12 @@ use super::trust::{Comparison, Trust};
 /// State of a [`LoadEstimator`] at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoadState<const P: usize> {
-    /// Learned parameters of the load.
+    /// Learned parameters θ of the load, within their bounds.
     pub learned: [f64; P],
-    /// Half of the 90 % confidence interval of each parameter.
+    /// Half width of the 90 % confidence interval of each parameter.
     pub half_widths: [f64; P],
     /// Acting parameters of the load, which controllers use. They follow the learned parameters, or 0 if the robot without load
-    /// predicts better.
+    /// predicts the torques better.
     pub acting: [f64; P],
     /// Whether the learned parameters act, and the reason.
     pub trust: Trust,
@@ -28,19 +28,22 @@ pub struct LoadState<const P: usize> {
 ///     M ÿ + k − q + τ_acting + Σ_k W_k(y, ẏ, ÿ) θ_k = B u
 /// ```
 ///
-/// The columns W_k of the regressor belong, for example, to a mass at a known position, or to the ten inertial parameters of a
-/// body (Atkeson, An, Hollerbach, *Int. J. Robotics Research* 5, 1986). Columns and friction terms pass the same filter, and
-/// samples are taken at the same times. One Kalman filter for all joints predicts the torque that the acting friction τ_acting
-/// does not explain. Its noise variance is the sum of the variances of noise and learned friction of each joint. θ drifts with
-/// the fastest of [`AdaptationSettings::drift_times`](super::AdaptationSettings::drift_times).
+/// M is the mass matrix, k is the bias force, q are gravity, springs and other forces of the robot without load, and B u are
+/// the forces of the inputs. τ_acting is the friction by the acting law of [`Adaptation`]. The columns W_k of the regressor
+/// belong, for example, to a mass at a known position, or to the ten inertial parameters of a body (Atkeson, An, Hollerbach,
+/// *Int. J. Robotics Research* 5, 1986). Columns and friction terms pass the same filter, and samples are taken at the same
+/// times. One Kalman filter for all joints predicts the torque that the acting friction τ_acting does not explain. The noise
+/// variance of a sample is the variance of the joint's noise plus the variance of its learned friction. θ drifts as a random
+/// walk with the fastest of [`AdaptationSettings::drift_times`](super::AdaptationSettings::drift_times).
 ///
-/// A sample beyond four standard deviations, for example in contact, is not used. It increases the covariance by the sampling
-/// interval divided by [`AdaptationSettings::patience`](super::AdaptationSettings::patience), relative to the prior. Therefore a
-/// lasting load is learned after some time.
+/// A sample whose prediction error exceeds four standard deviations, for example in contact, is not used. Each of these samples
+/// increases the covariance by a share of the prior's covariance: the time between samples, divided by
+/// [`AdaptationSettings::patience`](super::AdaptationSettings::patience). Therefore a lasting load is learned after some time.
 ///
 /// # Limits
 ///
-/// - Parameters remain in a box around 0. The estimator does not ensure that a body with the ten estimated parameters exists.
+/// - Each parameter remains within its bounds. The estimator does not ensure that a body with the ten estimated parameters
+///   exists.
 /// - A lasting contact is learned as a load if its torques resemble those of a load.
 /// - The saved state ([`Adaptation::save`]) does not contain the load, because the load can change before a restart.
 #[derive(Debug, Clone, PartialEq)]
@@ -136,13 +139,14 @@ impl<const N: usize, const P: usize> LoadEstimator<N, P> {
         core::array::from_fn(|k| self.law.mean[k].clamp(self.bounds[k][0], self.bounds[k][1]))
     }
 
-    /// Acting parameters of the load.
+    /// Returns the acting parameters of the load, which controllers use.
     #[must_use]
     pub fn acting(&self) -> &[f64; P] {
         &self.acting
     }
 
-    /// Learned and acting parameters, and confidence intervals.
+    /// Returns the learned and the acting parameters, the confidence intervals, and the reason why the learned parameters act
+    /// or do not act.
     #[must_use]
     pub fn state(&self) -> LoadState<P> {
         LoadState {

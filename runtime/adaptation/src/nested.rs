@@ -1,4 +1,4 @@
-//! Average over nested laws.
+//! Average over nested friction laws, which have the first 0, 1, … terms.
 
 use super::bank::{Gaussian, average};
 use super::law::{JointScale, TERMS};

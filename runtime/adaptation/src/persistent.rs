@@ -6,8 +6,8 @@ use super::joint::Joint;
 use super::law::TERMS;
 use super::settings::AdaptationError;
 
-/// Number of values that identify the origin of a saved state: fingerprint in two halves, number of joints, period, time constant,
-/// delay.
+/// Number of values that identify the origin of a saved state: fingerprint in two halves, number of joints, period, time
+/// constant, delay.
 const ORIGIN: usize = 6;
 /// Names of the parts of the origin, in this order.
 const PARTS: [&str; ORIGIN] =
@@ -21,8 +21,8 @@ impl<const N: usize> Adaptation<N> {
     /// Number of values of the saved state.
     pub const SAVED: usize = ORIGIN + N * JOINT;
 
-    /// Writes the learned laws to `numbers`, which must have [`SAVED`](Self::SAVED) entries. The first values identify the
-    /// description, the period, the filter and the delay.
+    /// Writes the learned laws of all joints to `numbers`, which must have [`SAVED`](Self::SAVED) entries. The first values
+    /// identify the description, the period, the filter and the delay.
     ///
     /// # Errors
     /// [`AdaptationError::Length`] if `numbers` has another length.

@@ -3,31 +3,34 @@
 use gelenk_dynamics::dynamics::Named;
 use thiserror::Error;
 
-/// Largest delay of an input, in periods.
+/// Largest delay of the inputs that the estimator supports, in periods ([`AdaptationSettings::delay`]).
 pub const MOST_DELAY: usize = 8;
 
 /// Settings of the recursive estimation.
 ///
 /// [`AdaptationSettings::new`] returns the defaults. They were chosen with simulated joints
-/// (`runtime/examples/support/warming.rs`). A test only varies the drift times.
+/// (`runtime/examples/support/warming.rs`). A test compares the default drift times with faster ones. The tests do not compare
+/// other values of the other settings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AdaptationSettings {
     /// Measurement period (s), which is the period of the calls of [`Adaptation::step`](super::Adaptation::step).
     pub period: f64,
     /// Time constant of each of the two filter poles (s).
     pub time_constant: f64,
-    /// Number of periods until an input acts, at most [`MOST_DELAY`].
+    /// Delay of the inputs: number of periods until a written input acts, at most [`MOST_DELAY`].
     pub delay: usize,
-    /// Largest change of friction, relative to the described friction at the largest speed; above 0 and below 1. The change bounds
-    /// the learned coefficients. The standard deviation of their prior is half of the bounds.
+    /// Largest change of friction, as a share of the described friction at the largest speed; above 0 and below 1. The bounds
+    /// of the learned coefficients δ follow from it ([`JointScale::bounds`](super::JointScale::bounds)). The standard deviation
+    /// of the prior of a coefficient is half of its bound.
     pub largest_change: f64,
-    /// Times in which a random walk of the coefficients reaches the standard deviation of the prior (s), from slow to fast drift.
+    /// Times in which a random walk of the coefficients reaches the standard deviation of the prior (s), from slow to fast
+    /// drift. One Kalman filter runs for each time.
     pub drift_times: [f64; 3],
-    /// Time constant of leaky averages, in seconds of motion. They are the estimates of noise, correlation, weights of the drift
-    /// rates, and prediction errors.
+    /// Time constant, in seconds of motion, of the leaky averages that estimate the noise, the correlation of samples, the
+    /// weights of the drift times, and the prediction errors.
     pub memory: f64,
-    /// Time of motion (s) after which residuals outside the prediction interval of the learned law count as a change of the joint.
-    /// Before this time they count as contact.
+    /// Time of motion (s) after which residuals outside the prediction interval of the learned law count as a change of the
+    /// joint. Before this time they count as contact.
     pub patience: f64,
     /// Time constant with which the acting law follows the learned law (s).
     pub blending: f64,
@@ -104,14 +107,16 @@ pub enum AdaptationError {
     /// from 0.
     #[error("the bounds of load parameter {0} (counted from 0) must be finite, with 0 between them")]
     Load(usize),
-    /// Bounds of a joint that is not learned, or bounds that are negative or NaN.
+    /// [`Adaptation::set_bounds`](super::Adaptation::set_bounds) was called for a joint whose friction is not learned, or with
+    /// bounds that are negative or NaN. The value is the index of the joint, from 0.
     #[error(
-        "joint {0} cannot have these bounds: the joint must be learned, and the bounds must be at least 0"
+        "joint {0} (counted from 0) cannot have these bounds: its friction must be learned, and the bounds must be at least 0"
     )]
     Bounds(usize),
-    /// The description of a joint has no finite speed limit, or neither friction nor a finite effort limit.
+    /// The magnitude of the friction of a joint is unknown, because its description has no finite speed limit, or neither
+    /// friction nor a finite effort limit.
     #[error(
-        "the scale of the friction of joint {} is unknown: add a finite speed limit, and friction or a finite \
+        "the magnitude of the friction of joint {} is unknown: add a finite speed limit, and friction or a finite \
          effort limit, to its description",
         Named(.name)
     )]
@@ -128,13 +133,13 @@ pub enum AdaptationError {
     /// The saved state does not have the length of the states of this robot.
     #[error("the saved state has {found} numbers, but the state of this robot has {needed}")]
     Length {
-        /// Given number of values.
+        /// Number of values that were given.
         found: usize,
-        /// Necessary number of values.
+        /// Number of values that are necessary.
         needed: usize,
     },
-    /// The saved state was saved with another description, number of joints, period, time constant or delay. The value names the
-    /// difference.
+    /// The saved state was saved with another description, number of joints, period, time constant or delay. The value names
+    /// the difference.
     #[error(
         "the saved state was saved with another {0}: start without this state, or use the same description, period, filter and delay"
     )]

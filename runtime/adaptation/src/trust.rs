@@ -10,23 +10,24 @@ const CONTRADICTED: f64 = 0.5;
 /// example, if a sign is wrong, no law within the bounds explains the torque.
 const UNEXPLAINED: f64 = 0.5;
 
-/// Acting friction law of a joint (or acting load), with the reason. For a load, the described law is the robot without load.
+/// The law that acts at a joint, which controllers use, with the reason. For a [`LoadEstimator`](super::LoadEstimator), the
+/// learned law is the robot with the learned load, and the described law is the robot without load.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Trust {
-    /// The described law acts, because fewer than 20 samples are available, or because the friction that was learned without bounds
-    /// would accelerate the joint.
+    /// The described law acts, because fewer than 20 samples are available, or because the friction that was learned without
+    /// bounds would accelerate the joint.
     Unknown,
-    /// The learned law acts, because it predicts better.
+    /// The learned law acts, because it predicts the torques better than the described law.
     Learned,
-    /// The described law acts, because it predicts better.
+    /// The described law acts, because it predicts the torques at least as well as the learned law.
     Described,
-    /// The described law acts, because most residuals are outside the prediction interval, or the learned law explains less than
-    /// half of the variance of the torque. Possible reasons are contact or a wrong sensor.
+    /// The described law acts, because most residuals are outside the prediction interval, or the learned law explains less
+    /// than half of the variance of the torque. Possible reasons are contact or a wrong sensor.
     Contradicted,
 }
 
 impl Trust {
-    /// Name of the variant in logs.
+    /// Returns the name of the variant for logs.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {

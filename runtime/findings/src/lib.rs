@@ -63,7 +63,7 @@ impl Rule {
     }
 }
 
-/// A place in a source file.
+/// A place in a source file, with the source line for messages.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Location {
     /// Name of the file as the user gave it.
@@ -122,11 +122,12 @@ pub struct About {
     pub place: Option<Location>,
     /// Name of the log; `None` for a finding that is not about a log.
     pub log: Option<String>,
-    /// First and last row of the log, as line numbers of the file, counted from 1.
+    /// First and last row of the log to which the finding refers, as line numbers of the file, from 1; `None` for
+    /// the whole log.
     pub rows: Option<(usize, usize)>,
-    /// Column of the log.
+    /// Column of the log; `None` if the finding is not about a column.
     pub column: Option<String>,
-    /// Part of the robot.
+    /// Part of the robot that the finding is about.
     pub subject: Subject,
 }
 
@@ -159,18 +160,20 @@ pub struct Finding {
 }
 
 impl Finding {
-    /// Creates an error without a place.
+    /// Creates a finding with the severity "error", without a place.
+    ///
+    /// - `code`: code of the rule in kebab case
     pub fn error(code: &'static str, message: impl Into<String>) -> Self {
         let (message, about) = (message.into(), About::default());
         Self { severity: Severity::Error, code, about, message, values: Vec::new(), remedy: None }
     }
 
-    /// Creates a warning without a place.
+    /// Creates a finding with the severity "warning", without a place.
     pub fn warning(code: &'static str, message: impl Into<String>) -> Self {
         Rule::warning(code).found(message)
     }
 
-    /// Creates a note without a place.
+    /// Creates a finding with the severity "note", without a place.
     pub fn note(code: &'static str, message: impl Into<String>) -> Self {
         Rule::note(code).found(message)
     }
@@ -235,7 +238,8 @@ impl Finding {
         self.values.iter().find(|value| value.name == name).map(|value| value.value)
     }
 
-    /// Returns whether another finding has the same rule, place and part of the robot.
+    /// Returns whether another finding has the same code and is about the same place, log, rows, column and part of
+    /// the robot ([`About`]).
     pub fn is_like(&self, other: &Self) -> bool {
         self.code == other.code && self.about == other.about
     }

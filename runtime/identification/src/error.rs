@@ -45,10 +45,10 @@ pub enum IdentificationError {
         /// Largest magnitude of the samples.
         largest: f64,
     },
-    /// The equations of the fit are singular, although no value is too large.
+    /// The equations of the fit are singular and have no unique solution, although no value is too large.
     #[error("the fit has no solution: {reason}")]
     NoSolution {
-        /// Known details of the cause.
+        /// Cause, as far as it is known.
         reason: String,
     },
     /// There are fewer samples than the method needs.
@@ -56,7 +56,7 @@ pub enum IdentificationError {
     TooFewSamples {
         /// Name of the method.
         what: String,
-        /// Smallest number of samples that works.
+        /// Smallest number of samples that the method needs.
         needed: usize,
         /// Given number of samples.
         got: usize,
@@ -112,15 +112,15 @@ pub enum IdentificationError {
         "the term {term} is zero in all {samples} samples, so that its coefficient cannot be identified: remove the term"
     )]
     ZeroColumn {
-        /// The term of the column.
+        /// The term whose column is zero.
         term: String,
         /// Number of samples.
         samples: usize,
     },
-    /// A threshold or λ removes every term.
+    /// The threshold (STLS) or the weight λ of the penalty (LASSO) is so large that no friction term remains.
     #[error("{what} = {} removes every term: the largest value that keeps at least one term is {}", plain(*.value, 6), plain(*.largest, 6))]
     EverythingRemoved {
-        /// Name of the setting: "threshold" or "lambda".
+        /// Name of the setting: "threshold" (of STLS) or "lambda" (weight of the LASSO's penalty).
         what: String,
         /// Value of the setting.
         value: f64,
@@ -130,7 +130,7 @@ pub enum IdentificationError {
     /// A text is not a valid expression.
     #[error("expression `{text}`: {message}")]
     Expression {
-        /// The text.
+        /// The text that is not a valid expression.
         text: String,
         /// Description of the fault. It often lists the valid alternatives.
         message: String,
@@ -153,10 +153,10 @@ pub enum IdentificationError {
         what: String,
         /// Number of iterations.
         iterations: usize,
-        /// Numbers at the end of the iteration.
+        /// Numbers at the end of the iteration, which show how far the iteration is from its tolerance.
         detail: String,
     },
-    /// There are findings with the severity "error", so that there is no result.
+    /// Findings with the severity "error" reject the result.
     #[error("{}", findings.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
     Found {
         /// The findings, at least one.
@@ -167,33 +167,33 @@ pub enum IdentificationError {
     After {
         /// Earlier findings, in the order in which they were collected.
         noted: Vec<Finding>,
-        /// The error.
+        /// The error that occurred.
         error: Box<Self>,
     },
 }
 
-/// A file, a part of it, an option, or a part of the robot, at which data have a fault; the whole robot by default.
+/// Place of a fault in the data: a file, a part of a file, an option, or a part of the robot. The default is the whole robot.
 #[derive(Default)]
 pub(crate) struct Place(About);
 
-/// The log or the file with this name.
+/// Returns the place of a log or another file with this name.
 pub(crate) fn at(file: impl Into<String>) -> Place {
     Place(About { log: Some(file.into()), ..About::default() })
 }
 
-/// The joint with this name.
+/// Returns the place of the joint with this name.
 pub(crate) fn at_joint(name: impl Into<String>) -> Place {
     Place(About { subject: Subject::Joint(name.into()), ..About::default() })
 }
 
 impl Place {
-    /// The row of this log.
+    /// Adds the row of the log to the place.
     pub(crate) fn row(mut self, row: usize) -> Self {
         self.0.rows = Some((row, row));
         self
     }
 
-    /// The option that names columns of this log.
+    /// Adds the option that names columns of the log to the place.
     pub(crate) fn option(mut self, option: String) -> Self {
         self.0.column = Some(option);
         self
@@ -206,7 +206,9 @@ impl Place {
 }
 
 impl IdentificationError {
-    /// The error that a file, or another input with this name, cannot be used.
+    /// Returns the error that a file, or another input with this name, cannot be used.
+    ///
+    /// - `message`: reason why it cannot be used
     pub fn unusable(place: impl Into<String>, message: impl Into<String>) -> Self {
         at(place).fault(message)
     }
@@ -306,7 +308,7 @@ pub(crate) fn require_changing(what: &str, values: &[f64]) -> Result<()> {
     }
 }
 
-/// The error that a setting removes every term.
+/// Returns the error that a threshold or the weight λ of a penalty removes every term.
 pub(crate) fn everything_removed(what: &str, value: f64, largest: f64) -> IdentificationError {
     IdentificationError::EverythingRemoved { what: what.into(), value, largest }
 }

@@ -77,7 +77,7 @@ impl IdentificationSettings {
 /// Result of an identification, with its data.
 #[derive(Debug, Clone)]
 pub struct Identification {
-    /// The logs as they were read.
+    /// The logs as they were read, before the preparation.
     pub recording: Recording,
     /// Report on the preparation of the signals.
     pub preparation: PreparationReport,
@@ -93,8 +93,8 @@ pub struct Identification {
 }
 
 impl Identification {
-    /// Returns the robot with the rows and the parameters of the estimate. Shafts replace joints in some rows
-    /// ([`Robot::shafts`]).
+    /// Returns the robot with the same rows of equations and the same order of parameters as the estimate. In some rows, the
+    /// shaft of a drive replaces a joint ([`Robot::shafts`]).
     ///
     /// - `robot`: the identified robot
     #[must_use]
@@ -102,21 +102,22 @@ impl Identification {
         RobotRows::new(robot, self.shafts.clone())
     }
 
-    /// Name of the drive whose shaft has this row; `None` if the row is that of a joint.
+    /// Returns the name of the drive whose shaft has this row of the equations; `None` if the row is that of a joint.
     #[must_use]
     pub fn shaft(&self, row: usize) -> Option<&str> {
         self.shafts.as_ref()?.shaft(row).map(|shaft| shaft.name.as_str())
     }
 
-    /// Report on the friction law of a row; `None` if the row has no law.
+    /// Returns the report on the friction law of the joint or shaft that has this row of the equations; `None` if there is no
+    /// law.
     #[must_use]
     pub fn law(&self, row: usize) -> Option<&FrictionReport> {
         let of_row = self.friction.iter().find(|friction| friction.joint == row);
         of_row.and_then(|friction| friction.report.as_ref().ok())
     }
 
-    /// Described friction terms of the joints that are replaced by shafts, with their estimated factors; `None` if no shaft
-    /// replaces a joint.
+    /// Returns the described friction terms of the joints that shafts of drives replace in the equations, with their estimated
+    /// factors; `None` if no shaft replaces a joint.
     #[must_use]
     pub fn joint_terms(&self) -> Option<Vec<(&JointTerm, f64)>> {
         let rows = self.shafts.as_ref()?;
@@ -130,19 +131,19 @@ impl Identification {
 pub struct JointFriction {
     /// Index of the joint.
     pub joint: usize,
-    /// Name of the joint, or of the shaft's drive.
+    /// Name of the joint, or of the drive whose shaft replaces the joint.
     pub name: String,
     /// Velocities ẏ [rad/s or m/s] at the samples in which the joint does not rest, of all runs.
     pub velocities: Vec<f64>,
-    /// Measured forces minus rigid-body forces and load-dependent friction, at the same samples [N·m or N]. These values
-    /// contain the other friction, the offset and the error.
+    /// Measured forces minus the estimated rigid-body forces and load-dependent friction, at the same samples [N·m or N]. These
+    /// differences contain the other friction, the offset and the error.
     pub torques: Vec<f64>,
     /// Friction law with its report, or the findings because of which there is no law.
     pub report: std::result::Result<FrictionReport, Vec<Finding>>,
 }
 
-/// Reads logs of a robot, prepares their signals, estimates inertia and friction, and chooses the terms of each joint's
-/// friction law.
+/// Reads logs of a robot, prepares their signals (resampling, filter, delay), estimates inertia and friction in one fit, and
+/// chooses the terms of each joint's friction law.
 ///
 /// - `progress`: receives a sentence at each step
 ///
@@ -223,8 +224,8 @@ fn identified(
 }
 
 impl Identification {
-    /// All findings in the order of the work. If the estimate and a friction law have the same finding about a joint, the
-    /// result has only the finding of the law.
+    /// Returns all findings in the order of the stages: logs, preparation, estimate, friction laws. If the estimate and a
+    /// friction law have the same finding about a joint, the result has only the finding of the law.
     ///
     /// - `robot`: the identified robot
     pub fn findings(&self, robot: &dyn Robot) -> Vec<Finding> {
@@ -389,7 +390,7 @@ pub(crate) fn unless_refused(
 ) -> std::result::Result<FrictionReport, Vec<Finding>> {
     let refusals: Vec<Finding> = report.result.refusals().cloned().collect();
     if report.result.vanishes() {
-        let nothing = || vec![NOTHING_LEFT.found("no term differs from 0 by more than its error")];
+        let nothing = || vec![NOTHING_LEFT.found("no term differs from 0 by more than its standard error")];
         return Err(if refusals.is_empty() { nothing() } else { refusals });
     }
     if accept_poor {

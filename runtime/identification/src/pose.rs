@@ -1,4 +1,5 @@
-//! Joints whose orientation is a quaternion: their poses, and displacements that can be filtered.
+//! Joints whose orientation is a quaternion (spherical and floating joints): their poses, and the displacements between poses,
+//! which can be filtered.
 
 use gelenk_dynamics::dynamics::{difference, integrate};
 

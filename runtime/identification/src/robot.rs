@@ -6,17 +6,18 @@ use gelenk_dynamics::dynamics::{Dynamics, Limits, load};
 use gelenk_findings::Subject;
 
 /// A robot whose equations of motion are linear in its inertial parameters π, `W(y, ẏ, ÿ) π = M ÿ + k − q_g`. W is the
-/// regressor, y are the joint positions, M is the mass matrix, k the bias force and q_g the gravity force.
+/// regressor, y are the joint positions, M is the mass matrix, k is the bias force, and q_g is the gravity force.
 ///
-/// The robot has N joints, M inputs and P parameters. Generated modules and interpreted descriptions have these functions.
-/// Implementations may rely on slices of the lengths that are stated here.
+/// In the lengths of vectors and matrices, N is the number of joints, M is the number of inputs, and P is the number of
+/// parameters. Generated modules and interpreted descriptions have these functions. Implementations may rely on slices of the
+/// lengths that are stated here.
 ///
 /// If joints have quaternions ([`Self::quaternion_joints`]), each of their velocities counts as one joint here, and y has one
 /// more entry for each joint with a quaternion.
 ///
 /// A row is one of the N equations. The equation of a shaft may replace the row of a joint ([`Self::shafts`]).
 pub trait Robot {
-    /// Names of the N joints in the description. A joint with a quaternion has the names of its velocities.
+    /// Names of the N joints in the description. For a joint with a quaternion, these are the names of its velocities.
     fn joint_names(&self) -> Vec<String>;
 
     /// The part of the robot to which a row of the equations belongs: a joint, or the shaft that replaces the joint.
@@ -30,7 +31,7 @@ pub trait Robot {
     /// Unit of each joint's position: `rad` or `m`.
     fn position_units(&self) -> Vec<&'static str>;
 
-    /// Limits of each joint.
+    /// Limits of position, speed and force of each joint.
     fn limits(&self) -> Vec<JointLimits>;
 
     /// Names of the P inertial parameters: ten for each body (mass m, first moments m c, moments of inertia about the
@@ -58,12 +59,13 @@ pub trait Robot {
     /// zero.
     fn input_matrix(&self) -> Vec<f64>;
 
-    /// For each input, whether it is a current in the description. B then contains the motor constant.
+    /// For each input, whether it is a current in the description. The input matrix B then contains the motor constant.
     fn described_currents(&self) -> Vec<bool> {
         vec![false; self.input_names().len()]
     }
 
-    /// Whether inputs act at frames. B then depends on the positions, and recorded efforts must be forces at the joints.
+    /// Whether inputs act at frames. The input matrix B then depends on the positions, and recorded efforts must be forces at
+    /// the joints.
     fn has_inputs_at_frames(&self) -> bool {
         false
     }
@@ -78,7 +80,7 @@ pub trait Robot {
         Vec::new()
     }
 
-    /// Computes the joint forces `B(y) u` of all inputs, including inputs at frames.
+    /// Computes the joint forces `B(y) u` of all inputs u, including inputs at frames, at the positions y.
     fn input_forces(&self, y: &[f64], u: &[f64], forces: &mut [f64]) {
         let _ = y;
         for (force, row) in forces.iter_mut().zip(self.input_matrix().chunks_exact(u.len().max(1))) {
@@ -111,8 +113,8 @@ pub trait Robot {
         Vec::new()
     }
 
-    /// For each row, the ratio of its speed to the speed of a joint. The ratio of a joint is 1. The search for friction terms
-    /// scales speeds by this ratio.
+    /// For each row, the ratio of its speed to the speed of a joint: 1 for a joint, and the largest of [`Shaft::ratios`] for a
+    /// shaft. The search for friction terms scales speeds by this ratio.
     fn speed_scales(&self) -> Vec<f64> {
         vec![1.0; self.joint_names().len()]
     }
@@ -152,33 +154,36 @@ pub trait Robot {
     /// Computes the regressor `W`, `N × P`, row by row, at positions y [rad or m], velocities ẏ and accelerations ÿ.
     fn inertial_regressor(&self, y: &[f64], v: &[f64], a: &[f64], regressor: &mut [f64]);
 
-    /// Computes `M ÿ + k − q` with the described parameters, one entry for each joint [N·m or N]. The forces q are gravity,
-    /// springs and all other forces except inputs and friction. `W π` contains gravity only.
+    /// Computes `M ÿ + k − q` with the described parameters, one entry for each joint [N·m or N]. M is the mass matrix, k is
+    /// the bias force, and q are gravity, springs and all other forces except inputs and friction. Of the forces q, `W π`
+    /// contains only gravity.
     fn rigid_forces(&self, y: &[f64], v: &[f64], a: &[f64], forces: &mut [f64]);
 }
 
-/// Positions, velocities and accelerations of all joints at one time.
+/// Positions y, velocities ẏ and accelerations ÿ of all joints at one time, in this order.
 pub type Instant = [Vec<f64>; 3];
 
-/// The shaft of a drive that acts on several joints. The drive's friction acts on this shaft.
+/// Shaft of a drive that acts on several joints. The friction of the drive acts on this shaft.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shaft {
     /// Name of the drive in the description.
     pub name: String,
     /// Index of the joint whose row the shaft's equation replaces. This joint has no separate drive.
     pub joint: usize,
-    /// Motion of the shaft per unit of motion of each of the N joints: gear ratio times weight [1 or rad/m].
+    /// Motion of the shaft per unit of motion of each of the N joints [1 or rad/m]: the gear ratio of the drive times the
+    /// weight of the joint in the drive.
     pub ratios: Vec<f64>,
-    /// Largest torque of the motor [N·m]; infinite if the description has no limit.
+    /// Largest torque of the drive's motor [N·m]; infinite if the description has no limit.
     pub torque: f64,
 }
 
-/// A torque–speed line of a motor: the largest input u falls with the joint velocities ẏ, `|u + C ẏ| ≤ limit`.
+/// Torque–speed line of a motor: the limit `|u + C ẏ| ≤ limit` of the input u, in which the row C makes the largest input fall
+/// with the joint velocities ẏ.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TorqueSpeedLine {
     /// Index of the input u.
     pub input: usize,
-    /// C: for each of the N joints, the decrease of the largest input per unit of the joint's velocity, in the unit of the
+    /// Row C: for each of the N joints, the decrease of the largest input per unit of the joint's velocity, in the unit of the
     /// input per rad/s or m/s.
     pub slopes: Vec<f64>,
     /// Largest input of the motor at rest, in the unit of the input.
@@ -200,7 +205,7 @@ pub struct JointTerm {
     pub joint: usize,
     /// Function of the joint's velocity `v` in the description.
     pub basis: String,
-    /// Described factor of the function.
+    /// Described coefficient, by which the function is multiplied.
     pub coefficient: f64,
 }
 
@@ -294,7 +299,7 @@ pub struct JointLimits {
     pub position: [f64; 2],
     /// Largest speed [rad/s or m/s].
     pub velocity: f64,
-    /// Largest force [N·m or N].
+    /// Largest force or torque of the drive at the joint [N·m or N].
     pub effort: f64,
 }
 

@@ -16,7 +16,8 @@ pub struct Run {
     pub rows: Vec<usize>,
     /// Measured positions [rad or m], one column for each joint of the robot. A joint with a quaternion has one column for
     /// each of its velocities. Such a column starts at 0 and adds up the displacements `y ⊖ y_before` between consecutive
-    /// samples. Its rate is the velocity in the body's frame.
+    /// samples: rotation vectors, and for a floating joint also translations. The rate of the column is the velocity in the
+    /// body's frame.
     pub positions: Vec<Vec<f64>>,
     /// Measured positions y of a robot with quaternions, one column for each entry; empty for other robots.
     pub poses: Vec<Vec<f64>>,
@@ -24,7 +25,7 @@ pub struct Run {
     pub velocities: Vec<Option<Vec<f64>>>,
     /// Measured efforts. [`Self::effort`] determines the unit, and whether there is a column for each joint or for each input.
     pub efforts: Vec<Vec<f64>>,
-    /// Kind of the efforts.
+    /// Kind of the efforts: forces at the joints, inputs, or currents.
     pub effort: Effort,
 }
 
@@ -52,8 +53,8 @@ impl Effort {
     }
 }
 
-/// A run on an equidistant time grid, with smoothed positions and their derivatives. The efforts passed the same filter, and
-/// their delay is removed.
+/// A run on an equidistant time grid, with smoothed positions and their derivatives, as [`crate::preparation`] makes it. The
+/// efforts passed the same filter, and their delay is removed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PreparedRun {
     /// Name of the run from which this run was made.
@@ -75,7 +76,7 @@ pub struct PreparedRun {
     /// For each joint and sample, whether the joint rests. Dry friction at rest takes any value up to the static one, so the
     /// effort at this sample contains no information on friction. Empty if no joint rests.
     pub resting: Vec<Vec<bool>>,
-    /// Kind of the efforts.
+    /// Kind of the efforts: forces at the joints, inputs, or currents.
     pub effort: Effort,
 }
 

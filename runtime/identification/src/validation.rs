@@ -47,8 +47,8 @@ pub struct JointValidation {
     pub r_squared_with_offset: f64,
 }
 
-/// Predicts the efforts of other logs with the identified description: inertial parameters, added inertias, the chosen
-/// friction laws with their constants, and gains. Nothing is fitted again. Offsets of the fitted logs are not added.
+/// Predicts the efforts of other logs with the identified description: inertial parameters, added inertias, the chosen friction
+/// laws with their constants, and gains of the drives. No value is fitted again. Offsets of the fitted logs are not added.
 ///
 /// Signals pass the filter of the identification, and friction passes the filter of the efforts. The delay of the
 /// identification is removed from the efforts.
@@ -125,7 +125,7 @@ impl Sums {
         self.error += measured - predicted;
     }
 
-    /// Mean error.
+    /// Mean difference between measured and predicted force.
     fn offset(&self) -> f64 {
         self.error / self.count
     }
@@ -150,7 +150,7 @@ fn judged(name: String, [moving, all]: [Sums; 2]) -> JointValidation {
     }
 }
 
-/// The identified model.
+/// The identified model, which predicts efforts.
 struct Prediction<'a> {
     robot: &'a dyn Robot,
     found: &'a Identification,

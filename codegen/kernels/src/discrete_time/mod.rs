@@ -23,21 +23,21 @@ include!("../manifold/zero_order_hold.rs");
 
 /// Parts of [`zero_order_hold`], for implementations of the same method over several systems at once.
 pub mod shared {
-    /// Largest number of doublings of the integral Φ.
+    /// Largest number of doublings of the integral `Φ = ∫ exp(A s) ds`.
     pub const MOST_DOUBLINGS: u32 = super::MOST_DOUBLINGS;
-    /// Number of terms in each of the three parts of the Taylor polynomial.
+    /// Number of terms in each of the three parts of the Taylor polynomial of Φ.
     pub const TERMS: usize = super::TERMS;
-    /// Coefficients `1/(k + 1)!` of the three parts.
+    /// Coefficients `1/(k + 1)!` of the three parts of the Taylor polynomial of Φ.
     pub const COEFFICIENTS: [[f64; TERMS]; 3] = super::COEFFICIENTS;
 
-    /// Number of halvings of the period \[s\] for the norms of `∂ÿ/∂y` and `∂ÿ/∂ẏ`; `None` if more halvings
-    /// than the maximum are needed.
+    /// Number of halvings of the period \[s\] after which the Taylor polynomial is accurate; `None` if more
+    /// halvings than the maximum are needed. `by_y` and `by_v` are the norms of `∂ÿ/∂y` and `∂ÿ/∂ẏ`.
     pub fn halvings(by_y: f64, by_v: f64, period: f64) -> Option<u32> {
         super::halvings(&[[by_y]], &[[by_v]], period)
     }
 }
 
-/// A text. The variants have the order in which the texts are pasted.
+/// A text that the generator pastes into modules. The variants have the order in which the texts are pasted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Text {
     /// Sums of arrays.

@@ -29,8 +29,8 @@ const COEFFICIENTS: [[f64; TERMS]; 3] = {
 
 /// Exact solution of `ẋ = A x + B_x u + c` over a period with constant inputs.
 ///
-/// The solution over a part of the period is `held`. The part is so short that `held` is accurate. Two equal
-/// steps are combined to one of twice the time by `A_d ← A_d A_d`, `B_d ← (A_d + 1) B_d`,
+/// The solution is first computed over a part of the period that is short enough for an accurate result. Two
+/// equal steps are combined to one of twice the time by `A_d ← A_d A_d`, `B_d ← (A_d + 1) B_d` and
 /// `c_d ← (A_d + 1) c_d` until the period is reached. Every entry is +∞ if `MOST_REPETITIONS` doublings of
 /// the step do not suffice.
 pub fn zero_order_hold<const N: usize, const M: usize>(

@@ -27,7 +27,7 @@ include!("positions.rs");
 include!("bracket.rs");
 include!("tangents.rs");
 
-/// A text. The variants have the order in which the texts are pasted.
+/// A text that the generator pastes into modules. The variants have the order in which the texts are pasted.
 ///
 /// The first five texts form a module `manifold`, after `use super::math::{sin_cos, sqrt};` (in single
 /// precision, the imported names end in `_f32`). The other texts belong to the module `discrete_time`. They

@@ -1,6 +1,7 @@
 /// Performs steps of order 4 for positions on a manifold (Munthe-Kaas, High order Runge–Kutta methods on
-/// manifolds, 1999). They apply the classical Runge–Kutta method to δ in `y ⊕ δ`, with the rate
-/// `δ̇ = v + ½ [δ, v] + 1/12 [δ, [δ, v]]`. The neglected terms have order 5 in the step length.
+/// manifolds, 1999). They apply the classical Runge–Kutta method to δ in `y ⊕ δ`, with the rate `δ̇ = v + ½
+/// [δ, v] + 1/12 [δ, [δ, v]]`. `[δ, v]` is the Lie bracket. The neglected terms have order 5 in the step
+/// length.
 pub fn runge_kutta_on_manifold<const J: usize, const N: usize, const NY: usize>(
     widths: &[usize; J],
     y: &[f64; NY],

@@ -1,9 +1,10 @@
-/// The blocks of [`Linear`], and the matrix D in `δ̇ = D δ + v`.
+/// The blocks of [`Linear`], and the matrix D in `δ̇ = D δ + v`. δ is the displacement from the positions of
+/// the linearization.
 pub type LinearOnManifold<const N: usize, const M: usize> =
     (Matrix<N>, Matrix<N>, [[f64; M]; N], [f64; N], Matrix<N>);
 
 /// Exact solution of `δ̇ = D δ + v`, `v̇ = A_y δ + A_v v + B_x u + c` over a period with constant inputs, for
-/// the state `x = (δ, v)`.
+/// the state `x = (δ, v)`. δ is the displacement from the positions of the linearization.
 ///
 /// With `w = D δ + v`, the system is `δ̇ = w`, `ẇ = (A_y − A_v D) δ + (A_v + D) w + B_x u + c`, which
 /// [`zero_order_hold`] solves.

@@ -1,4 +1,4 @@
-//! The command `gelenk identify` with logs.
+//! The command `gelenk identify` with logs: identifies a robot, and writes the description and the report page.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -218,7 +218,8 @@ pub(super) fn output(arguments: &Identify, loaded: &Loaded, kind: &str) -> Resul
     Ok(output)
 }
 
-/// Returns the command line for the file and the page. It does not depend on the machine.
+/// Returns the command line as text for the written description and the report page. The text does not depend on
+/// the machine.
 pub(super) fn command(arguments: &Identify) -> String {
     let workspace = Workspace::find();
     let files = std::iter::once(&arguments.description).chain(&arguments.logs);

@@ -1,5 +1,5 @@
-//! The commands `gelenk identify --reduce` and `--merge`. Moments are sums of products of a log's samples,
-//! to which a log can be reduced.
+//! The commands `gelenk identify --reduce`, which reduces logs to moments, and `--merge`, which identifies the
+//! robot from moments. Moments are sums of products of a log's samples.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -140,8 +140,8 @@ impl Description {
     }
 }
 
-/// Returns the command line for the file and the page. It does not depend on the order of the files of
-/// moments. In the file, the names of the logs follow.
+/// Returns the command line as text for the written description and the report page. The text does not depend on
+/// the order of the files of moments. In the file, the names of the logs follow.
 fn command(arguments: &Identify) -> String {
     let workspace = place::Workspace::find();
     let description = quoted(&place::shown(&arguments.description, workspace.as_ref()));

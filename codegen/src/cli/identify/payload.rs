@@ -123,7 +123,7 @@ fn values(payload: &Payload) -> Vec<(&'static str, &'static str, Uncertain)> {
 fn as_text(found: &CarriedLoad, link: &str, robot: &InterpretedRobot, output: &Path) -> String {
     let mut text = print::lines(&found.findings);
     let payload = &found.payload;
-    text.push_str(&format!("\nload on {link}, moments about its centre of mass:\n"));
+    text.push_str(&format!("\nload on {link} (moments of inertia about the load's centre of mass):\n"));
     let head = ["", "value", "95 % interval", "excited by the motion"];
     let rows = values(payload).into_iter().enumerate().map(|(place, (name, unit, value))| {
         let [low, high] = value.interval;

@@ -22,7 +22,8 @@ use crate::program::interpret::interpret;
 use crate::program::{GraphOutput, InputArray, Operand, Program, Shape, lower};
 
 /// A column depends on earlier columns if at most this part of its length remains after the projection on
-/// them. Exact dependencies leave about 1e-15, angles with nine digits leave 1e-9.
+/// them. If the dependency is exact, about 1e-15 remains. If the description gives angles with nine digits,
+/// about 1e-9 remains.
 const DEPENDENT: f64 = 1e-7;
 
 /// A column is treated as zero if it is shorter than this part of the longest column.
@@ -86,8 +87,9 @@ impl BaseParameters {
         Self::in_common(&found.collect::<Vec<_>>())
     }
 
-    /// All terms as (group, parameter, coefficient): β\[group\] = Σ coefficient · π\[parameter\]. `None` if a
-    /// coefficient depends on free parameters.
+    /// All terms as (group, parameter, coefficient). The base parameter of a group is β\[group\] = Σ
+    /// coefficient · π\[parameter\] with the inertial parameters π. `None` if a coefficient depends on free
+    /// parameters.
     pub fn constant_terms(&self) -> Option<Vec<(usize, usize, f64)>> {
         let terms = self.terms.iter();
         terms.map(|term| Some((term.group, term.parameter, term.coefficient?))).collect()

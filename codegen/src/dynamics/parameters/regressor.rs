@@ -61,8 +61,8 @@ pub fn inertial_parameters<'g>(graph: &'g Graph, model: &Model) -> Vec<Scalar<'g
     links.chain(rotors).collect()
 }
 
-/// Regressor W. Rows have the order of the coordinates, and columns have the order of [`parameter_names`].
-/// The mechanism must be in metres, with the masses of the description.
+/// Regressor W in `W π = M ÿ + k − q_gravity`. Rows have the order of the coordinates, and columns have the
+/// order of [`parameter_names`]. The mechanism must be in metres, with the masses of the description.
 pub fn inertial_regressor<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     model: &Model,

@@ -13,7 +13,7 @@ use crate::kinematics::{Mechanism, Number};
 use crate::program::arrays::{ArrayId, Arrays};
 use crate::program::{InputArray, Shape};
 
-/// Whether each joint of the loops is independent, which these functions require.
+/// Whether each joint of the loops is independent, which the functions of this module require.
 pub fn products_are_possible(mechanism: &Mechanism<Number>) -> bool {
     LoopJoints::new(mechanism).coordinates(mechanism).is_none()
 }

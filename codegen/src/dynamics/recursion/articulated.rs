@@ -10,8 +10,8 @@
 //!
 //! From the leaves to the base, the equation of each joint is solved for the joint's acceleration as a
 //! function of the parent's acceleration. The result is an articulated body that is added to the parent. The
-//! number of operations grows linearly with the number of joints. It grows quadratically for the mass matrix
-//! and cubically for the factorization of M.
+//! number of operations grows linearly with the number of joints. For the robot's mass matrix it grows
+//! quadratically, and for the factorization of the mass matrix cubically.
 
 use crate::dynamics::formulation::Formulation;
 use crate::dynamics::recursion::placement::{Placement, Turn, place};

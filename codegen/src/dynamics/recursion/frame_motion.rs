@@ -62,8 +62,8 @@ impl<'g> BasePoses<'g> {
         FramePose { origin, ..body.twisted(&pose.rotation) }
     }
 
-    /// Jacobian of a frame, 6 × n. The first three rows are the linear velocity, the last three the angular
-    /// velocity.
+    /// Jacobian of a frame in the axes of the base, 6 × n. The first three rows give the linear velocity of
+    /// the frame's origin, the last three the angular velocity.
     pub fn jacobian(&self, link: usize, frame: &Pose<Scalar<'g>>) -> Vec<Vec<Scalar<'g>>> {
         let origin = self.pose(link, frame).origin;
         let zero = self.mechanism.graph.constant(0.0);
@@ -110,7 +110,8 @@ impl<'g> BasePoses<'g> {
         }
     }
 
-    /// Acceleration of a frame without gravity: linear, then angular. At ÿ = 0 this is `J̇ ẏ`.
+    /// Acceleration of a frame without gravity, in the axes of the base: linear, then angular. At ÿ = 0 this
+    /// is `J̇ ẏ` with the frame's Jacobian J.
     pub fn acceleration(
         &self,
         link: usize,

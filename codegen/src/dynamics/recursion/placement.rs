@@ -22,7 +22,8 @@ pub struct Placement<'g> {
     /// Displacement of the origin along z. It is constant for revolute joints and includes the position for
     /// prismatic joints.
     pub extension: Scalar<'g>,
-    /// First body of the run to which this body belongs.
+    /// First body of the run to which this body belongs. A run is a sequence of revolute joints with parallel
+    /// axes.
     pub run: usize,
     /// Rotation about z from the frame before the run's first joint; `None` if there is no rotation.
     pub turn_from_run: Option<Turn<'g>>,

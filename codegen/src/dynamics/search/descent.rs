@@ -166,7 +166,8 @@ fn nonzero_length(x: Number) -> Option<f64> {
 
 /// Continues the descent of [`cheapest`] with finer choices, which only the recursive inverse dynamics have.
 ///
-/// For robots without quaternions, `start` is returned. `evaluate` is the function of [`cheapest`].
+/// For robots without quaternions, `start` is returned. `evaluate` returns the same values as in
+/// [`cheapest`].
 pub fn refined(
     space: &SearchSpace,
     start: Formulation,

@@ -39,9 +39,9 @@ pub struct Formulations<'m> {
 /// Method to compute the accelerations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ForwardRoute {
-    /// M and its factors `Lᵀ D L`.
+    /// The mass matrix M is computed and factorized, `M = Lᵀ D L`.
     Factorization,
-    /// Articulated bodies, without M.
+    /// Articulated bodies, without the mass matrix M.
     ArticulatedBodies,
 }
 
@@ -89,7 +89,8 @@ impl ForwardRoute {
 pub enum DerivativeRoute {
     /// Forward differentiation of the program of the inverse dynamics.
     Forward,
-    /// Composite bodies in a formulation. The pair frame is the frame in which pairs of joints are combined.
+    /// Composite bodies in a formulation. The derivatives for pairs of joints are computed in the
+    /// [`PairFrame`].
     Composite(Formulation, PairFrame),
 }
 
@@ -192,8 +193,8 @@ impl<'m> Formulations<'m> {
         })
     }
 
-    /// The pair of formulations of M and of the bias forces with the smallest total weight. Common terms
-    /// count once.
+    /// The pair of formulations of M and of the bias forces with the smallest total weight of operations.
+    /// Common terms count once.
     pub fn mass_and_bias(&self) -> &(Formulation, Formulation) {
         self.mass_and_bias
             .get_or_init(|| self.cheapest_pair(&[self.mass_matrix(), self.bias_forces()], |_, _| Vec::new()))
@@ -220,8 +221,8 @@ impl<'m> Formulations<'m> {
         (matrix, newton_euler::inverse_dynamics(&bias.mechanism(graph, self.mechanism), bias, input))
     }
 
-    /// The pair of formulations of M and of the bias forces that has the smallest total weight together with
-    /// the derivatives of the inverse dynamics. Common terms count once.
+    /// The pair of formulations of M and of the bias forces that has the smallest total weight of operations
+    /// together with the derivatives of the inverse dynamics. Common terms count once.
     pub fn mass_and_bias_beside_derivatives(&self) -> &(Formulation, Formulation) {
         self.beside_derivatives.get_or_init(|| {
             let mut candidates = vec![self.mass_matrix(), self.bias_forces()];

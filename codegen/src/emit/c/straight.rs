@@ -7,8 +7,9 @@ use crate::functions::function::Function;
 use crate::program::split;
 
 /// Ratio of the largest length of a function in C to the largest length in Rust before the function is split.
-/// Parts exchange values through memory, and C compilers accept longer functions than rustc. The table has
-/// times of `linearize` of a UR5. The compile time of the module is the same in both columns.
+/// Parts exchange values through memory, and C compilers accept longer functions than rustc. The following
+/// times are those of `linearize` of a UR5, divided into two parts or in one part. The compile time of the
+/// module is the same in both cases.
 ///
 /// | | two parts | one part |
 /// |---|---|---|

@@ -66,7 +66,7 @@ fn statements(body: &Body<'_>, form: &Affine) -> TokenStream {
     }
 }
 
-/// Statements that write the matrix D in `δ̇ = D δ + v − v̄`.
+/// Statements that write the matrix D, which [`Affine::drift`] defines.
 fn drift_statements(body: &Body<'_>, form: &Affine, drift: &Ident, v: &Ident) -> TokenStream {
     let (zero, n) = (body.context.zero(), Literal::usize_unsuffixed(form.called.coordinates().len()));
     let entries = form.drift.iter().flatten().map(|entry| {

@@ -45,13 +45,13 @@ pub const QUANTITY: Quantity = Quantity {
 /// Blocks of the Hessian of `λᵀ (M ÿ + k − q)`. The blocks ∂²/∂ẏ ∂ÿ and ∂²/∂ÿ² are zero.
 #[derive(Debug, Clone)]
 pub struct Hessian<'g> {
-    /// ∂²/∂y²
+    /// Block ∂²/∂y².
     pub by_coordinates: Matrix<'g>,
-    /// ∂²/∂y ∂ẏ. Row i belongs to coordinate i.
+    /// Block ∂²/∂y ∂ẏ. Row i belongs to coordinate i.
     pub mixed: Matrix<'g>,
-    /// ∂²/∂ẏ²
+    /// Block ∂²/∂ẏ².
     pub by_velocities: Matrix<'g>,
-    /// ∂²/∂y ∂ÿ. Row i belongs to coordinate i.
+    /// Block ∂²/∂y ∂ÿ. Row i belongs to coordinate i.
     pub by_accelerations: Matrix<'g>,
 }
 

@@ -18,9 +18,10 @@ pub struct Kind {
     pub example: fn(&Model) -> Option<String>,
     /// Rows of the catalogue with the functions that only these robots have.
     pub adds: &'static [Quantity],
-    /// Rows that replace the rows with the same names.
+    /// Rows that replace the rows of the catalogue with the same names for these robots.
     pub replaces: &'static [Quantity],
-    /// Differences, each with the names of its functions and products, separated by spaces.
+    /// Differences from the catalogue. Each entry has the names of the functions and products that differ,
+    /// separated by spaces, and their difference.
     pub differences: &'static [(&'static str, Difference)],
 }
 
@@ -38,12 +39,13 @@ pub enum Difference {
     },
 }
 
-/// Changes of the documentation in a row. A field that is `None` keeps the text of the row.
+/// Changes to the documentation of one row of the catalogue. Where a field is `None`, the text of the row is
+/// kept.
 #[derive(Debug, Clone, Copy)]
 pub struct Otherwise {
     /// Equation that replaces the equation of the row.
     pub equation: Option<&'static str>,
-    /// Meaning that replaces the meaning of the first result.
+    /// Meaning that replaces the meaning of the function's first result.
     pub first_result: Option<&'static str>,
     /// Note that replaces all notes of the row.
     pub only_note: Option<&'static str>,
@@ -160,7 +162,8 @@ pub const EXPORT: Product = product(
     "URDF and MJCF have no prescribed motions: without `motion` the joint is a coordinate",
 );
 
-/// The product "identification" by the library without measured motions of driven joints.
+/// The product "identification": identification by the library if the motions of driven joints are not
+/// measured.
 pub const IDENTIFICATION: Product = product(
     "identification",
     "the robot cannot be identified",

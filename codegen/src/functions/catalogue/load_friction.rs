@@ -8,10 +8,11 @@ use super::quantity::Argument::{Coordinates, Velocities};
 use super::quantity::{Quantity, VECTOR, vector};
 use crate::function_names as names;
 
-/// Equations of motion with load-dependent friction.
+/// Equations of motion with load-dependent friction. τ_l is the load, which [`LOAD`] defines, and s₁ is the
+/// friction per unit of the load.
 pub const MOTION: &str = "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u − |τ_l| s₁(y, ẏ)";
 
-/// Row of the additional function.
+/// Row of the function `load_friction`, which only these robots have.
 pub const QUANTITIES: &[Quantity] = &[Quantity {
     name: names::LOAD_FRICTION,
     summary: "Load-dependent friction `s₁(y, ẏ)`: additional friction per unit of load.",

@@ -102,7 +102,8 @@ pub fn compositions(selection: &[String]) -> Vec<Composition> {
 
 /// Checks that a model has the selected functions.
 ///
-/// `unknown-function` for each name that is neither a function of the model nor one of [`GROUPS`].
+/// Returns the error `unknown-function` for each name that is neither a function of the model nor one of
+/// [`GROUPS`].
 pub(crate) fn check_names(model: &Model, selection: &[String]) -> Result<(), Diagnostics> {
     let known = names(model);
     let unknown = selection.iter().filter(|name| !GROUPS.contains(&name.as_str()) && !known.contains(name));

@@ -24,7 +24,7 @@ pub enum Argument {
     Accelerations,
     /// Inputs u.
     Inputs,
-    /// Multipliers λ, one for each generalized force.
+    /// Multipliers λ of the Hessian of `λᵀ (M ÿ + k − q)`, one for each generalized force.
     Multipliers,
     /// Wrenches w.
     Wrenches,

@@ -13,7 +13,8 @@ use nalgebra::{DMatrix, DVector};
 /// Durations in s of the interval before a sample to which a causal law is fitted.
 const WINDOWS: [f64; 9] = [2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, f64::INFINITY];
 
-/// Best of several batch laws. The choice is made afterwards, from the errors in the complete log.
+/// Friction law that is fitted to an interval of the log, for comparison with the online estimator. Its number
+/// of terms and its interval are chosen afterwards, from the errors in the complete log.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BatchLaw {
     /// Number of terms. They are the first entries of [`TERM_NAMES`](gelenk_adaptation::TERM_NAMES).

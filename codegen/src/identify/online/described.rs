@@ -10,12 +10,12 @@ use crate::functions::size::MOST_OPERATIONS;
 use crate::model::Model;
 use gelenk_formula::Formula;
 
-/// Inverse dynamics and friction torques of a robot. An interpreter evaluates them. The results have the
-/// same bits as those of the generated module.
+/// Inverse dynamics and friction torques of a described robot, which an interpreter evaluates. The results
+/// have the same bits as those of the generated module.
 #[derive(Debug)]
 pub struct DescribedForces {
     functions: [Function; 2],
-    /// Load-dependent friction per unit of load, if the robot has some.
+    /// Load-dependent friction per unit of load; `None` if the robot has no load-dependent friction.
     shares: Option<Function>,
     free: Vec<f64>,
 }
@@ -48,8 +48,13 @@ impl DescribedForces {
         })
     }
 
-    /// Returns the generalized forces of the inverse dynamics including friction and the friction without its
-    /// load-dependent part, both in N·m or N, and the load-dependent friction per unit of load.
+    /// Returns three vectors with an entry for each joint:
+    ///
+    /// - forces of the inverse dynamics including friction, in N·m or N
+    /// - friction without its load-dependent part, in N·m or N
+    /// - load-dependent friction per unit of load. The load is the force of the drive without all friction.
+    ///
+    /// Arguments:
     ///
     /// - `y`, `v`, `a`: positions, velocities and accelerations of all joints
     #[must_use]

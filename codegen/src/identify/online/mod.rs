@@ -1,5 +1,5 @@
-//! Replay of logs through the friction estimator of the control loop ([`gelenk_adaptation`]), and batch
-//! laws for comparison.
+//! Replay of logs through the friction estimator of the control loop ([`gelenk_adaptation`]), and friction
+//! laws that are fitted to whole intervals of the log (batch laws) for comparison.
 //!
 //! The estimator is the same code as in the control loop, but its measurements come from the log. Its
 //! results have the same bits as in the control loop if three conditions hold:

@@ -10,7 +10,7 @@ use super::replay::{JointReplay, OnlineSample};
 /// Duration in s over which errors are averaged in the figure.
 const SMOOTHING: f64 = 5.0;
 
-/// Results of a replay for one joint, with batch laws for comparison.
+/// Results of a replay for one joint, with batch laws (fitted to whole intervals of the log) for comparison.
 #[derive(Debug, Clone)]
 pub struct OnlineJoint {
     /// Name of the joint.
@@ -61,7 +61,8 @@ impl OnlineJoint {
         ]
     }
 
-    /// Returns the number of samples outside of the interval of their prediction.
+    /// Returns the number of samples that lie outside the interval of their prediction. The estimator does not
+    /// learn from these samples.
     #[must_use]
     pub fn unexplained(&self) -> usize {
         self.replay.samples.iter().filter(|sample| !sample.prediction.is_explained).count()
@@ -72,7 +73,7 @@ impl OnlineJoint {
     }
 }
 
-/// Creates the report page.
+/// Creates the report page of a replay.
 ///
 /// - `joints`: joints whose friction is learned
 /// - `command`: command line that made the page

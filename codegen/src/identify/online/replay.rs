@@ -20,12 +20,16 @@ const OTHER_RATE: f64 = 0.01;
 /// periods.
 const LARGEST_JITTER: f64 = 0.1;
 
-/// Function of positions y (rad or m), velocities ẏ (per s) and accelerations ÿ (per s²). It returns the
-/// generalized forces of the inverse dynamics including friction and the friction without its load-dependent
-/// part, both in N·m or N, and the load-dependent friction per unit of load.
+/// Function that returns the described forces at positions y (rad or m), velocities ẏ (per s) and
+/// accelerations ÿ (per s²), for example [`DescribedForces::at`](super::DescribedForces::at). It returns three
+/// vectors with an entry for each joint:
+///
+/// - forces of the inverse dynamics including friction, in N·m or N
+/// - friction without its load-dependent part, in N·m or N
+/// - load-dependent friction per unit of load. The load is the force of the drive without all friction.
 pub type Forces<'a> = dyn Fn(&[f64], &[f64], &[f64]) -> [Vec<f64>; 3] + 'a;
 
-/// Result of a replay.
+/// Result of a replay: the learned friction of each joint.
 #[derive(Debug, Clone)]
 pub struct Replay {
     /// Settings of the estimator.
@@ -40,26 +44,27 @@ pub struct Replay {
 pub struct JointReplay {
     /// State of the estimator after the last row.
     pub state: JointState,
-    /// Standard deviations of the coefficients before the first sample, one for each term.
+    /// Standard deviations of the learned coefficients before the first sample, one for each of the
+    /// [terms](gelenk_adaptation::terms).
     pub prior: [f64; gelenk_adaptation::TERMS],
     /// Root mean square of the joint's speed in motion, in rad/s or m/s.
     pub speed: f64,
     /// Described friction at [`JointReplay::speed`], in N·m or N.
     pub described: f64,
-    /// Samples of the estimator.
+    /// Samples that the estimator took, in the order of time.
     pub samples: Vec<OnlineSample>,
 }
 
-/// A sample of the estimator.
+/// A sample that the estimator took, with its prediction and the friction that was learned up to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OnlineSample {
-    /// Time since the first row in s. Runs follow each other.
+    /// Time since the first row in s. The times of a run follow those of the run before.
     pub time: f64,
     /// Time in s at which the run of this sample begins.
     pub begin: f64,
     /// Prediction of this sample by the law that was learned from earlier samples.
     pub prediction: Prediction,
-    /// Prediction error of the acting law in N·m or N. A controller would have used this law.
+    /// Prediction error in N·m or N of the acting law, which a controller would have used.
     pub acting: f64,
     /// Learned friction at [`JointReplay::speed`] after this sample, and the half width of its 90 %
     /// interval, both in N·m or N.

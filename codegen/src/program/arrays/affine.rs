@@ -18,12 +18,13 @@ pub struct Affine {
     /// For each input, the coordinates on which the input acts, each with its gain. A gain is a constant or a
     /// parameter.
     pub inputs: Vec<Vec<(usize, Operand)>>,
-    /// Entries of the matrix D in `δ̇ = D δ + v` for positions with quaternions; otherwise `None`. If D
-    /// exists, `c` has no term of y.
+    /// Entries of the matrix D in `δ̇ = D δ + v − v̄` for positions with quaternions; otherwise `None`. δ is
+    /// the deviation from a motion with the velocities v̄. If D exists, `c` has no term of y.
     pub drift: Option<Vec<Drift>>,
 }
 
-/// An entry of the matrix D: a velocity or the negative of a velocity.
+/// An entry of the matrix D in `δ̇ = D δ + v − v̄` (see [`Affine::drift`]). Its value is a velocity or the
+/// negative of a velocity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Drift {
     /// Row of the entry.
@@ -37,9 +38,10 @@ pub struct Drift {
 }
 
 impl Affine {
-    /// Converts to the equivalent straight-line program. Column m of `B_x` is the sum of columns of M⁻¹ times
-    /// gains. The remainder is `c = ÿ − ((A_y y + A_v ẏ) + B_x u)`, or `c = ÿ − (A_v ẏ + B_x u)` with
-    /// quaternions. It is computed row by row. Each dot product has four partial sums.
+    /// Converts to the equivalent straight-line program. Column j of `B_x` is the sum of the columns of M⁻¹
+    /// for the coordinates on which input j acts, each times its gain. The remainder is `c = ÿ − ((A_y y +
+    /// A_v ẏ) + B_x u)`, or `c = ÿ − (A_v ẏ + B_x u)` with quaternions. It is computed row by row. Each dot
+    /// product has four partial sums.
     #[must_use]
     pub fn unrolled(&self) -> Program {
         let Program { inputs, instructions, outputs } = self.called.unrolled();

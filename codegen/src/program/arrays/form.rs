@@ -7,9 +7,9 @@ use super::{Affine, Arrays};
 /// A function with loops over arrays.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ArrayForm {
-    /// Steps over arrays.
+    /// The function has its own steps over arrays.
     Steps(Arrays),
-    /// The linearization, which calls another function.
+    /// The function is the linearization, which calls another function.
     Affine(Affine),
 }
 

@@ -18,10 +18,10 @@ pub struct Arrays {
     pub joints: Tree,
     /// Coordinates that the joints follow; `None` if each joint is independent.
     pub coordinates: Option<Coordinates>,
-    /// For each joint with a quaternion, the joints of the loops that are its velocities, from the base
-    /// outwards.
+    /// For each joint with a quaternion, its velocities from the base outwards. Each velocity is one joint of
+    /// the loops.
     pub chains: Vec<Vec<usize>>,
-    /// Whether products and sums of the steps are fused.
+    /// Whether products and sums of the steps are contracted to fused multiply-adds.
     pub is_fused: bool,
 }
 
@@ -44,18 +44,19 @@ pub enum Relation {
     Before,
     /// The joints are the same.
     Same,
-    /// The joint is beyond the other joint.
+    /// The joint is beyond the other joint: the other joint is on its path to the base.
     Beyond,
-    /// The joints are on different paths.
+    /// Neither joint is on the path from the other joint to the base.
     Apart,
 }
 
 /// Index set of the entries of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Over {
-    /// Joints.
+    /// The row has one entry per joint.
     Joints,
-    /// Coordinates that joints follow. If each joint is independent, all arrays are over joints.
+    /// The row has one entry per coordinate that joints follow. If each joint is independent, all arrays are
+    /// over joints.
     Coordinates,
 }
 
@@ -109,7 +110,7 @@ pub enum Step {
         /// A matrix over coordinates.
         to: ArrayId,
     },
-    /// `to[·][j] = from[·][k]` with the carrier k of joint j, or 0 if the base carries joint j.
+    /// `to[·][j] = from[·][k]` with the joint k whose body carries joint j, or 0 if the base carries joint j.
     GatherCarriers {
         /// Source array.
         from: ArrayId,
@@ -173,7 +174,7 @@ pub struct Map {
     pub body: Program,
 }
 
-/// A matrix over pairs of joints. The entry `to[i][j]` is
+/// A matrix over pairs of joints. The sums are over the rows r of the arrays. The entry `to[i][j]` is
 ///
 /// - `Σ before.0[r][i] · before.1[r][j]` if j is before i on its path to the base, or is another velocity of
 ///   the same joint
@@ -182,9 +183,11 @@ pub struct Map {
 /// - 0 otherwise
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pairs {
-    /// Arrays for j before i: rows by i, then rows by j.
+    /// The two arrays for the entries with j before i. The first array is read at joint i, the second at
+    /// joint j.
     pub before: (ArrayId, ArrayId),
-    /// Arrays for j beyond i: rows by i, then rows by j.
+    /// The two arrays for the entries with j beyond i. The first array is read at joint i, the second at
+    /// joint j.
     pub beyond: (ArrayId, ArrayId),
     /// Array of the diagonal, with one row.
     pub diagonal: ArrayId,
@@ -218,8 +221,8 @@ impl Arrays {
         self.joints.is_chain() && self.chains.is_empty()
     }
 
-    /// Carrier of each joint; `None` for the base. A velocity of a joint with a quaternion has the carrier of
-    /// the whole joint.
+    /// Carrier of each joint: the joint whose body carries it; `None` for the base. A velocity of a joint
+    /// with a quaternion has the carrier of the whole joint.
     #[must_use]
     pub fn carriers(&self) -> Vec<Option<usize>> {
         let mut carriers = self.joints.parents.clone();

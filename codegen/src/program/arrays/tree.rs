@@ -44,7 +44,7 @@ impl Tree {
     }
 }
 
-/// Coordinates of joints that are not all independent.
+/// Coordinates that the joints follow, for robots in which some joints are not independent.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Coordinates {
     /// Coordinate of each joint. Independent joints come first, in order.

@@ -5,7 +5,7 @@ use crate::program::{Instruction, Operand, Operation};
 /// A straight-line program under construction. Instructions get their names at the end.
 pub(super) struct Writer {
     pub(super) instructions: Vec<Instruction>,
-    /// Whether products and sums are fused.
+    /// Whether products and sums are contracted to fused multiply-adds.
     pub(super) is_fused: bool,
 }
 

@@ -7,8 +7,10 @@ pub(super) const ACTUATOR: Remark = Remark::warning(
     "actuator-skipped",
     "actuators were omitted unless they act on a joint, a fixed tendon or a single named site",
 );
-pub(super) const ACTUATOR_RANGE: Remark =
-    Remark::note("actuator-range", "force ranges that are not symmetric about 0 were omitted");
+pub(super) const ACTUATOR_RANGE: Remark = Remark::note(
+    "actuator-range",
+    "force and control ranges of actuators that are not symmetric about 0 were omitted",
+);
 pub(super) const EFFORT_RANGE: Remark = Remark::note(
     "effort-range",
     "force ranges of joints that are not symmetric about 0 were reduced to the smaller side, or omitted if they exclude 0",
@@ -25,19 +27,19 @@ pub(super) const GRAVITY_COMPENSATION: Remark =
     Remark::warning("gravity-compensation", "gravity compensation (`gravcomp`) was omitted");
 pub(super) const LOOP: Remark = Remark::warning(
     "loop-opened",
-    "equality constraints that close loops (connect, weld and similar) were omitted; the robot moves without them",
+    "the robot moves without equality constraints that close loops (connect, weld and similar); omitted",
 );
 pub(super) const MEDIUM: Remark = Remark::warning("medium-skipped", "fluid forces were omitted");
 pub(super) const MESH_INERTIA: Remark = Remark::warning(
     "mesh-inertia",
-    "meshes whose mass cannot be computed were omitted; bodies without <inertial> have only the mass of their other geoms",
+    "bodies without <inertial> lack the mass of meshes whose mass cannot be computed; omitted",
 );
 pub(super) const QUATERNION_FORCE: Remark = Remark::warning(
     "quaternion-joint",
     "armature, springs, limits and dry friction of ball and free joints were omitted",
 );
 pub(super) const RANGE: Remark =
-    Remark::warning("limit-unusable", "ranges with equal or reversed ends were omitted");
+    Remark::warning("limit-unusable", "joint ranges with equal or reversed ends were omitted");
 pub(super) const SERVO: Remark =
     Remark::warning("servo-as-torque", "servos were read as force inputs; their gains were omitted");
 pub(super) const SPRING_DAMPER: Remark = Remark::warning(
@@ -46,11 +48,11 @@ pub(super) const SPRING_DAMPER: Remark = Remark::warning(
 );
 pub(super) const START_POSE: Remark = Remark::note(
     "start-pose",
-    "initial poses of free bodies were omitted; their positions are relative to the world",
+    "positions of free bodies are relative to the world, so their initial poses were omitted",
 );
 pub(super) const TENDON_BRANCHES: Remark = Remark::warning(
     "tendon-branches",
-    "tendons with armature couple joints of different branches in M; MuJoCo omits these entries",
+    "tendons with armature couple joints of different branches in M, but the M of MuJoCo lacks these entries",
 );
 pub(super) const TENDON_FORCE: Remark =
     Remark::warning("tendon-skipped", "springs, limits and spatial paths of tendons were omitted");

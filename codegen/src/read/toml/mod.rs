@@ -313,8 +313,10 @@ fn substeps(reader: &mut Reader, item: Item<'_>) -> Option<usize> {
     let number = reader.number(item)?;
     let count = (1..=MOST_SUBSTEPS).find(|&count| count as f64 == number.value);
     if count.is_none() {
-        reader.report.error(number.span, "bad-count", format!("`substeps` is {}", number.value));
-        reader.report.help(format!("give a whole number from 1 to {MOST_SUBSTEPS}"));
+        let message =
+            format!("`substeps` must be a whole number from 1 to {MOST_SUBSTEPS}, not {}", number.value);
+        reader.report.error(number.span, "bad-count", message);
+        reader.report.help("it is the number of Runge–Kutta steps in one period of `step`");
     }
     count
 }

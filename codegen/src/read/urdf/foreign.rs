@@ -16,53 +16,57 @@ const EFFECTS: [Effect; 10] = [
     Effect {
         words: &ROTORS,
         idle: IDLE,
-        text: "rotor inertias were skipped; they add i² J to the diagonal of M. Write them in a TOML file \
-               as `drive = { gear_ratio = i, rotor_inertia = J, coupling = \"diagonal\" }` of the joint",
+        text: "rotor inertias, which add i² J to the diagonal of M, are not read from a URDF; write them in a \
+               TOML file as `drive = { gear_ratio = i, rotor_inertia = J, coupling = \"diagonal\" }` of the \
+               joint; skipped",
     },
     Effect {
         words: &["springstiffness", "springreference", "springref", "stiffness", "torsionalspring"],
         idle: IDLE,
-        text: "springs at joints were skipped; write them in a TOML file as `spring = { stiffness = 12, \
-               rest = 0.2 }` of the joint",
+        text: "springs at joints are not read from a URDF; write them in a TOML file as `spring = { stiffness \
+               = 12, rest = 0.2 }` of the joint; skipped",
     },
     Effect {
         words: &["damping", "dampingfactor", "frictionloss", "viscousfriction", "coulombfriction"],
         idle: IDLE,
-        text: "friction and damping in the notation of other tools were skipped; write them in a TOML file as `friction = { \
-               viscous = 0.5, coulomb = 2 }` of the joint",
+        text: "friction and damping in the notation of other tools are not read; write them in a TOML file as \
+               `friction = { viscous = 0.5, coulomb = 2 }` of the joint; skipped",
     },
     Effect {
         words: &["linearbushingrpy", "bushing", "linearspringdamper", "forceelement"],
         idle: IDLE,
-        text: "forces between links were skipped; write them in a TOML file as `[[forces]]` with `between = \
-               [\"a\", \"b\"]` and `law = \"1200*(l - 0.3) + 40*dl\"`",
+        text: "forces between links are not read from a URDF; write them in a TOML file as `[[forces]]` with \
+               `between = [\"a\", \"b\"]` and `law = \"1200*(l - 0.3) + 40*dl\"`; skipped",
     },
     Effect {
         words: &["buoyancy", "hydrodynamics", "liftdrag", "aerodynamics", "winddrag"],
         idle: &["false"],
-        text: "fluid forces were skipped; describe forces along a line with `[[forces]]` in a TOML file",
+        text: "fluid forces are not read from a URDF; describe forces along a line with `[[forces]]` in a TOML \
+               file; skipped",
     },
     Effect {
         words: &["loopjoint", "ballconstraint", "connect", "weld", "distanceconstraint"],
         idle: &[],
-        text: "closed loops were opened, so the robot moves without their constraints; if the remaining \
-               motion is linear, describe it in a TOML file with `follows = { … }` of a joint",
+        text: "the constraints of closed loops are not read, so the robot moves without them; if the remaining \
+               motion is linear, describe it in a TOML file with `follows = { … }` of a joint; skipped",
     },
     Effect {
         words: &["mimicjoint"],
         idle: &[],
-        text: "joint couplings by plugins were skipped; use `<mimic>` of the joint, or `follows = { leader \
-               = -1 }` in a TOML file",
+        text: "joint couplings by plugins are not read; use `<mimic>` of the joint, or `follows = { leader = \
+               -1 }` in a TOML file; skipped",
     },
     Effect {
         words: &["turngravityoff", "gravcomp"],
         idle: IDLE,
-        text: "links without gravity have gravity in gelenk; `gravity = [0, 0, 0]` in a TOML file removes it from all links",
+        text: "gravity acts on all links in gelenk, and `gravity = [0, 0, 0]` in a TOML file removes it from \
+               all links; skipped",
     },
     Effect {
         words: &["gravity"],
         idle: &["1", "true", "0 0 -9.81"],
-        text: "gravity other than (0, 0, -9.81) was skipped; write it in a TOML file as `gravity = [0, 0, -1.6]`",
+        text: "gravity other than (0, 0, -9.81) is not read from a URDF; write it in a TOML file as `gravity = \
+               [0, 0, -1.6]`; skipped",
     },
     Effect {
         words: &[
@@ -74,8 +78,8 @@ const EFFECTS: [Effect; 10] = [
             "inertiafromgeom",
         ],
         idle: &["0", "0.0", "1", "1.0", "-1", "false", "auto"],
-        text: "changes of masses and inertias by other tools were skipped; write `mass` and `inertia` of \
-               the body in a TOML file",
+        text: "changes of masses and inertias by other tools are not read; write `mass` and `inertia` of the \
+               body in a TOML file; skipped",
     },
 ];
 

@@ -381,7 +381,11 @@ impl Reader<'_> {
         };
         let length = norm(&axis.value);
         if length == 0.0 || !length.is_finite() {
-            let message = format!("the axis of joint `{}` has length {}", name.value, three_digits(length));
+            let message = format!(
+                "the axis of joint `{}` has no direction: its length is {}",
+                name.value,
+                three_digits(length)
+            );
             self.report.error(axis.span, "axis-not-unit", message);
             return None;
         }

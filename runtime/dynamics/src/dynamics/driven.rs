@@ -43,5 +43,6 @@ pub trait NoDrivenJoints {}
 
 impl NoDrivenJoints for () {}
 
-/// Compiles only for modules without driven joints.
+/// A call compiles only if the module has no driven joints. The macro [`dynamics!`](crate::dynamics!) uses it to require a field
+/// for their motion.
 pub const fn without_driven_joints<D: NoDrivenJoints>() {}

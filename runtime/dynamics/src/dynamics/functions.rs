@@ -140,7 +140,7 @@ pub struct HasDerivatives<const B: bool>;
 /// Without `: Differentiable` the macro compiles also for this module. The lifetime has the effect that the compiler checks the
 /// bound only when the trait is used.
 #[diagnostic::on_unimplemented(
-    message = "the module has no derivatives",
+    message = "the module does not have a derivative that `Differentiable` requires",
     label = "generate it with inverse_dynamics_derivatives and linearize",
     note = "if you do not choose functions (`--functions`, or `functions` in the description), the generator writes all functions"
 )]

@@ -1,11 +1,11 @@
 //! Load-dependent friction `|τ_l| s₁`, in addition to the velocity-dependent friction s₀.
 //!
-//! The load τ_l of a joint is the force of its drive minus all friction. The force of the drive is `s₀ + τ_l + |τ_l| s₁` (Hamon,
-//! Gautier and Garrec 2010). If |s₁| < 1, this force increases with the load.
+//! The load τ_l of a joint is the force of its drive minus all friction, and s₁ is the friction per unit of the load. The force
+//! of the drive is `s₀ + τ_l + |τ_l| s₁` (Hamon, Gautier and Garrec 2010). If |s₁| < 1, this force increases with the load.
 
 /// Returns the load-dependent friction `|τ_l| s₁` [N m or N].
 ///
-/// - `load`: load τ_l [N m or N]
+/// - `load`: load τ_l, the force of the drive minus all friction [N m or N]
 /// - `share`: friction s₁ per unit of load
 #[must_use]
 pub fn under_load(load: f64, share: f64) -> f64 {
@@ -15,7 +15,7 @@ pub fn under_load(load: f64, share: f64) -> f64 {
 /// Returns the load `τ_l = w / (1 + s₁ sign w)` of a joint [N m or N]. This is the unique solution of `w = τ_l + |τ_l| s₁` if
 /// |s₁| < 1. Otherwise the result is NaN.
 ///
-/// - `exerted`: force w of the drive minus the friction s₀ [N m or N]
+/// - `exerted`: force of the drive minus the friction s₀ that does not depend on the load; this difference is w [N m or N]
 /// - `share`: friction s₁ per unit of load
 #[must_use]
 pub fn load(exerted: f64, share: f64) -> f64 {

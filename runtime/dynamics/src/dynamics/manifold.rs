@@ -222,8 +222,8 @@ pub(super) fn same<const A: usize, const B: usize>(entries: &[f64; A]) -> &[f64;
     entries.first_chunk().unwrap_or(const { &[f64::NAN; B] })
 }
 
-/// Computes `y ⊕ d`. `widths` are the numbers of position entries of the joints. If `widths` is empty, the robot has no quaternions,
-/// and the result is `y + d`. The functions below use `widths` in the same way.
+/// Computes the positions `y ⊕ d` after a motion from y with the constant velocities d for one second. `widths` are the numbers
+/// of position entries of the joints. If `widths` is empty, the robot has no quaternions, and the result is `y + d`.
 #[inline]
 pub fn integrate<const J: usize, const N: usize, const NY: usize>(
     widths: &[usize; J],
@@ -237,7 +237,8 @@ pub fn integrate<const J: usize, const N: usize, const NY: usize>(
     manifold::integrate(widths, y, d)
 }
 
-/// Computes `to ⊖ from`.
+/// Computes `to ⊖ from`: the constant velocities that lead from `from` to `to` in one second. `widths` is the same as in
+/// [`integrate`].
 #[inline]
 pub fn difference<const J: usize, const N: usize, const NY: usize>(
     widths: &[usize; J],
@@ -251,7 +252,8 @@ pub fn difference<const J: usize, const N: usize, const NY: usize>(
     manifold::difference(widths, from, to)
 }
 
-/// Derivatives of `y ⊕ d` with respect to y and d.
+/// Derivatives of `y ⊕ d` with respect to small displacements of y and with respect to d. `widths` is the same as in
+/// [`integrate`].
 #[inline]
 pub fn integrate_derivatives<const J: usize, const N: usize>(
     widths: &[usize; J],
@@ -260,7 +262,8 @@ pub fn integrate_derivatives<const J: usize, const N: usize>(
     if J == 0 { (diagonal(1.0), diagonal(1.0)) } else { manifold::integrate_derivatives(widths, d) }
 }
 
-/// Derivatives of `to ⊖ from` with respect to `to` and `from`.
+/// Derivatives of `d = to ⊖ from` with respect to small displacements of `to` and of `from`. `widths` is the same as in
+/// [`integrate`].
 #[inline]
 pub fn difference_derivatives<const J: usize, const N: usize>(
     widths: &[usize; J],
@@ -269,7 +272,8 @@ pub fn difference_derivatives<const J: usize, const N: usize>(
     if J == 0 { (diagonal(1.0), diagonal(-1.0)) } else { manifold::difference_derivatives(widths, d) }
 }
 
-/// Computes the Lie bracket `ad_a b` of two velocities.
+/// Computes the Lie bracket `ad_a b` of the velocities a and b of each joint; 0 for joints without a quaternion. `widths` is the
+/// same as in [`integrate`].
 #[inline]
 pub fn bracket<const J: usize, const N: usize>(widths: &[usize; J], a: &[f64; N], b: &[f64; N]) -> [f64; N] {
     if J == 0 { [0.0; N] } else { manifold::bracket(widths, a, b) }
@@ -287,7 +291,7 @@ pub fn neutral<const J: usize, const NY: usize>(widths: &[usize; J]) -> [f64; NY
     manifold::neutral(widths)
 }
 
-/// Matrix `D = −ad_v` of the rates of small displacements δ, with `δ̇ = D δ` if velocities do not change.
+/// Matrix `D = −ad_v` in `δ̇ = D δ`, the rate of a small displacement δ between two motions with the same velocities v.
 pub(super) fn drift<const N: usize>(
     bracket: impl Fn(&[f64; N], &[f64; N]) -> [f64; N],
     v: &[f64; N],

@@ -9,6 +9,7 @@ pub trait NoFreeParameters {}
 
 impl NoFreeParameters for () {}
 
-/// Compiles only for modules without free parameters.
+/// A call compiles only if the module has no free parameters. The macro [`dynamics!`](crate::dynamics!) uses it to require a
+/// field for them.
 #[doc(hidden)]
 pub const fn without_parameters<P: NoFreeParameters>() {}

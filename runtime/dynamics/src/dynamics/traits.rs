@@ -69,7 +69,7 @@ pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
         *names_of_arms(&self.joint_names())
     }
 
-    /// Joints with quaternions in order; empty for arms.
+    /// Joints with quaternions in order; empty for robots without quaternions.
     fn quaternion_joints(&self) -> &'static [QuaternionJoint] {
         const { assert!(NY == N, "a robot with quaternions must list its joints with quaternions") }
         &[]
@@ -102,19 +102,21 @@ pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
         manifold::difference(&NO_WIDTHS, from, to)
     }
 
-    /// Derivatives of `y ⊕ d` with respect to y and to d, both along ⊕ at the result.
+    /// Derivatives of `y ⊕ d` with respect to small displacements of y, and with respect to d. Their rows are small displacements
+    /// of the result.
     fn integrate_derivatives(&self, _: &[f64; NY], d: &[f64; N]) -> ([[f64; N]; N], [[f64; N]; N]) {
         const { assert!(NY == N, "a robot with quaternions must implement the derivatives of its positions") }
         manifold::integrate_derivatives(&NO_WIDTHS, d)
     }
 
-    /// Derivatives of `d = to ⊖ from` with respect to `to` and to `from`, both along ⊕.
+    /// Derivatives of `d = to ⊖ from` with respect to small displacements of `to`, and with respect to small displacements of
+    /// `from`.
     fn difference_derivatives(&self, d: &[f64; N]) -> ([[f64; N]; N], [[f64; N]; N]) {
         const { assert!(NY == N, "a robot with quaternions must implement the derivatives of differences") }
         manifold::difference_derivatives(&NO_WIDTHS, d)
     }
 
-    /// Lie bracket `ad_a b` of the velocities a and b of each joint; zero for arms.
+    /// Lie bracket `ad_a b` of the velocities a and b of each joint. It is zero for joints without a quaternion.
     fn bracket(&self, a: &[f64; N], b: &[f64; N]) -> [f64; N] {
         const { assert!(NY == N, "a robot with quaternions must implement the Lie bracket") }
         manifold::bracket(&NO_WIDTHS, a, b)
@@ -172,9 +174,9 @@ pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
     /// on velocities.
     fn friction_torques(&self, y: &[f64; NY], v: &[f64; N]) -> [f64; N];
 
-    /// Uncertainty of the friction, as inputs `B⁺ diag(σ)`. σ are the standard deviations of the friction of each joint at
-    /// velocities v [N m or N]. Column j contains the inputs that compensate σ_j. The default is zero, which means that friction is
-    /// known exactly.
+    /// Uncertainty of the friction, as inputs `B⁺ diag(σ)` with the pseudoinverse B⁺ of the input matrix. σ_j is the standard
+    /// deviation of the friction of joint j at the velocities v [N m or N]. Column j contains the inputs that produce the force
+    /// σ_j at joint j, as closely as B allows. The default is zero, which means that friction is known exactly.
     fn friction_uncertainty(&self, y: &[f64; NY], v: &[f64; N]) -> [[f64; N]; M] {
         let _ = (y, v);
         [[0.0; N]; M]
@@ -307,7 +309,7 @@ pub trait Differentiable<const N: usize, const M: usize, const NY: usize = N>: D
     }
 
     /// Matrix `D = −ad_v` of the equation `δ̇ = D δ + v − v̄` for small deviations δ from a motion with the velocities v̄, see
-    /// [`Linearization`]. D is zero for arms.
+    /// [`Linearization`]. D is zero for robots without quaternions.
     fn drift(&self, v: &[f64; N]) -> [[f64; N]; N] {
         if NY == N { [[0.0; N]; N] } else { manifold::drift(|a, b| self.bracket(a, b), v) }
     }
@@ -391,9 +393,9 @@ pub trait Discretizable<const N: usize, const M: usize, const NY: usize = N>:
     /// ```
     ///
     /// P and Q are the derivatives of `y ⊕ T v_m` with respect to y and to the displacement. P_h and Q_h are the derivatives of
-    /// `y ⊕ T/2 v_m`. For arms all four matrices are the identity. The result is `v + T a` and `y ⊕ T v_m`, corrected for the
-    /// residual r. If r is zero, the result is a step of the midpoint rule and the derivatives are exact. Otherwise the error of
-    /// the derivatives is proportional to r.
+    /// `y ⊕ T/2 v_m`. For robots without quaternions all four matrices are the identity. The result is `v + T a` and `y ⊕ T v_m`,
+    /// corrected for the residual r. If r is zero, the result is a step of the midpoint rule and the derivatives are exact.
+    /// Otherwise the error of the derivatives is proportional to r.
     ///
     /// The rule has order 2 and is A-stable, so the result is bounded if the robot is stable. The rule is not L-stable. If friction
     /// stops a velocity within much less than T, the sign of this velocity alternates from step to step. For a robot with driven

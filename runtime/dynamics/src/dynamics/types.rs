@@ -25,7 +25,8 @@ pub type ForceDerivativesAndMass<const N: usize> = (ForceDerivatives<N>, [[f64; 
 /// For a robot with quaternions (NY ≠ N), let ȳ and v̄ be the positions and velocities of the linearization. The derivatives are
 /// those with respect to a small displacement δ in `y = ȳ ⊕ δ`: `v̇ = A_y δ + A_v v + B_x u + c`, so `c = v̇ − A_v v̄ − B_x ū`.
 /// Small deviations δ from the motion with the velocities v̄ satisfy `δ̇ = D δ + v − v̄` with `D = −ad_v̄`
-/// ([`Differentiable::drift`](super::Differentiable::drift)). Therefore A is `[D I; A_y A_v]`. For arms D is zero.
+/// ([`Differentiable::drift`](super::Differentiable::drift)). Therefore A is `[D I; A_y A_v]`. For robots without quaternions D
+/// is zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Linearization<const N: usize, const M: usize, const NY: usize = N> {
     /// Block A_y = ∂ÿ/∂y.
@@ -111,7 +112,7 @@ impl<const N: usize, const M: usize, const NY: usize> Discretization<N, M, NY> {
     }
 
     /// Displacement from ȳ and velocities after a period, for the displacement `d` and the velocities `v` before the period. For
-    /// arms the displacements are the coordinates.
+    /// robots without quaternions the displacements are the coordinates.
     #[must_use]
     pub fn displaced(&self, d: &[f64; N], v: &[f64; N], u: &[f64; M]) -> ([f64; N], [f64; N]) {
         let half = |h: usize| {

@@ -28,7 +28,7 @@ const LENGTHS: &[&str] = &["cm", "mm", "um"];
 const TORQUES: &[&str] = &["Ncm", "mNm"];
 
 /// Returns findings about values beyond their limits. Each quantity has at most one finding, about the joint that exceeds
-/// its limits most. It names the column and the option for the likely unit. Values far beyond the limits are errors.
+/// its limits most. The finding names the column and the option for the likely unit. Values far beyond the limits are errors.
 ///
 /// - `prepared`: runs with one column for each joint
 pub(crate) fn beyond(robot: &dyn Robot, recording: &Recording, prepared: &[PreparedRun]) -> Vec<Finding> {

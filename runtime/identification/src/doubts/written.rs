@@ -28,7 +28,7 @@ const TOO_FEW_TERMS: Rule = Rule::warning("too-few-terms");
 /// Fixture: `codegen/tests/external_arm/offsets.rs`.
 const OFFSET: Rule = Rule::warning("offset-not-written");
 
-/// Sets the statistics of a joint's fit to those of its friction law. Adds a warning to the law if it explains the efforts
+/// Sets the statistics of a joint's fit to those of its friction law. Adds a warning to the law if the law explains the efforts
 /// much less well than the friction terms of the estimate.
 ///
 /// The held-out error becomes the larger one of the estimate's and the law's held-out errors. Both are computed without the
@@ -135,8 +135,8 @@ impl Written<'_> {
         runs.iter().enumerate().map(of_run).collect()
     }
 
-    /// Sets the statistics of the joint's fit to those of a model without the remaining offsets. Returns a warning if the
-    /// offsets matter.
+    /// Sets the statistics of the joint's fit to those of a model without the offsets that are not written. Returns a warning
+    /// if R² is noticeably lower without these offsets.
     fn leave_out_offsets(
         &self,
         estimate: &mut Estimate,

@@ -1,4 +1,4 @@
-//! Checks of the residual efforts against effects that the model lacks.
+//! Checks whether the residuals of the efforts show effects that the model lacks.
 
 use super::super::methods::offset::mean;
 use super::super::robot::Robot;
@@ -108,17 +108,19 @@ impl Checked<'_> {
         let (factor, share) = self.explained(joint, &|run, i| self.task.runs[run].accelerations[joint][i])?;
         self.is_suspicious(share).then(|| {
             let message = format!(
-                "{:.0} % of the residual's variance is proportional to the acceleration (factor {}): the rigid body is wrong",
-                100.0 * share,
-                plain(factor, 3)
+                "its residual follows the acceleration, so the rigid body is wrong: {} times the acceleration explains {:.0} % of the \
+                 residual's variance",
+                plain(factor, 3),
+                100.0 * share
             );
             let remedy = "describe the rotor's inertia, or look for a delay (--delay) or an elastic gear";
             ACCELERATION.found(message).help(remedy)
         })
     }
 
-    /// Whether the residual of a joint shows friction that grows with the load: `(|τ_l| − mean) sign(v)`, because the Coulomb
-    /// term explains the mean of the load's magnitude |τ_l|.
+    /// Whether the residual of a joint shows load-dependent friction. Such friction leaves the residual
+    /// `(|τ_l| − mean) sign(v)` with the load τ_l of the gear and the velocity v, because the Coulomb term explains the mean of
+    /// |τ_l|.
     pub(super) fn rubs_under_load(&self, joint: usize) -> bool {
         let Task { robot, layout, settings, .. } = self.task;
         // Without gravity, rigid forces are not the loads of the gears. A joint with a quaternion has no gear.

@@ -25,7 +25,7 @@ pub(super) struct Chosen<'a> {
     pub(super) model: Model,
     pub(super) weighting: Weighting,
     pub(super) values: Values,
-    /// Covariance of the logarithms of the gains.
+    /// Covariance of the logarithms of the drives' gains.
     pub(super) log_gains: DMatrix<f64>,
     pub(super) centred: Centred<'a>,
 }
@@ -116,8 +116,8 @@ impl Chosen<'_> {
         Ok(())
     }
 
-    /// Chooses the weight λ of the description. If `least` is set, λ is the weight with the least held-out error. Otherwise λ
-    /// is the largest weight whose error exceeds the least error by at most one standard error.
+    /// Chooses the weight λ of the distance from the description. If `least` is set, λ is the weight with the least held-out
+    /// error. Otherwise λ is the largest weight whose error exceeds the least error by at most one standard error.
     pub(super) fn choose_weight(&mut self, prior: &Prior, least: bool) -> Result<()> {
         let mut errors = Vec::with_capacity(WEIGHTS);
         for description in grid() {

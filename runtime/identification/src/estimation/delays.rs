@@ -17,7 +17,7 @@ pub(super) struct FirstFit {
     /// Predicted rates of the efforts at the joints, `[run][joint][sample]`, in units of the effort per second. They contain no
     /// measurement noise. Empty for a joint whose efforts have several delays.
     pub(super) rates: Vec<Vec<Vec<f64>>>,
-    /// The runs without the delays of the first fit.
+    /// The runs, with efforts from which the delays of the first fit are removed.
     pub(super) runs: Vec<PreparedRun>,
 }
 

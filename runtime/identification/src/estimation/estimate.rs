@@ -38,13 +38,13 @@ const UNSETTLED: Rule = Rule::warning("load-shares-unsettled");
 /// Fixture: `codegen/tests/external_arm/doubts.rs`.
 const LEFT_OUT: Rule = Rule::warning("joint-left-out");
 
-/// Estimates inertial parameters, friction, offsets and gains of a robot from its runs.
+/// Estimates inertial parameters, friction, offsets of the efforts and gains of the drives of a robot from its runs.
 ///
 /// For each joint j the fit explains the measured force, with weights 1/σⱼ² from the variance σⱼ² of the joint's residual e:
 ///
 /// `K z = W(y, ẏ, ÿ) π + s + v φ₁ + tanh(k v) φ₂ [+ |v| φ₃ + ÿ φ₄] + o + e`
 ///
-/// - z: measured effort, times the input matrix B if efforts are inputs or currents
+/// - z: measured effort of the joint. If efforts are inputs or currents, it is the row of the input matrix B times the efforts.
 /// - K: gain of the drive. The gain is one except for currents without a described motor constant. Such gains are estimated
 ///   first, relative to the described masses.
 /// - W π: regressor of the robot times its inertial parameters
@@ -55,12 +55,13 @@ const LEFT_OUT: Rule = Rule::warning("joint-left-out");
 /// - o: offset
 ///
 /// Regularization keeps the parameters π near the description in directions that the data do not determine: λ times the
-/// squared distance from the described bodies is added to the sum of squares. λ is the largest value whose held-out error
-/// exceeds the smallest held-out error by at most one standard error.
+/// squared distance from the described bodies is added to the sum of squares. The held-out error is the error on folds of the
+/// data to which the values were not fitted. λ is the largest value whose held-out error exceeds the smallest held-out error
+/// by at most one standard error.
 ///
-/// If [`EstimationSettings::load_friction`] is set, the friction of a joint may also contain `|τ_l| s₁ tanh(k v)`. The load
-/// τ_l of the gear is the force of the rigid-body dynamics without friction. It is computed from the values of the previous
-/// pass. Passes are repeated until s₁ settles.
+/// If [`EstimationSettings::load_friction`] is set, the friction of a joint may also contain `|τ_l| s₁ tanh(k v)` with a
+/// coefficient s₁. The load τ_l of the gear is the force of the rigid-body dynamics without friction. It is computed with the
+/// estimate of the previous pass. Passes are repeated until s₁ settles.
 ///
 /// `progress` receives a sentence at each stage.
 ///
@@ -167,9 +168,10 @@ fn under_load(
             return Ok(found);
         }
     }
-    found
-        .findings
-        .push(UNSETTLED.found(format!("load-dependent friction did not settle within {PASSES} passes")));
+    let message = format!(
+        "load-dependent friction did not settle within {PASSES} passes, so the intervals of its coefficients are too narrow"
+    );
+    found.findings.push(UNSETTLED.found(message));
     Ok(found)
 }
 

@@ -38,8 +38,8 @@ const DELAYS: Rule = Rule::note("delays-estimated");
 /// Fixture: `good` in `codegen/tests/findings/arm.rs`.
 const WEIGHT: Rule = Rule::note("description-weight");
 
-/// Sees: a described body whose smaller weight lowers the held-out error by more than its standard error.
-/// Matters: the data change this body more than others.
+/// Sees: a body for which a smaller weight of its description lowers the held-out error by more than the standard error.
+/// Matters: the data may change this body more than the other bodies.
 /// Example: a link of a published model, with measured efforts.
 /// Fixture: `halves` in `codegen/tests/findings/shared.rs`.
 const CONTRADICTED: Rule = Rule::note("body-contradicted");
@@ -200,8 +200,8 @@ impl Estimated<'_> {
         self.layout.delays.iter().map(|number| self.delay(*number)).collect()
     }
 
-    /// Share by which the smaller weight of a described body lowers the held-out error of the last fit; `None` if it does
-    /// not lower the error by more than the standard error.
+    /// Relative decrease of the held-out error of the last fit by the smaller weight of a body's description; `None` if the
+    /// weight does not lower the error by more than the standard error.
     fn fall_by_doubt(&self, body: usize) -> Option<f64> {
         let own = self.chosen.held_out(self.prior).ok()?;
         let mut trusted = self.chosen.over(self.chosen.centred.sums);
@@ -226,8 +226,8 @@ impl Estimated<'_> {
             let percent = 100.0 * self.fall_by_doubt(*body)?;
             let body = names[body * PER_BODY].trim_start_matches("m_");
             let message = format!(
-                "the described body of {body} has a smaller weight than the others, by which the error on held-out data falls by \
-                 {} %",
+                "the description of the body of {body} has a smaller weight than the descriptions of other bodies. The smaller \
+                 weight lowers the error on held-out data by {} %",
                 plain(percent, 2)
             );
             Some(CONTRADICTED.found(message).with("fall of the error", percent, "%"))
@@ -395,7 +395,9 @@ pub(super) fn require_explained(
     };
     let r_squared = held_out[joint];
     let message = match r_squared >= least {
-        true => format!("the fit is doubted although R² is {r_squared:.3} on held-out data"),
+        true => format!(
+            "its fit is refused, although R² is {r_squared:.3} on held-out data; the next finding is the reason"
+        ),
         false => format!(
             "the fit does not explain its effort: R² is {r_squared:.3} on held-out data, but at least {least} is required"
         ),

@@ -30,7 +30,7 @@ pub(super) fn explains(case: &Case, errors: &HeldOut) -> bool {
     case.layout().rubbing().all(|joint| r_squared[joint] >= levels::POOR.get())
 }
 
-/// The factor of each joint's effort with the least held-out error, if it lowers the error noticeably.
+/// For each joint, the factor of its effort with the least held-out error, if this factor lowers the error noticeably.
 pub(super) fn factors(case: &Case) -> Result<Vec<Change>> {
     let mut found = Vec::new();
     if case.layout().known_gains.contains(&false) {
@@ -70,6 +70,6 @@ pub(super) fn finding(case: &Case, change: &Change, rule: &Rule) -> Result<Optio
     let remedy = format!(
         "check the effort's unit, {sources}, and the zero of its position; to multiply one column by the factor, use --columns {example}"
     );
-    let message = format!("the data are explained better with its effort times {shown}");
+    let message = format!("the data are explained better if its effort is multiplied by {shown}");
     Ok(Some(rule.found(message).with("factor", *factor, "").help(remedy)))
 }

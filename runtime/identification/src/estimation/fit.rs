@@ -68,7 +68,7 @@ impl HeldOut {
     ///
     /// The residual sums of squares of each joint must have the same units in `self` and `other`.
     ///
-    /// - `joints`: joints of which the mean share is returned; empty for the share of the whole error
+    /// - `joints`: joints whose decreases are averaged; empty for the decrease of the total error
     pub(super) fn gain(&self, other: &Self, joints: &[usize]) -> Option<f64> {
         let (excess, deviation) = other.excess(self);
         let share = match joints {

@@ -38,7 +38,7 @@ const STEP: f64 = 1.0;
 const STEPS: u32 = 200;
 const SETTLED: f64 = 1e-4;
 
-/// Gains of all joints.
+/// Gains of the drives of all joints, with their covariance.
 pub(super) struct Gains {
     /// Gain of each joint; one if the effort is a force or was not measured.
     pub(super) values: Vec<f64>,
@@ -252,7 +252,9 @@ impl<'a> Equations<'a> {
         Err(IdentificationError::NotConverged {
             what: "the estimate of motor constants".into(),
             iterations: STEPS as usize,
-            detail: format!("the last one changed their logarithms by more than {SETTLED}"),
+            detail: format!(
+                "the last iteration changed the logarithms of the constants by more than {SETTLED}"
+            ),
         })
     }
 

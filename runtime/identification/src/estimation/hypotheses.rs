@@ -1,5 +1,6 @@
-//! The table of hypotheses. Each row is a change of the log or of the description that may explain the efforts better. Another
-//! fit tests it, and it is offered as a remedy only if the error on held-out data falls clearly ([`Case::offered`]).
+//! Table of hypotheses about faults of the log or of the description. Each row is a kind of change that may explain the efforts
+//! better, for example another sign of an effort. Another fit tests each change. A change is offered as a remedy only if it
+//! lowers the error on held-out data clearly ([`Case::offered`]).
 
 use super::super::error::Result;
 use super::checks::Checked;
@@ -50,7 +51,7 @@ const DELAY: Rule = Rule::warning("other-delay");
 /// Fixture: `friction_under_load_is_identified_where_it_is_asked_for` in `codegen/tests/command_line/identify.rs`.
 const UNDER_LOAD: Rule = Rule::warning("friction-under-load");
 
-/// Entries that most rows have.
+/// Entries of a row that most hypotheses have.
 const USUAL: Hypothesis = Hypothesis {
     rule: OTHER_SIGN,
     when: |_, _| true,
@@ -108,7 +109,8 @@ const TABLE: [Hypothesis; 7] = [
     Hypothesis { rule: UNDER_LOAD, changes: loads, finding: under_load, ..USUAL },
 ];
 
-/// The unit of all efforts. It is only a part of the finding about the ratio of forces.
+/// Hypothesis that all efforts are in another unit. Its finding is only a part of the finding about the ratio of estimated to
+/// described forces.
 const UNITS: Hypothesis = Hypothesis {
     rule: unit::COMMON_FACTOR,
     changes: units,
@@ -117,18 +119,18 @@ const UNITS: Hypothesis = Hypothesis {
     ..USUAL
 };
 
-/// Whether a finding refuses a result: the fit of its joint, or of the whole robot.
+/// Whether a finding refuses the fit of its joint or of the whole robot.
 pub(super) fn is_refusal(doubt: &Finding) -> bool {
     doubt.severity == Severity::Error
 }
 
-/// How much a finding lowers the held-out error [%].
+/// Decrease of the held-out error by the change that a finding offers, in percent.
 fn fall(doubt: &Finding) -> f64 {
     doubt.value(FALL).unwrap_or(0.0)
 }
 
 impl Case<'_> {
-    /// Tries the hypotheses of all rows.
+    /// Tries the hypotheses of all rows of the table, and returns the findings about the changes that are offered.
     pub(super) fn doubts(&self) -> Result<Vec<Finding>> {
         let mut doubts = self.signs()?;
         for row in &TABLE {
@@ -163,7 +165,8 @@ impl Case<'_> {
         Ok(doubts.into_iter().map(said).collect())
     }
 
-    /// The finding about the unit of all efforts; `None` if the described bodies explain the efforts better in no unit.
+    /// The finding that all efforts are in another unit; `None` if the described bodies do not explain the efforts better in
+    /// any other unit.
     pub(super) fn unit(&self) -> Result<Option<Finding>> {
         Ok(self.offered(&UNITS)?.pop())
     }
@@ -182,7 +185,8 @@ impl Case<'_> {
         })
     }
 
-    /// Whether the rigid forces of a joint or of the robot are several times the described ones or a fraction of them.
+    /// Whether the estimated rigid-body forces of a joint or of the robot are several times the described forces, or a fraction
+    /// of the described forces.
     fn has_other_unit(&self) -> bool {
         self.ratio.is_some_and(unit::CommonRatio::is_other)
             || self.checked.is_some_and(Checked::has_other_unit)
@@ -215,7 +219,7 @@ fn driving() -> Finding {
     DRIVING.found(message).help(remedy)
 }
 
-/// The other sign of each effort that is hardly explained, or whose friction drives the joint.
+/// For each effort that is hardly explained or whose estimated friction drives the joint, the change to the other sign.
 fn signs(case: &Case) -> Result<Vec<Change>> {
     let r_squared = case.chosen.centred_r_squared(&case.own(Bodies::Fitted).rss);
     let is_doubted = |joint: &usize| case.drives(*joint) || r_squared[*joint] < levels::POOR.get();
@@ -252,7 +256,8 @@ fn other_gravity(case: &Case, _: &Change, rule: &Rule) -> Result<Option<Finding>
     Ok(Some(rule.found(format!("the data are explained better {what} gravity")).help(remedy)))
 }
 
-/// Delays that the residuals show if the delays are stated. Delays that are not stated are unknowns of the fit.
+/// Further delays that the residuals show, if the settings state the delays. Delays that are not stated are unknowns of the
+/// fit.
 fn delays(case: &Case) -> Result<Vec<Change>> {
     let Some(checked) = case.checked.filter(|checked| checked.task.layout.delays.is_empty()) else {
         return Ok(Vec::new());
@@ -265,7 +270,7 @@ fn other_delay(_: &Case, change: &Change, rule: &Rule) -> Result<Option<Finding>
     let Change::Delay(_, seconds) = change else { return Ok(None) };
     let way = if *seconds > 0.0 { "later" } else { "earlier" };
     let message = format!(
-        "compared with its position, its effort comes {:.1} ms {way} than the stated delay says",
+        "relative to its position, its effort comes {:.1} ms {way} than with the stated delay",
         1e3 * seconds.abs()
     );
     let remedy =
@@ -273,7 +278,7 @@ fn other_delay(_: &Case, change: &Change, rule: &Rule) -> Result<Option<Finding>
     Ok(Some(rule.found(message).with("delay", *seconds, "s").help(remedy)))
 }
 
-/// Friction under load of the joints whose residuals show it.
+/// Load-dependent friction of the joints whose residuals show such friction.
 fn loads(case: &Case) -> Result<Vec<Change>> {
     let Some(checked) = case.checked else { return Ok(Vec::new()) };
     let joints = case.layout().rubbing().filter(|joint| checked.rubs_under_load(*joint));
@@ -286,9 +291,11 @@ fn under_load(case: &Case, change: &Change, rule: &Rule) -> Result<Option<Findin
     let solved = case.changed(change, Some(&data)).solved(&data.prior)?;
     let share = |joint: &usize| solved.values.unknowns[data.layout.term(*joint, LOAD)];
     let names = case.robot.joint_names();
-    let said: Vec<String> =
-        joints.iter().map(|j| format!("{:.2} of it at {}", share(j), names[*j])).collect();
-    let message = format!("friction grows with the load of the gear, by about {}", said.join(", "));
+    let said: Vec<String> = joints.iter().map(|j| format!("{:.2} at {}", share(j), names[*j])).collect();
+    let message = format!(
+        "friction grows with the load of the gear; the ratio of friction to load is about {}",
+        said.join(", ")
+    );
     // Other shares cannot exist.
     let can_exist = joints.iter().map(share).all(|share| share > 0.0 && share < 1.0);
     let finding = rule.found(message).with("share of the load", share(&joints[0]), "");

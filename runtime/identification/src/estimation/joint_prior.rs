@@ -75,7 +75,8 @@ impl JointPrior {
         if self.offset > 0.0 { self.time * (deviation / spread).powi(2) } else { 0.0 }
     }
 
-    /// The weight of [`Self::samples_of_offset`], reduced to the larger standard deviation of [`levels::LARGER_OFFSET`].
+    /// The weight of [`Self::samples_of_offset`] for a larger standard deviation of the offset. The factor of the standard
+    /// deviation is [`levels::LARGER_OFFSET`].
     pub(super) fn fewer(samples: f64) -> f64 {
         samples / levels::LARGER_OFFSET.get().powi(2)
     }

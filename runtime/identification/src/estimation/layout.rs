@@ -328,8 +328,8 @@ fn require_own_inputs(robot: &dyn Robot) -> Result<()> {
         return Ok(());
     }
     Err(Place::default().fault(
-        "motor constants can be estimated only if each joint has one input that drives no other joint; convert \
-         the currents to forces of the inputs first, and use --effort input",
+        "motor constants can be estimated only if each joint has one input that drives no other joint; convert the currents to \
+         forces of the inputs first",
     ))
 }
 

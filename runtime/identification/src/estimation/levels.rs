@@ -86,12 +86,12 @@ levels! {
     /// R² below which a joint's effort is hardly explained. The sign of this effort is then doubted.
     POOR: f64 = 0.5;
 
-    /// Smallest power of driving friction for which there is a finding, as a share of the power of a force with the size of
-    /// the measured force.
+    /// Smallest power of estimated friction that drives a joint at which there is a finding, as a share of the power of a
+    /// force with the size of the measured force.
     NOTICEABLE_POWER: f64 = 0.05;
 
-    /// Smallest number of samples at which driving friction shows a wrong sign of an effort. It is ten periods of the usual
-    /// filter.
+    /// Smallest number of samples with which estimated friction that drives a joint shows a wrong sign of the effort. It is ten
+    /// periods of the usual filter.
     FEWEST_SAMPLES: usize = 100;
 
     /// Share of the residual's variance that one quantity may explain without a finding.

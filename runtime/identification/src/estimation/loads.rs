@@ -37,8 +37,8 @@ impl Loads {
         let joints: Vec<bool> = (0..layout.joints).map(|joint| layout.moves[joint] && own[joint]).collect();
         if !joints.contains(&true) {
             return Err(Place::default().fault(
-                "no moving joint has an input that drives it alone, and only there the load of the gear is known; \
-                 leave --load-friction out",
+                "no moving joint has an input that drives only this joint, and the load of a gear is known only at such \
+                 joints: leave load-dependent friction out",
             ));
         }
         let values = found.parameters.iter().zip(robot.parameters());
@@ -50,7 +50,7 @@ impl Loads {
         })
     }
 
-    /// Loads by the values of the unknowns of a fit, with friction under load of some joints.
+    /// Loads computed with the values of the unknowns of a fit, with load-dependent friction at some joints.
     pub(super) fn of(layout: &Layout, unknowns: &DVector<f64>, joints: &[usize]) -> Self {
         Self {
             changes: unknowns.rows(0, layout.parameters).iter().copied().collect(),

@@ -1,4 +1,5 @@
-//! The estimate of inertia, friction, offsets and gains of drives from prepared runs, in one weighted linear fit.
+//! Estimates inertial parameters, friction, effort offsets and drive gains from [`PreparedRun`](super::run::PreparedRun)s in
+//! one weighted linear fit.
 
 mod checks;
 mod choice;

@@ -298,7 +298,7 @@ pub(super) fn solve(a: &DMatrix<f64>, b: &DMatrix<f64>) -> Result<DMatrix<f64>> 
 
 /// The factorization `A = D L Lᵀ D` of a symmetric positive definite matrix, with a unit diagonal of `L Lᵀ`.
 pub(super) struct Factor {
-    /// Diagonal of D⁻¹.
+    /// Diagonal of D⁻¹, the inverse of the scaling D.
     scale: DVector<f64>,
     factor: Cholesky<f64, Dyn>,
 }
@@ -331,7 +331,7 @@ impl Factor {
         self.scaled(self.factor.solve(&self.scaled(b.clone())))
     }
 
-    /// `D⁻¹ B`.
+    /// The product `D⁻¹ B` with the scaling D.
     pub(super) fn scaled(&self, mut b: DMatrix<f64>) -> DMatrix<f64> {
         b.row_iter_mut().zip(self.scale.iter()).for_each(|(mut row, scale)| row *= *scale);
         b

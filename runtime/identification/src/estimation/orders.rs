@@ -44,10 +44,8 @@ pub(super) fn finding(case: &Case, change: &Change, rule: &Rule) -> Result<Optio
     let names = case.robot.joint_names();
     let moved = (0..order.len()).filter(|j| order[*j] != *j);
     let said: Vec<String> =
-        moved.map(|j| format!("{} has the columns of {}", names[order[j]], names[j])).collect();
-    let finding = rule.found(format!("columns belong to other joints: {}", said.join(", ")));
-    Ok(Some(
-        finding
-            .help("name the columns in the order of the joints, for example --columns 'position=q3|q2|q1'"),
-    ))
+        moved.map(|j| format!("those of {} in the columns of {}", names[j], names[order[j]])).collect();
+    let finding =
+        rule.found(format!("values of joints are in the columns of other joints: {}", said.join(", ")));
+    Ok(Some(finding.help("name the columns in the order of the joints, as in --columns 'position=q3|q2|q1'")))
 }

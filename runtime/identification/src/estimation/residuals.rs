@@ -109,7 +109,8 @@ fn under_load(layout: &Layout, joint: usize, factors: &DVector<f64>, columns: &[
     columns.flat_map(|column| column.iter().map(|x| -factors[place] * x)).collect()
 }
 
-/// Huber's weights of a joint's samples: 1, or bound / |residual| if the residual exceeds the bound.
+/// Huber's weights of a joint's samples: 1, or bound / |residual| if the magnitude of the residual exceeds the bound. The bound
+/// is a multiple of `deviation`, the standard deviation of the residuals.
 pub(crate) fn huber(residual: &[f64], deviation: f64) -> Vec<f64> {
     let bound = levels::HUBER.get() * deviation;
     residual.iter().map(|r| if r.abs() > bound { bound / r.abs() } else { 1.0 }).collect()

@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 /// Kind of the offsets of measured forces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Offsets {
-    /// No offsets: the sensors and the described gravity are trusted.
+    /// Measured forces have no offset, because the sensors and the described gravity are assumed to be exact.
     None,
     /// One offset for each joint.
     Common,
@@ -16,16 +16,16 @@ pub enum Offsets {
     ByRun,
 }
 
-/// Gravity in recorded efforts. In the equations z is the recorded effort, W the regressor, W₀ the regressor at rest, and π
-/// the inertial parameters.
+/// Part of the robot's weight that recorded efforts contain. In the equations, z is the recorded effort, W is the regressor,
+/// W₀ is the regressor at rest, and π are the inertial parameters. The dots stand for friction, offset and other forces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Gravity {
     /// The recorded efforts contain the weight: `z = W π + …`.
     Recorded,
     /// The robot compensates its whole weight outside the recorded efforts: `z = W π − W₀ π + …`.
     Compensated,
-    /// The robot compensates the weight of the described bodies π₀: `z = W π − W₀ π₀ + …`. The rest of the weight is in the
-    /// efforts and determines the masses.
+    /// The robot compensates the weight of the described bodies, whose parameters are π₀: `z = W π − W₀ π₀ + …`. The efforts
+    /// contain the rest of the weight, which determines the masses.
     CompensatedAsDescribed,
 }
 
@@ -45,11 +45,11 @@ pub struct Estimate {
     pub consistent: bool,
     /// Estimate of each joint.
     pub joints: Vec<JointEstimate>,
-    /// Kind of the recorded efforts.
+    /// Kind of the recorded efforts: forces at the joints, inputs, or currents.
     pub effort: Effort,
-    /// Gravity in the recorded efforts.
+    /// Part of the robot's weight that the recorded efforts contain.
     pub gravity: Gravity,
-    /// Kind of the estimated offsets.
+    /// Kind of the estimated offsets: none, one for each joint, or one for each joint and run.
     pub offsets: Offsets,
     /// Weight λ of the squared distance from the description.
     pub description_weight: f64,
@@ -58,33 +58,34 @@ pub struct Estimate {
     pub effective_parameters: f64,
     /// Covariance of the inertial parameters `[P × P]`; zero for parameters that the data may not change.
     pub parameter_covariance: DMatrix<f64>,
-    /// Products from which [`Self::r_squared_lost`] is computed.
+    /// Sums of products from which [`Self::r_squared_lost`] is computed.
     pub(crate) sensitivity: Sensitivity,
-    /// Measured forces at the joints, multiplied by the gains, `[run][joint][sample]` [N·m or N].
+    /// Measured efforts, converted to forces at the joints by the gains of the drives, `[run][joint][sample]` [N·m or N].
     pub measured: Vec<Vec<Vec<f64>>>,
-    /// Forces of the fitted model including offsets, `[run][joint][sample]` [N·m or N].
+    /// Forces at the joints by the fitted model, including friction and offsets, `[run][joint][sample]` [N·m or N].
     pub predicted: Vec<Vec<Vec<f64>>>,
-    /// Measured forces minus the rigid-body forces, `[run][joint][sample]` [N·m or N]. They contain friction, offset and
-    /// error.
+    /// Measured forces minus the estimated rigid-body forces, `[run][joint][sample]` [N·m or N]. These differences contain
+    /// friction, offset and error.
     pub friction: Vec<Vec<Vec<f64>>>,
-    /// Load-dependent friction, `[run][joint][sample]` [N·m or N]; empty if it was not requested.
+    /// Estimated load-dependent friction, `[run][joint][sample]` [N·m or N]; empty if it was not requested.
     pub load_friction: Vec<Vec<Vec<f64>>>,
     /// Confidence level of all intervals, between 0 and 1.
     pub confidence: f64,
-    /// Covariance of the coefficients of each joint's friction terms.
+    /// Covariance of the coefficients of each joint's friction terms, in the order of [`JointEstimate::terms`].
     pub terms_covariance: Vec<DMatrix<f64>>,
-    /// Change of the coefficients of each joint's friction terms if the samples near rests and reversals are left out.
+    /// Change of the coefficients of each joint's friction terms ([`JointEstimate::terms`]) if the samples near rests and
+    /// reversals are left out of the fit.
     pub terms_margins: Vec<DVector<f64>>,
-    /// Degrees of freedom of the covariances.
+    /// Degrees of freedom of the covariances, for Student's t distribution.
     pub freedom: usize,
     /// Delay of each effort that remained after the preparation \[s\], positive if the effort is late; empty if the delays are
-    /// known. The forces of this estimate are at the times of the motion.
+    /// known. The forces of this estimate are shifted by these delays to the times of the motion.
     pub delays: Vec<Uncertain>,
     /// Findings about the choices of the fit and about the data.
     pub findings: Vec<Finding>,
 }
 
-/// A value with its interval. The interval takes correlated residuals into account.
+/// An estimated value with its confidence interval. The interval takes correlated residuals into account.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Uncertain {
     /// Estimated value.
@@ -108,14 +109,14 @@ impl Uncertain {
 /// Estimate of one joint, or of the shaft that replaces the joint in the equations ([`crate::shafts`]).
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct JointEstimate {
-    /// Name of the joint in the description, or of the shaft's drive.
+    /// Name of the joint in the description, or of the drive whose shaft replaces the joint.
     pub name: String,
     /// Unit of the forces: `N·m` or `N`.
     pub unit: &'static str,
     /// Friction terms; empty if the joint does not move.
     pub terms: Vec<EstimatedTerm>,
-    /// Load-dependent friction `|τ_l| s₁(v)` with the load τ_l of the gear and a dimensionless function s₁ of the velocity;
-    /// `None` if the term was not requested or not chosen.
+    /// Load-dependent friction `|τ_l| s₁(v)`: τ_l is the load of the gear (the force of the drive without all friction), and
+    /// s₁ is a dimensionless function of the velocity v. `None` if the term was not requested or not chosen.
     pub load: Option<EstimatedTerm>,
     /// Reflected inertia in addition to the described inertia [kg m² or kg]; `None` if this term was not chosen.
     pub armature: Option<Uncertain>,
@@ -126,9 +127,10 @@ pub struct JointEstimate {
     pub offsets: Vec<f64>,
     /// Standard error of each offset; a single entry if all runs share an offset.
     pub offset_errors: Vec<f64>,
-    /// Standard deviation of the residual [N·m or N].
+    /// Standard deviation of the residual, which is measured minus predicted force [N·m or N].
     pub sigma: f64,
-    /// `R² = 1 − RSS / Σ (τ − τ̄)²` over all fitted data, with the residual sum of squares RSS and the force τ.
+    /// `R² = 1 − RSS / Σ (τ − τ̄)²` over all fitted data, with the residual sum of squares RSS, the measured force τ
+    /// and its mean τ̄.
     pub r_squared: f64,
     /// R² of predictions in which each fold is predicted by the fit to the other folds.
     pub held_out_r_squared: f64,
@@ -143,8 +145,8 @@ pub struct JointEstimate {
     /// Whether the effort of the joint was measured. Without a measured effort the joint has no terms, gain or armature. Its
     /// numbers and its measured and predicted forces are then NaN.
     pub measured: bool,
-    /// Whether the force is known without a sensor, as it is for a joint with a quaternion. Such a row has neither an offset
-    /// nor estimated friction. R² is NaN if no force acts there.
+    /// Whether the force is known without a sensor, as it is for a joint with a quaternion. Then neither an offset nor friction
+    /// is estimated. R² is NaN if no force acts at the joint.
     pub exact: bool,
 }
 
@@ -153,6 +155,7 @@ pub struct JointEstimate {
 pub struct EstimatedTerm {
     /// Expression in the joint's velocity `v`, as in a description.
     pub basis: String,
-    /// Coefficient of the expression. The product of both is in N·m or N; it is dimensionless for [`JointEstimate::load`].
+    /// Coefficient of the expression. The product of coefficient and expression is in N·m or N. For [`JointEstimate::load`], it
+    /// is dimensionless.
     pub coefficient: Uncertain,
 }

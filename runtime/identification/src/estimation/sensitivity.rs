@@ -24,8 +24,8 @@ pub(super) struct JointSensitivity {
 }
 
 impl Estimate {
-    /// Decrease of R² of each moving joint if `change` is added to the inertial parameters and all other values stay the same.
-    /// A negative entry is an increase. Joints whose decrease is not finite have no entry.
+    /// Returns the decrease of R² of each moving joint if `change` is added to the inertial parameters and all other values
+    /// stay the same. A negative entry is an increase. Joints whose decrease is not finite have no entry.
     #[must_use]
     pub fn r_squared_lost(&self, change: &[f64]) -> Vec<f64> {
         let lost = |joint: &JointSensitivity| {

@@ -4,7 +4,7 @@ use super::super::error::{Result, require_setting};
 use super::super::preparation::Filter;
 use super::result::Offsets;
 
-/// Settings of [`super::estimate`]. The defaults suit a log about which nothing is known.
+/// Settings of [`estimate`](super::estimate()). The defaults suit a log about which nothing is known.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EstimationSettings {
     /// Whether the recorded efforts exclude gravity because the robot compensates it. The held-out error decides whether the
@@ -16,16 +16,18 @@ pub struct EstimationSettings {
     /// Factors k of the Coulomb terms tanh(k v) with the velocity v, one for each joint [s/rad or s/m]. `None` chooses the
     /// factors by the held-out error.
     pub steepness: Option<Vec<f64>>,
-    /// Whether load-dependent friction may be added, `|τ_l| s₁ tanh(k v)` with 0 < s₁ < 1, the load τ_l of the gear and k as in
-    /// [`Self::steepness`]. The term is added to a joint if it lowers the held-out error. The joint must have an input that
-    /// drives no other joint.
+    /// Whether load-dependent friction may be added, `|τ_l| s₁ tanh(k v)`. Here τ_l is the load of the gear, s₁ is a
+    /// coefficient between 0 and 1, v is the velocity, and k is the factor of [`Self::steepness`]. The term is added to a joint
+    /// if it lowers the held-out error. The joint must have an input that drives no other joint.
     pub load_friction: bool,
-    /// Whether reflected inertia (ÿ) and asymmetric viscous friction (|v|) may be added. Each term is added to a joint if it
-    /// lowers the held-out error.
+    /// Whether two terms may be added to the force of a joint: reflected inertia (times the acceleration ÿ) and asymmetric
+    /// viscous friction (times |v|, with the velocity v). Each term is added if it lowers the held-out error.
     pub optional_terms: bool,
-    /// Number of folds of contiguous blocks, 4 to 50.
+    /// Number of folds, 4 to 50. Each fold consists of contiguous parts of the runs. The held-out error is the error on each
+    /// fold of the fit to the other folds.
     pub folds: usize,
-    /// Number of passes in which outliers lose weight (Huber 1964), at most 20. With 0 all samples have the same weight.
+    /// Number of repetitions of the fit, at most 20. Each repetition reduces the weights of outliers (Huber 1964). If it is
+    /// 0, all samples have the same weight.
     pub robust_passes: usize,
     /// Whether the inertial parameters must be those of physically possible bodies.
     pub consistent: bool,

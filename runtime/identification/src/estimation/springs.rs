@@ -14,7 +14,7 @@ use gelenk_findings::{Finding, Rule, Subject};
 /// Fixture: `spring` in `codegen/tests/findings/arm.rs`.
 pub(super) const SPRING: Rule = Rule::warning("spring");
 
-/// A spring at each joint. Rows of joints with quaternions and of shafts have no spring.
+/// For each joint, the change by a spring of unknown stiffness. Rows of joints with quaternions and of shafts have no spring.
 pub(super) fn springs(case: &Case) -> Result<Vec<Change>> {
     let layout = case.layout();
     let is_possible = !layout.exact.contains(&true) && !layout.known_gains.contains(&false);

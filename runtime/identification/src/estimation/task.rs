@@ -45,7 +45,7 @@ impl Task<'_> {
         forces(&mut self.rows(), self.layout, self.runs, values, offsets)
     }
 
-    /// Evaluates a function of this task with additional parameters.
+    /// Extends this task by additional parameters, and calls a function with the extended task.
     ///
     /// - `count`: number of additional parameters
     /// - `more`: change of the regressor, with the columns of the additional parameters at the end

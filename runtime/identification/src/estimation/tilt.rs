@@ -128,7 +128,8 @@ impl Turning<'_> {
         turned * (size / turned.norm())
     }
 
-    /// The angles in the directions that the data determine, and the changes of all unknowns that are fitted with them.
+    /// The fitted angles by which gravity turns in the directions that the data determine, and the fitted changes of all
+    /// unknowns.
     fn angles(&self, task: &Task, last: &Chosen) -> Result<[DVector<f64>; 2]> {
         let more = |y: &[f64], regressor: &mut [f64]| self.add(y, task.layout.joints, regressor);
         task.with_more((2, &more), |task| {
@@ -174,8 +175,9 @@ pub(super) fn finding(case: &Case, change: &Change, rule: &Rule) -> Result<Optio
         vector.iter().map(entry).collect::<Vec<_>>().join(", ")
     });
     let message = format!(
-        "the efforts show a gravity {angle:.1}° off the described one, turned about the axis [{axis}] of the base: the base is \
-         mounted at an angle, or `gravity` is wrong. Bodies and friction were fitted with the described gravity"
+        "the efforts show a direction of gravity that differs by {angle:.1}° from the described direction, by a turn about \
+         [{axis}] in the axes of the base: the base is mounted at an angle, or `gravity` is wrong. Bodies and friction were \
+         fitted with the described direction"
     );
     let remedy = format!("set `gravity = [{found}]`, and identify again");
     Ok(Some(rule.found(message).with("angle", angle, "°").help(remedy)))

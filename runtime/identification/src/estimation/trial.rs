@@ -1,7 +1,8 @@
-//! Fits of the same choice to a changed log or description, and their errors on held-out data.
+//! Fits of the same choice of terms to a changed log or description, and their errors on held-out data.
 //!
-//! Each hypothesis is judged with one kind of bodies, because bodies that may change would explain much of some changes. With
-//! the other kind of bodies the change must not raise the error by more than its standard error.
+//! Some hypotheses are tested with fitted bodies. Others are tested with the described bodies, because fitted bodies would
+//! explain much of the change. With the other kind of bodies, the change must not raise the error by more than the standard
+//! error.
 
 use super::super::error::Result;
 use super::super::log::unit_value;
@@ -25,37 +26,37 @@ use std::slice;
 
 /// Weight of the prior that keeps an additional parameter at zero.
 const HELD: f64 = 1e12;
-/// Weight with which the data alone determine an additional parameter.
+/// Weight of the prior that is so small that the data alone determine an additional parameter.
 const FREE: f64 = 1e-12;
 /// Weight of the description at which the bodies stay as described.
 const AS_DESCRIBED: f64 = 1e12;
 
-/// Name of the decrease of the held-out error [%] among the numbers of a finding.
+/// Name of a number of a finding: the decrease of the held-out error by the change, in percent.
 pub(super) const FALL: &str = "fall of the held-out error";
 
 /// A change of the log or of the description.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Change {
-    /// The efforts of a joint are multiplied by a factor; those of all joints with `None`.
+    /// The efforts of the joint with this index are multiplied by a factor; with `None`, the efforts of all joints.
     Factor(Option<usize>, f64),
     /// All efforts are in the unit with this name.
     Unit(&'static str),
-    /// The efforts contain this gravity.
+    /// The efforts contain this part of the robot's weight.
     Gravity(Gravity),
-    /// The vector of gravity.
+    /// Gravity is this vector.
     Tilt(Vector3<f64>),
     /// Joint j has the columns of joint `order[j]`.
     Order(Vec<usize>),
-    /// The efforts of a joint come later by a time \[s\] than stated.
+    /// The efforts of a joint have this delay \[s\] in addition to the stated delay.
     Delay(usize, f64),
     /// A joint has a spring of an unknown stiffness.
     Spring(usize),
-    /// The friction of these joints grows with the load of their gears.
+    /// These joints have load-dependent friction.
     Load(Vec<usize>),
 }
 
 impl Change {
-    /// The joint that is changed; `None` if the change is one of the whole robot.
+    /// The joint that is changed; `None` if the whole robot is changed.
     pub(super) fn joint(&self) -> Option<usize> {
         match self {
             Self::Factor(joint, _) => *joint,
@@ -64,7 +65,7 @@ impl Change {
         }
     }
 
-    /// The joints whose errors decide about the change; empty if those of all joints do.
+    /// The joints whose held-out errors decide about the change; empty if the errors of all joints decide.
     fn deciding(&self) -> &[usize] {
         match self {
             Self::Delay(joint, _) => slice::from_ref(joint),
@@ -88,7 +89,7 @@ impl Change {
 pub(super) enum Bodies {
     /// Fitted with the weight of the description.
     Fitted,
-    /// As fitted, but physically impossible bodies are possible. This takes less time for many changes.
+    /// Fitted without the constraint that bodies are physically possible. This takes less time for many changes.
     Unbounded,
     /// As described.
     Described,
@@ -119,22 +120,22 @@ impl Bodies {
 pub(super) struct Hypothesis {
     /// Rule of the finding.
     pub(super) rule: Rule,
-    /// Whether the hypothesis is tried, next to the doubts of the rows above.
+    /// Whether the hypothesis is tried if the rows above gave these findings.
     pub(super) when: fn(&Case, &[Finding]) -> bool,
     /// Changes that are tried.
     pub(super) changes: fn(&Case) -> Result<Vec<Change>>,
     /// Bodies with which the held-out error must fall.
     pub(super) bodies: Bodies,
-    /// Another change, which must not lower the error more.
+    /// Another change that may also explain the data. The hypothesis is not offered if the other change lowers the error more.
     pub(super) rival: fn(&Case) -> Option<Change>,
     /// Further condition of the held-out error with the change.
     pub(super) accepts: fn(&Case, &HeldOut) -> bool,
-    /// Whether every change that explains the data better is offered, otherwise only the best one.
+    /// Whether every change that explains the data better is offered. If false, only the best change is offered.
     pub(super) each: bool,
-    /// Whether the change is the one cause of all doubts: the doubts above go if it lowers the error more than their changes,
-    /// otherwise this change is not offered.
+    /// Whether the change excludes the changes of the rows above. If it lowers the error more than these changes, its finding
+    /// replaces their findings. Otherwise it is not offered.
     pub(super) is_alone: bool,
-    /// The finding about a change without its subject; `None` if no robot can have the change.
+    /// The finding about a change, without the part of the robot that it is about; `None` if no robot can have the change.
     pub(super) finding: fn(&Case, &Change, &Rule) -> Result<Option<Finding>>,
 }
 
@@ -150,7 +151,7 @@ pub(super) struct Case<'a> {
     pub(super) robot: &'a dyn Robot,
     pub(super) prior: &'a Prior,
     pub(super) chosen: &'a Chosen<'a>,
-    /// Factor between estimated and described forces; `None` if no joint gives one.
+    /// Ratio of estimated to described forces; `None` if no joint determines this ratio.
     pub(super) ratio: Option<&'a CommonRatio>,
     /// Checks of the residuals; `None` for an estimate from moments, which has no samples.
     pub(super) checked: Option<&'a Checked<'a>>,
@@ -212,7 +213,7 @@ impl<'a> Case<'a> {
         Ok(found)
     }
 
-    /// The choice with a change, not fitted yet.
+    /// The choice of terms with a change, not fitted yet.
     ///
     /// - `data`: data with the change, if it changes them
     pub(super) fn changed<'b>(&'b self, change: &Change, data: Option<&'b Data>) -> Chosen<'b> {
@@ -243,7 +244,7 @@ impl<'a> Case<'a> {
         Ok(found)
     }
 
-    /// Data with a change; `None` if the change needs no other sums.
+    /// Data with a change; `None` if the sums of the original data are sufficient.
     pub(super) fn data(&self, change: &Change) -> Result<Option<Rc<Data>>> {
         let Some(&Checked { task, .. }) = self.checked else { return Ok(None) };
         let of = |task: Task| Some(Rc::new(Data::of(&task)));
@@ -305,7 +306,7 @@ pub(super) fn at_rest(robot: &dyn Robot, y: &[f64], joints: usize, gravity: Vect
     regressor
 }
 
-/// Adds to the regressor the weights under another gravity minus those under the described one.
+/// Adds to the regressor its gravity part under another gravity minus its gravity part under the described gravity.
 fn turned_weights(robot: &dyn Robot, gravity: Vector3<f64>, y: &[f64], regressor: &mut [f64]) {
     let (joints, described) = (robot.joint_names().len(), robot.gravity().map_or(gravity, Vector3::from));
     let turned = at_rest(robot, y, joints, gravity - described);

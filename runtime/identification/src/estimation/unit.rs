@@ -78,7 +78,7 @@ fn middle(ratios: &[f64]) -> Option<f64> {
 impl CommonRatio {
     /// A doubt about the efforts of the robot as a whole; `None` if the ratio is near 1.
     ///
-    /// - `unit`: gives the finding with a unit in which the efforts are explained better; `None` if there is no such unit
+    /// - `unit`: returns the finding with a unit in which the efforts are explained better; `None` if there is no such unit
     ///
     /// # Errors
     /// [`IdentificationError::Found`] with the ratio and its likely causes, if the ratio is far from 1 and this is not
@@ -138,7 +138,7 @@ impl CommonRatio {
             "use --effort current for currents, and --effort joint for efforts on the output side of the gears"
         };
         let message = format!(
-            "the rigid bodies need {} times the described force (joints {})",
+            "the rigid-body forces in the efforts are {} times the forces of the described bodies (joints {})",
             plain(self.factor, 3),
             self.joints.join(", ")
         );
@@ -157,7 +157,10 @@ pub(super) fn unit_doubt([rigid, described, measured]: Sizes) -> Option<Finding>
     let ratio = rigid / described;
     let matters = described > levels::CARRIES.get() * measured;
     (matters && !(1.0 / levels::OTHER_UNIT.get()..=levels::OTHER_UNIT.get()).contains(&ratio)).then(|| {
-        let message = format!("the rigid body needs {} times the described force", plain(ratio, 3));
+        let message = format!(
+            "the rigid-body force in its effort is {} times the force of the described bodies",
+            plain(ratio, 3)
+        );
         let remedy =
             "check the described masses and the gear ratio, and look for forces that the description lacks";
         JOINT_FACTOR.found(message).with("factor", ratio, "").help(remedy)

@@ -9,7 +9,7 @@ use nalgebra::DMatrix;
 /// Number of random states at which dependent columns of the regressor are detected.
 const STATES: usize = 60;
 
-/// Random states within the limits.
+/// Random positions, velocities and accelerations within the limits.
 pub(super) fn random_states(limits: &[ExcitationLimits], chart: &Chart) -> Vec<Instant> {
     let mut random = SplitMix64::new(1);
     let mut between = |low: f64, high: f64| low + (high - low) * random.uniform();

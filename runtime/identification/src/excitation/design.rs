@@ -12,7 +12,7 @@ use super::settings::PlanSettings;
 use super::{ExcitationLimits, FourierMotion, Instant};
 use nalgebra::DMatrix;
 
-/// Speed and torque that a planned motion requires from the motor of a drive that acts on several joints.
+/// Speed and torque that a planned motion requires from a drive that acts on several joints.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlannedShaft {
     /// Name of the drive.
@@ -25,7 +25,7 @@ pub struct PlannedShaft {
     pub limit: f64,
 }
 
-/// Share of a limit, and of a unit of position, that counts as rounding.
+/// Largest excess over a limit that counts as rounding: a share of a limit of speed, or a distance in rad or m.
 const ROUNDING: f64 = 1e-9;
 /// Number of friction columns of a joint: viscous, Coulomb, offset.
 const FRICTION: usize = 3;

@@ -11,7 +11,7 @@ use crate::pose::QuaternionJoint;
 use crate::robot::Robot;
 use nalgebra::DMatrix;
 
-/// Values of an input that a planned motion requires, for the described robot without friction.
+/// Range of the values of an input that a planned motion requires, for the described robot without friction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlannedInput {
     /// Name of the input.

@@ -29,7 +29,7 @@ impl FourierMotion {
         out
     }
 
-    /// Returns positions y, velocities ẏ and accelerations ÿ of all joints at time `t` \[s\].
+    /// Returns positions y, velocities ẏ and accelerations ÿ of all joints at the time `t` \[s\], in this order.
     pub fn instant(&self, t: f64) -> Instant {
         let joints: Vec<[f64; 3]> = (0..self.center.len()).map(|i| self.joint_at(i, t)).collect();
         std::array::from_fn(|k| joints.iter().map(|joint| joint[k]).collect())

@@ -5,7 +5,7 @@ use super::smallest_inputs::SmallestInputs;
 use crate::robot::{FollowerLimits, JointLimits, Robot, TorqueSpeedLine, narrowed_limits};
 use nalgebra::{DMatrix, DVector};
 
-/// Limits of the inputs for a motion.
+/// Limits that the inputs keep along a planned motion.
 pub(super) struct Torques {
     lines: Vec<TorqueSpeedLine>,
     /// Lowest and highest input that the motion may require, for each input.

@@ -42,13 +42,14 @@ pub struct Plan {
     pub motion: FourierMotion,
     /// The approach from the given posture to the beginning of the motion; `None` if no posture is given.
     pub approach: Option<Approach>,
-    /// Number of base parameters and number of friction parameters that the motion has to determine.
+    /// Number of base parameters (independent combinations of inertial parameters) and number of friction parameters that the
+    /// motion has to determine.
     pub parameters: [usize; 2],
-    /// Condition number of the regressor of these parameters. Its rows are divided by the joints' efforts, and its columns
-    /// are scaled to unit length.
+    /// Condition number of the regressor of the base and friction parameters. Its rows are divided by the joints' efforts, and
+    /// its columns are scaled to unit length.
     pub condition: f64,
-    /// Smallest score of the random motions before the search: minus the logarithm of the determinant of the Fisher
-    /// information.
+    /// Smallest score of the random motions from which the search started. The score is minus the logarithm of the determinant
+    /// of the Fisher information.
     pub start: f64,
     /// Largest speeds [rad/s or m/s] and largest efforts [N·m or N] of the motion and the approach, one entry for each joint,
     /// for the described robot without friction.
@@ -68,8 +69,8 @@ const SHOWN: usize = 10;
 
 /// Plans a motion that determines the base parameters and the friction of all joints.
 ///
-/// The search minimizes minus the logarithm of the determinant of the Fisher information `Σ Wᵀ Σ_τ⁻¹ W` (D-optimality). This
-/// is a measure of the volume of the parameters' confidence ellipsoid.
+/// The search minimizes minus the logarithm of the determinant of the Fisher information `Σ Wᵀ Σ_τ⁻¹ W` (D-optimality). The
+/// determinant is large if the confidence ellipsoid of the parameters is small.
 /// - W is the regressor at one time. It has a column for each independent inertial parameter, and three columns for each
 ///   joint without a quaternion: the velocity v, a smooth sign of v, and 1.
 /// - Σ_τ is the diagonal matrix of the squares of the usable efforts. If a joint has no limit of the effort, its typical force

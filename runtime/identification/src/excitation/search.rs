@@ -17,18 +17,18 @@ pub(crate) struct ExcitationLimits {
     pub acceleration: f64,
 }
 
-/// Settings of the search.
+/// Settings of the search for an exciting motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Excitation {
     /// Period T of the motion \[s\].
     pub period: f64,
-    /// Number of harmonics of the Fourier series, from the frequency 1/T on.
+    /// Number of harmonics of the motion's Fourier series. The first harmonic has the frequency 1/T.
     pub harmonics: usize,
     /// Number of equidistant times of a period at which limits and regressor are evaluated.
     pub samples: usize,
-    /// Number of random starts.
+    /// Number of random motions from which the search starts.
     pub starts: usize,
-    /// Number of candidates that are tried from each start.
+    /// Number of candidate motions that are tried from each start.
     pub iterations: usize,
     /// Seed of the random numbers.
     pub seed: u64,

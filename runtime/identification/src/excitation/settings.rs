@@ -1,4 +1,4 @@
-//! Settings of a plan.
+//! Settings of a planned motion.
 
 use super::super::error::{Result, require_setting};
 use super::Excitation;
@@ -9,18 +9,18 @@ use std::f64::consts::PI;
 pub struct PlanSettings {
     /// Settings of the search, with the period of the motion.
     pub excitation: Excitation,
-    /// Usable share of the range of positions, about the middle of the range; above 0, at most 1.
+    /// Usable share of the position range of each joint, centred at the middle of the range; above 0, at most 1.
     pub position_share: f64,
     /// Usable share of the described speeds; above 0, at most 1.
     pub velocity_share: f64,
     /// Usable share of the described efforts, which the described robot does not exceed in the motion; above 0, at most 1.
     pub effort_share: f64,
-    /// Largest acceleration [rad/s² or m/s²]. `None` takes twice the usable speed per second.
+    /// Largest acceleration [rad/s² or m/s²]. If it is `None`, a joint may reach twice its usable speed in one second.
     pub acceleration: Option<f64>,
     /// Largest speed of joints without a described limit [rad/s or m/s].
     pub velocity: f64,
-    /// Range of positions of prismatic joints without described limits \[m\]. Revolute joints without described limits may
-    /// turn by ±π.
+    /// Width of the position range of prismatic joints without described limits \[m\]: they move from −travel/2 to travel/2.
+    /// Revolute joints without described limits move from −π to π. [`Self::position_share`] narrows both ranges.
     pub travel: f64,
     /// Largest rotation of joints with a quaternion from their zero position \[rad\], above 0 and below π. Descriptions have
     /// no such limit.

@@ -48,19 +48,22 @@ pub(super) fn assumptions(robot: &dyn Robot, settings: &PlanSettings, chart: &Ch
         let is_turn = |i: usize| turns[i] && unit == "rad";
         let found = joints(unit, &|i, limits| !is_turn(i) && !is_bounded(limits.position));
         found.map(|names| {
-            format!("joints without limits of position have the limits ±{half:.2} {unit}: {names}")
+            format!("position limits of ±{half:.2} {unit} are assumed for joints without described limits: {names}")
         })
     });
     let speeds = ["rad", "m"].map(|unit| {
         let found = joints(unit, &|_, limits| !is_limit(limits.velocity));
         found.map(|names| {
-            format!("joints without a limit of speed have the limit {} {unit}/s: {names}", settings.velocity)
+            format!(
+                "a speed limit of {} {unit}/s is assumed for joints without a described limit: {names}",
+                settings.velocity
+            )
         })
     });
     let turning: Vec<&str> = chart.rotations().map(|(name, _)| name).collect();
     let turn = (!turning.is_empty()).then(|| {
         format!(
-            "joints with a quaternion have no limits of position; they rotate by up to {:.2} rad from the quaternion 0, 0, 0, \
+            "joints with a quaternion have no position limits; they rotate by up to {:.2} rad from the quaternion 0, 0, 0, \
              1: {}",
             settings.position_share * settings.turn,
             turning.join(", ")

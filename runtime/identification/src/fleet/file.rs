@@ -11,9 +11,9 @@ use sha2::{Digest, Sha256};
 use std::fs;
 use std::path::Path;
 
-/// First bytes of the file in every version.
+/// First bytes of a file of moments in every version.
 const MAGIC: &[u8] = b"gelenk moments ";
-/// First line of the file in this version.
+/// First line of a file of moments in this version.
 const FIRST_LINE: &[u8] = b"gelenk moments 4\n";
 /// Number of bytes of a SHA-256.
 const HASH: usize = 32;
@@ -21,7 +21,7 @@ const HASH: usize = 32;
 const LARGEST: u64 = 1 << 30;
 
 impl LogMoments {
-    /// Reads a file of moments.
+    /// Reads a file of moments (sums of products of logs).
     ///
     /// # Errors
     /// [`IdentificationError::File`](crate::error::IdentificationError::File) if the file cannot be read, is not a file of

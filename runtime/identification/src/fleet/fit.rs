@@ -1,4 +1,4 @@
-//! Identification of a robot from moments.
+//! Identification of a robot from moments (sums of products) of its logs.
 
 use super::super::doubts::written::judge;
 use super::super::error::{IdentificationError, Result, at};
@@ -38,8 +38,8 @@ const OTHER_DELAYS: Rule = Rule::warning("different-delays");
 /// Fixture: `merge` in `codegen/tests/findings/arm.rs`.
 const OF_MOMENTS: Rule = Rule::note("moments");
 
-/// Identifies a robot from moments of its logs, as [`super::super::identify::identify`] does from the logs. Runs, efforts,
-/// predictions and offsets in the result are empty, because they need samples.
+/// Identifies a robot from moments of its logs ([`LogMoments`]), as [`super::super::identify::identify`] does from the logs.
+/// Runs, efforts, predictions and offsets in the result are empty, because they cannot be computed from sums.
 ///
 /// - `description`: source of the robot, as for [`super::reduce()`]
 /// - `progress`: receives a sentence at each step
@@ -202,12 +202,17 @@ impl LogMoments {
         let [narrow, wide] = self.range(&|log| [log.bandwidth; 2]);
         let [early, late] = self.range(&|log| log.delays);
         let filters = (wide > levels::OTHER_FILTER.get() * narrow).then(|| {
-            let message = format!("the logs passed different filters ({narrow:.3} to {wide:.3} Hz)");
+            let message = format!(
+                "the logs passed filters of different bandwidths ({narrow:.3} to {wide:.3} Hz), so the moments mix different signals"
+            );
             OTHER_FILTERS.found(message).help("use the same --bandwidth for every --reduce")
         });
         let delays = (late - early > levels::OTHER_DELAY.get()).then(|| {
             let [early, late] = [early, late].map(|delay| 1e3 * delay);
-            let message = format!("delays of {early:.1} to {late:.1} ms were removed from the efforts");
+            let message = format!(
+                "different delays, from {early:.1} to {late:.1} ms, were removed from the efforts of the logs, so one of these \
+                 delays may be wrong"
+            );
             OTHER_DELAYS.found(message).help("use the same --delay for every --reduce")
         });
         filters.into_iter().chain(delays).collect()

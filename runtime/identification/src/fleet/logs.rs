@@ -1,4 +1,4 @@
-//! Moments of logs, and their sum.
+//! Moments (sums of products) of logs, and the sum of the moments of several logs.
 
 use super::super::error::{IdentificationError, Result, at};
 use super::super::log::hexadecimal;
@@ -20,9 +20,9 @@ pub(super) const SHARES: usize = 16;
 /// A SHA-256.
 pub(super) type Hash = [u8; 32];
 
-/// Moments of one or several logs: sums of products of the columns of each joint's equation, without the offsets of the
-/// runs. The samples are divided into 16 groups (shares) with separate sums. The size of moments does not depend on the length
-/// of the logs.
+/// Moments of one or several logs: sums of products of the columns of each joint's equation (regressor and measured force). The
+/// mean of each run is subtracted from the columns before, except in the equations of joints with a quaternion. The samples are
+/// divided into 16 groups (shares) with separate sums. The size of moments does not depend on the length of the logs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LogMoments {
     pub(super) about: About,
@@ -50,7 +50,7 @@ pub(super) struct About {
     pub(super) widths: Vec<usize>,
 }
 
-/// A log that was reduced to moments.
+/// A log that was reduced to moments (sums of products).
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReducedLog {
     /// File name of the log.
@@ -67,7 +67,7 @@ pub struct ReducedLog {
     pub bandwidth: f64,
     /// Least and largest delay that was removed from an effort \[s\].
     pub delays: [f64; 2],
-    /// Correlation time of the residuals of the fit to this log \[samples\], the largest of all joints.
+    /// Largest correlation time over all joints of the residuals of the fit to this log \[samples\].
     pub correlation: f64,
 }
 
@@ -119,8 +119,8 @@ pub(super) struct JointSums {
     /// Sums of squares that the reduced weights w of outliers remove: Σ (1 − w) r² and Σ (1 − w)(z − z̄)², in squared units of
     /// the effort, with the residual r and the measured effort z.
     pub(super) lost: [Exact; 2],
-    /// Lower triangle, row by row, of Σ w (x − x̄)(x − x̄)ᵀ of the columns x with their means x̄; of Σ w x xᵀ for a joint with a
-    /// quaternion.
+    /// Lower triangle, row by row, of Σ w (x − x̄)(x − x̄)ᵀ of the columns x with their means x̄; of Σ w x xᵀ for a joint with
+    /// a quaternion.
     pub(super) products: Vec<Exact>,
 }
 

@@ -2,9 +2,9 @@
 //! added in any order.
 //!
 //! Each log is reduced to [`LogMoments`] separately ([`reduce()`]), on any machine. The samples are divided into groups
-//! (shares), and the sums of each joint and share are exact integers (`exact`). So the total has the same bytes for every order
-//! in which the sums are added ([`LogMoments::sum`]). Moments are stored in files (`file`), and [`identify_moments`] identifies
-//! the robot from moments.
+//! (shares). The sums of each joint and share are stored as integers, whose addition has no rounding errors (`exact`). So the
+//! total has the same bytes for every order in which the sums are added ([`LogMoments::sum`]). Moments are stored in files
+//! (`file`), and [`identify_moments`] identifies the robot from moments.
 
 mod exact;
 mod file;

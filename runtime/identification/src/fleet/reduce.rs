@@ -1,4 +1,4 @@
-//! Reduction of a log to moments.
+//! Reduction of a log to moments (sums of products of its samples).
 
 use super::super::error::{IdentificationError, Result};
 use super::super::estimation::{
@@ -32,7 +32,7 @@ fn require_all_efforts(robot: &dyn Robot, preparation: &PreparationReport) -> Re
     }
 }
 
-/// Reduces one log to its moments.
+/// Reduces one log to its moments (sums of products).
 ///
 /// First the log is fitted alone, as [`super::super::identify::identify`] does. This fit gives the weights of outliers, the
 /// correlation time of the residuals, and findings about the log. It is not an error if the fit explains little.

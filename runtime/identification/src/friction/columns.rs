@@ -9,7 +9,7 @@ use super::task::FrictionData;
 use nalgebra::DMatrix;
 
 impl FrictionData<'_> {
-    /// The speed from which on the data determine the law without an effect of the filter. This speed is the tenth smallest
+    /// The speed above which the filter does not distort the law. This speed is the tenth smallest
     /// speed of the samples that are farther from rests and reversals than the filter reaches. If there are fewer than ten of
     /// these samples, it is the largest speed of all samples.
     pub(super) fn resolved_from(&self) -> f64 {

@@ -87,7 +87,7 @@ impl<'a> Design<'a> {
         Moments::folds(samples, &folds(self.data, count))
     }
 
-    /// Torque minus offset minus law.
+    /// Residuals of a law: torque minus offset minus law, for each sample.
     pub(super) fn residuals(&self, coefficients: &DVector<f64>) -> Vec<f64> {
         let mut residuals = self.torque.clone();
         for (column, coefficient) in self.columns.iter().zip(coefficients.iter()) {

@@ -118,7 +118,7 @@ impl<'a> Findings<'a> {
         )
     }
 
-    /// The settings, and the findings about the joint.
+    /// The notes on the settings, and the findings about the joint.
     pub(super) fn parts(self) -> [Vec<Finding>; 2] {
         [self.notes, self.all]
     }

@@ -14,8 +14,8 @@ use gelenk_findings::Rule;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
-/// Sees: folds without which a law cannot be fitted.
-/// Matters: no error on held-out data is known.
+/// Sees: a fold without which a law cannot be fitted.
+/// Matters: the error of the law on held-out data is unknown.
 /// Example: a log in which one fold has the only motion.
 /// Fixture: `friction/tests.rs`.
 const NO_HELD_OUT: Rule = Rule::warning("no-held-out-error");

@@ -15,7 +15,7 @@ pub(super) struct LawFit {
     pub(super) law: FrictionLaw,
     pub(super) offsets: Vec<Offset>,
     pub(super) unseen: Option<HeldOutErrors>,
-    /// Torque minus offset minus law.
+    /// Residual of each sample: torque minus offset minus law.
     pub(super) residuals: Vec<f64>,
     /// Degrees of freedom of the standard errors.
     pub(super) freedom: f64,

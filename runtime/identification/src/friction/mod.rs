@@ -43,7 +43,7 @@ use super::error::{
 impl FrictionIdentification {
     /// Identifies the friction law of one joint.
     ///
-    /// A law that explains too little is not an error. The result then has a
+    /// If the law explains too little of held-out data, the call does not fail. The result then contains a
     /// [refusal](super::result::FrictionResult::refusals).
     ///
     /// # Errors

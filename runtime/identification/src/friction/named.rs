@@ -24,7 +24,8 @@ const STRIBECK: &str = "stribeck";
 /// A function that makes a method from a threshold. Only STLS (sequentially thresholded least squares) uses the threshold.
 type Make = fn(Option<f64>) -> FrictionMethod;
 
-/// Methods that choose terms: name, description in one sentence, and a function that makes the method.
+/// Methods that choose the terms of a friction law: name on the command line, description in one sentence, and a function that
+/// makes the method from the threshold of STLS.
 pub const METHODS: [(&str, &str, Make); 4] = [
     (
         "subset",

@@ -13,13 +13,14 @@ pub struct FrictionReport {
     /// Candidate terms of the law. These are the terms of the library, without constant terms if offsets are separated or
     /// known.
     pub terms: Vec<String>,
-    /// Cosines between the columns of the candidate terms after the offsets are removed `[p × p]`, for p terms.
+    /// Cosines of the angles between the columns of the candidate terms after the offsets are removed, a p × p matrix for p
+    /// terms.
     pub correlation: DMatrix<f64>,
     /// Condition number of the columns of the candidate terms, scaled to unit length.
     pub condition: f64,
     /// Covariance of the law's coefficients for correlated residuals, in the order of the law's terms.
     pub covariance: DMatrix<f64>,
-    /// Cross-validated path of the LASSO (laws for decreasing λ); `None` for other methods.
+    /// Cross-validated path of the LASSO: laws for decreasing weights λ of the penalty. `None` for other methods.
     pub validation: Option<CrossValidation>,
     /// Pareto table of the choice of terms (error against number of terms); `None` for least squares on all terms and for the
     /// Stribeck law.
@@ -28,11 +29,11 @@ pub struct FrictionReport {
     pub(crate) probabilities: Option<Vec<f64>>,
     /// Mean squared error over held-out folds, and its standard error; `None` if it is not known.
     pub(super) unseen_error: Option<[f64; 2]>,
-    /// Torque minus offset minus law, for each sample.
+    /// Residual of each sample [N·m or N]: friction torque minus offset minus law.
     pub residuals: Vec<f64>,
 }
 
-/// A candidate term of a law, chosen or not, with the evidence for the term in the data.
+/// A candidate term of a friction law, chosen or not, with its coefficient, interval and probability.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Candidate<'a> {
     /// The term as an expression in the velocity v, or the name of a Stribeck parameter.
@@ -41,7 +42,8 @@ pub struct Candidate<'a> {
     pub chosen: Option<&'a FrictionTerm>,
     /// Ends of the coefficient's interval at 95 %; `None` if the error is not known.
     pub interval: Option<[f64; 2]>,
-    /// Probability of the term: the weight of all subsets of the candidates that contain it. `None` if it is not known.
+    /// Probability that the term belongs to the law: the sum of the probabilities (from BIC) of all subsets of the candidate
+    /// terms that contain the term. `None` if it is not known.
     pub probability: Option<f64>,
 }
 

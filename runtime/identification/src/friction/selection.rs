@@ -10,7 +10,7 @@ use super::super::methods::subset::{Conditions, SubsetValidation, best_of_size, 
 use super::super::methods::thresholding::Thresholding;
 use gelenk_findings::digits::plain;
 
-/// Rule that chooses the weight λ of the penalty from a cross-validated path of the LASSO.
+/// Rule that chooses the weight λ of the LASSO's penalty from the errors on held-out blocks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LambdaChoice {
     /// The λ with the least error on held-out blocks.
@@ -26,15 +26,16 @@ pub enum FrictionMethod {
     LeastSquares,
     /// Sequentially thresholded least squares (STLS, as in SINDy).
     Thresholding(Thresholding),
-    /// LASSO on 100 values of λ, cross-validated on contiguous blocks, then least squares on the chosen terms.
+    /// LASSO with 100 weights λ of the penalty, of which cross-validation on contiguous blocks chooses one; then least squares
+    /// on the chosen terms.
     Lasso(Lasso, LambdaChoice),
     /// The subset with the fewest terms whose error on held-out blocks exceeds the least error by at most one standard error.
     /// The library must have at most twelve terms.
     BestSubset,
     /// Nonlinear regression of the Stribeck law. The library is not used.
     Stribeck(StribeckRegression),
-    /// [`FrictionMethod::BestSubset`], or the Stribeck law if its error on held-out data is smaller by more than one
-    /// standard error.
+    /// The law by [`FrictionMethod::BestSubset`], or the Stribeck law if the error of the Stribeck law on held-out data is
+    /// smaller by more than one standard error.
     Ladder(StribeckRegression),
 }
 

@@ -100,7 +100,7 @@ impl<'a> Attempt<'a> {
         let fit = regression.fit_runs(&samples)?.with_correlated_errors(&samples);
         let mut findings = Findings::new(data);
         findings.note(format!(
-            "Stribeck law{} by least squares, samples weigh the same, {} starts, {} passes",
+            "Stribeck law{} by nonlinear least squares with equal weights of all samples, {} starts, {} passes",
             if separate { " in addition to the offset of each run" } else { "" },
             regression.starts,
             fit.iterations
@@ -237,8 +237,8 @@ fn other_law(fit: &StribeckFit, data: &FrictionData) -> Option<Finding> {
             format!("only {slow} samples are slower than the Stribeck speed v_s = {said_speed} {velocity}")
         }),
         (highest > coulomb && !stands_out(fit)).then(|| {
-            format!("the friction exceeds Coulomb friction nowhere: with v_s = {said_speed} {velocity} the fall from static friction \
-                     ends within the smoothed step at zero velocity")
+            format!("the law exceeds Coulomb friction noticeably at no speed: with v_s = {said_speed} {velocity}, static friction \
+                     falls to Coulomb friction within the smoothed step at zero velocity")
         }),
     ];
     let faults: Vec<String> = faults.into_iter().flatten().collect();
@@ -367,7 +367,7 @@ mod tests {
         assert!((words.static_friction.value - 5.0).abs() < 0.1, "{words:?}");
         assert!((words.stribeck_speed.value - 0.1).abs() < 0.01, "{words:?}");
         let note = report.result.settings.iter().find(|note| note.message.starts_with("Stribeck law"));
-        assert!(note.is_some_and(|note| note.message.contains("samples weigh the same")), "{note:?}");
+        assert!(note.is_some_and(|note| note.message.contains("equal weights of all samples")), "{note:?}");
         // Friction that grows where Stribeck's falls, one that falls faster than it can be seen, and none that falls.
         for (excess, speed, reason) in
             [(-2.0, 0.3, "is less than Coulomb"), (2.0, 20.0, "v_s ="), (0.0, 0.1, "no Stribeck law")]

@@ -10,16 +10,16 @@ use super::selection::FrictionMethod;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
-/// Friction samples of one joint.
+/// Samples of the velocity and the friction torque of one joint, with their units and origin.
 #[derive(Debug, Clone, Default)]
 pub struct FrictionData<'a> {
-    /// Name of the joint in the description.
+    /// Name of the joint in the description, for the report.
     pub joint: &'a str,
     /// Unit of the torque, `N·m` or `N`.
     pub unit: &'a str,
     /// Unit of the velocity, `rad/s` or `m/s`.
     pub velocity_unit: &'a str,
-    /// Velocity ẏ of each sample.
+    /// Velocity ẏ of each sample [rad/s or m/s].
     pub velocities: &'a [f64],
     /// Friction torque τ_f of each sample [N·m or N]: the effort minus the rigid-body force at the joint.
     pub torques: &'a [f64],
@@ -36,9 +36,9 @@ pub struct FrictionData<'a> {
     /// Friction terms of the estimate of all joints ([`crate::estimation`]); `None` if there are no terms. The errors of the
     /// law are at least as large as the errors that follow from this estimate.
     pub(crate) common: Option<&'a CommonTerms>,
-    /// Limits of the joint; `None` if the law is not compared with limits.
+    /// Described limits of the joint; `None` if the law is not compared with limits.
     pub limits: Option<JointLimits>,
-    /// Name and hash of the log.
+    /// Name and hash of the log, as text for the report.
     pub data: &'a str,
     /// Sentences that say how the samples were processed, for example how velocities were computed.
     pub settings: &'a [String],
@@ -64,7 +64,7 @@ pub(crate) struct CommonTerms {
     pub(crate) freedom: f64,
 }
 
-/// Meaning of a constant torque in the data.
+/// Meaning of a constant torque in the friction samples of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Offsets {
     /// A constant torque of a run is an offset of the sensor, or an error of the modelled gravity. The offset is estimated
@@ -86,7 +86,7 @@ pub struct FrictionIdentification {
     pub library: Library,
     /// Method by which the law is identified.
     pub method: FrictionMethod,
-    /// Meaning of a constant torque.
+    /// Meaning of a constant torque in the samples of a run: an offset of the sensor, or friction.
     pub offsets: Offsets,
     /// Number of contiguous blocks of the cross-validation, if the data have no folds.
     pub folds: usize,
@@ -97,7 +97,7 @@ pub struct FrictionIdentification {
     ///
     /// Terms are chosen among laws with these properties. A Stribeck law that drives the joint is refused.
     pub passive: bool,
-    /// Least R² on held-out data. A law with a lower R² is refused.
+    /// Smallest acceptable R² on held-out data. A law with a lower R² is refused.
     pub least_r_squared: f64,
 }
 

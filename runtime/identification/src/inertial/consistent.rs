@@ -27,9 +27,9 @@ pub(crate) const TOLERANCE: f64 = 1e-8;
 /// `minimize ½ xᵀ H x − gᵀ x` over physically possible bodies.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ConsistentProblem {
-    /// H, `n × n`, symmetric and positive definite up to rounding.
+    /// Matrix H of the objective `½ xᵀ H x − gᵀ x`, `n × n`, symmetric and positive definite up to rounding.
     pub hessian: DMatrix<f64>,
-    /// g, n entries.
+    /// Vector g of the objective, n entries.
     pub linear: DVector<f64>,
     /// Number of bodies. The first `10 · bodies` entries of x are their parameters.
     pub bodies: usize,

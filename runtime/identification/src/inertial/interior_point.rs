@@ -152,7 +152,7 @@ struct Newton<'a> {
     /// `√(s z)` and `√(s / z)` of each scalar entry s with its multiplier z.
     scalars: Vec<(f64, f64)>,
     factor: Cholesky<f64, Dyn>,
-    /// `H u − g − z`.
+    /// Residual `H u − g − z` of the optimality condition.
     residual: DVector<f64>,
 }
 

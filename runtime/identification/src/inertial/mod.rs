@@ -1,5 +1,5 @@
-//! Inertial parameters π of `W π = M ÿ + k − q_gravity` with the regressor W, and the constraints of physically possible
-//! bodies.
+//! Inertial parameters π of `W π = M ÿ + k − q_g`, and the constraints of physically possible bodies. W is the regressor, M is
+//! the mass matrix, k is the bias force, and q_g is the gravity force.
 //!
 //! π has ten numbers per body in the body's frame: mass m, first moments m cₓ, m c_y, m c_z, then the moments of inertia
 //! Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the frame's origin, in the order of `INERTIAL_PARAMETER_NAMES` of a generated module.

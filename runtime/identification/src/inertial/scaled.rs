@@ -135,7 +135,7 @@ impl Scaled {
         self.pull();
     }
 
-    /// Adds `½ · PULL · ‖u − unit bodies‖²`.
+    /// Adds `½ · PULL · ‖u − unit bodies‖²` to the objective.
     fn pull(&mut self) {
         let share = PULL * self.hessian.diagonal().amax().max(f64::MIN_POSITIVE);
         for i in 0..self.linear.len() {

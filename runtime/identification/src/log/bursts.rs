@@ -5,8 +5,8 @@ use super::super::numeric::statistics::median;
 use super::levels;
 use gelenk_findings::digits::plain;
 
-/// Fails if the times of a log are times of arrival. A network or a buffer delivers such rows in bursts, so that they were
-/// recorded at other times. A log of recorded times has few pauses, but bursts have a pause between each two of them.
+/// Fails if the times of a log are times of arrival instead of times of measurement. A network or a buffer delivers such rows
+/// in bursts. In a log with times of measurement, pauses are rare. In a log with bursts, there is a pause after each burst.
 ///
 /// # Errors
 /// [`IdentificationError::File`](crate::error::IdentificationError::File). The message contains the period with which rows

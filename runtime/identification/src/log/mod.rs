@@ -1,4 +1,4 @@
-//! Reads logs of a robot as runs. The reader finds the robot's columns in tables from other programs.
+//! Reads logs of a robot as runs ([`super::run`]). The reader finds the robot's columns in tables from other programs.
 //!
 //! Nothing is repaired silently: everything that is suspicious or left out is a finding of the recording. Modules are
 //! listed from the lowest level to the highest one, one paragraph for each. A file imports only from levels below its own

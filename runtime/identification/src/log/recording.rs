@@ -29,11 +29,11 @@ pub struct Recording {
     pub runs: Vec<Run>,
     /// Kind of the efforts of all runs. All logs have the same kind.
     pub effort: Effort,
-    /// Findings about values that are suspicious, left out or repaired.
+    /// Findings about values of the logs that are suspicious, left out or repaired.
     pub findings: Vec<Finding>,
     /// Headers of the columns in the first log.
     pub(crate) labels: Labels,
-    /// Columns that are used, one line for each quantity.
+    /// Columns that are used, one line of text for each quantity.
     pub columns: Vec<String>,
     /// Headers of columns that are not used.
     pub unused: Vec<String>,

@@ -35,7 +35,7 @@ const NOT_A_NUMBER: Rule = Rule::note("not-a-number");
 pub(super) const LEFT_OUT: Rule = Rule::note("rows-left-out");
 
 /// Sees: consecutive samples with the same time.
-/// Matters: only the first one is used.
+/// Matters: only the first of these samples is used.
 /// Example: two rows at 0.01 s.
 /// Fixture: `times_cut_runs` in `log/tests/styles.rs`.
 const REPEATED: Rule = Rule::note("repeated-times");

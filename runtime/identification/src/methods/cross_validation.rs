@@ -9,10 +9,10 @@ use super::lasso::{Lasso, LassoPath, active_terms};
 use super::least_squares::{Reduced, Solution};
 use super::moments::{Moments, splits};
 
-/// LASSO path with its cross-validation errors.
+/// Solutions of the LASSO for several weights λ of the penalty, with their errors in cross-validation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CrossValidation {
-    /// Path for all samples. Its λ follow the convention of [`super::lasso`].
+    /// Solutions for all samples. Their λ follow the convention of [`super::lasso`].
     pub path: LassoPath,
     /// Mean squared error on the held-out block, averaged over the folds, for each λ.
     pub mean_error: Vec<f64>,
@@ -25,7 +25,7 @@ pub struct CrossValidation {
 }
 
 impl CrossValidation {
-    /// Computes the path on all samples, and for each fold on the samples outside this fold.
+    /// Computes the solutions for all values of λ, first on all samples, then for each fold on the samples outside this fold.
     ///
     /// - `folds`: moments of contiguous blocks, see [`Moments::blocks`]
     /// - `target`: index of the target column
@@ -61,10 +61,13 @@ impl CrossValidation {
     }
 }
 
-/// Computes the least-squares solution on the terms that the path chose at the λ with this index.
+/// Computes the least-squares solution on the terms that the LASSO chose for one value of λ.
+///
+/// - `path`: solutions of the LASSO
+/// - `index`: index of the value of λ in the path
 ///
 /// # Errors
-/// [`EverythingRemoved`](crate::IdentificationError::EverythingRemoved) if the path has no term there.
+/// [`EverythingRemoved`](crate::IdentificationError::EverythingRemoved) if the solution for this λ has no terms.
 pub fn refit(reduced: &Reduced, target: usize, path: &LassoPath, index: usize) -> Result<Solution> {
     if index >= path.lambdas.len() {
         require_length("λ of the path", index + 1, path.lambdas.len())?;

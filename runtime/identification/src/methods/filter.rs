@@ -13,7 +13,7 @@ const EDGE: f64 = 0.25;
 /// 3e-4`.
 const ENVELOPE: f64 = 4.0;
 
-/// A zero-phase low-pass filter with a finite kernel. All signals of a run pass the same filter.
+/// A zero-phase low-pass filter with a kernel of finite length. All signals of a run pass the same filter.
 ///
 /// The kernel is a sinc with a Gaussian envelope: `h(t) = 2 f_c sinc(2 f_c t) exp(−t²/(2 σ²))` with the bandwidth `f_c` and
 /// `σ = 2/(π f_c)`. Its transfer function is a rectangle whose edges are smoothed by a Gaussian of width `s = f_c/4`: `H(f)

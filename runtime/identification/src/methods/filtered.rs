@@ -1,4 +1,4 @@
-//! Filtered columns of the friction regression.
+//! Columns of the friction regression that pass the filter of the torques.
 //!
 //! Friction jumps when a joint reverses, and the filter has smoothed this jump in the torques. Least squares stays
 //! consistent if the terms pass the same filter (parallel filtering, Gautier 1997).

@@ -21,7 +21,7 @@ pub(crate) enum Solver {
     Orthogonal,
 }
 
-/// Data of a regression, reduced to the sums that its solution needs.
+/// Data of a regression with the matrix Θ of the terms and the targets Y, reduced to the sums that its solution needs.
 #[derive(Debug, Clone)]
 pub struct Reduced {
     moments: Moments,
@@ -31,7 +31,7 @@ pub struct Reduced {
     condition: f64,
 }
 
-/// Least-squares solution on chosen terms.
+/// Least-squares solution on some of the terms of a library.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solution {
     /// Coefficients of all p terms. The coefficients of terms that were not chosen are zero.
@@ -45,8 +45,8 @@ pub struct Solution {
     /// Standard error of each chosen coefficient, in the order of [`Self::active`], for independent errors of equal
     /// variance.
     pub standard_errors: Vec<f64>,
-    /// Share `1 − RSS / Σ y²` of the target's energy that the terms explain. The mean of the target y is not subtracted,
-    /// because a model need not have a constant.
+    /// Share `1 − RSS / Σ y²` of the target's sum of squares that the terms explain. RSS is the residual sum of squares. The
+    /// mean of the target y is not subtracted, because a model need not have a constant.
     pub r_squared: f64,
 }
 
@@ -88,12 +88,12 @@ impl Reduced {
         Ok(Self { moments, triangle: None, condition })
     }
 
-    /// Returns the sums of products.
+    /// Returns the sums of products of the data.
     pub fn moments(&self) -> &Moments {
         &self.moments
     }
 
-    /// Returns the condition number of Θ with columns scaled to unit length.
+    /// Returns the condition number of the matrix Θ of the terms, with columns scaled to unit length.
     pub fn condition(&self) -> f64 {
         self.condition
     }

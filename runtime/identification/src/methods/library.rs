@@ -1,4 +1,5 @@
-//! Library Θ of candidate terms. The terms are expressions in the language of descriptions, evaluated on channels.
+//! Library Θ of candidate terms. The terms are expressions in the language of descriptions. They are evaluated on sampled
+//! signals (channels), such as a velocity.
 
 use super::super::error::{IdentificationError, Result, require_length};
 use super::expression::{Kind, Program, Workspace, fault};
@@ -15,7 +16,7 @@ pub struct Library {
 }
 
 impl Library {
-    /// Compiles `terms` over `channels`.
+    /// Compiles the expressions `terms`, in which the names of `channels` stand for signals.
     ///
     /// # Errors
     /// - [`IdentificationError::Empty`]: there are no terms
@@ -86,7 +87,7 @@ impl Library {
         Self::new(&terms, &self.channels)
     }
 
-    /// Returns the texts of the terms.
+    /// Returns the terms as texts, for example `tanh(5*v)`.
     pub fn terms(&self) -> &[String] {
         &self.terms
     }

@@ -1,4 +1,5 @@
-//! Sums of products ("moments") of all columns of `[Θ | Y]`, in one pass over the samples, for all samples or for blocks.
+//! Sums of products ("moments") of all columns of `[Θ | Y]`, for all samples or for blocks of samples. Θ has the columns of the
+//! terms of a library, and Y has the columns of the targets. One pass over the samples computes the sums.
 //!
 //! Sparse regression and cross-validation need only these sums, so the samples are read once for any number of models. ΘᵀΘ
 //! has the squared condition number of Θ. If this number is too large, [`super::least_squares`] factors the samples
@@ -19,7 +20,8 @@ pub(crate) fn splits(folds: &[Moments]) -> impl Iterator<Item = Result<(Moments,
     })
 }
 
-/// Samples of the library's columns and of the targets `[Θ | Y]`. They are read block by block.
+/// Samples `[Θ | Y]` of a regression: Θ has a column for each term of a library, and Y has a column for each target. The
+/// samples are read block by block.
 #[derive(Debug, Clone)]
 pub struct Samples<'a> {
     names: Vec<String>,
@@ -59,8 +61,8 @@ impl<'a> Samples<'a> {
         Self::from_columns(names, columns, targets)
     }
 
-    /// Creates samples from channels. The terms of the library are evaluated when the sums are computed, so Θ is not
-    /// stored.
+    /// Creates samples from the channels (signals) of a library. The terms of the library are evaluated when the sums are
+    /// computed, so the matrix Θ of the terms is not stored.
     ///
     /// - `channels`: one column for each channel of `library`, in its order
     /// - `targets`: columns of Y
@@ -154,7 +156,8 @@ impl<'a> Samples<'a> {
     }
 }
 
-/// Sums of products `[Θ | Y]ᵀ [Θ | Y]` over a set of samples.
+/// Sums of products `[Θ | Y]ᵀ [Θ | Y]` over a set of samples. Θ has the columns of the terms, and Y has the columns of the
+/// targets.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Moments {
     names: Vec<String>,
@@ -285,8 +288,8 @@ impl Moments {
         self.products[(i, i)]
     }
 
-    /// Returns the residual sum of squares `‖y − Θ ξ‖²`, computed from the sums. Cancellation limits its accuracy to about
-    /// 1e-14 of yᵀy.
+    /// Returns the residual sum of squares `‖y − Θ ξ‖²`, computed from the sums. Θ has the columns of the terms. Cancellation
+    /// limits the accuracy to about 1e-14 of yᵀy.
     ///
     /// - `target`: index of the target column y
     /// - `coefficients`: coefficients ξ of all terms

@@ -2,12 +2,12 @@
 
 use std::ops::Range;
 
-/// Constant torque of one run, in addition to the friction law.
+/// Constant torque of one run (offset of the sensor or error of the modelled gravity), in addition to the friction law.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Offset {
     /// Indices of the run's samples among the samples of all runs.
     pub samples: Range<usize>,
-    /// Mean of the torque minus the law, in N·m or N.
+    /// Mean of the difference between torque and law, in N·m or N.
     pub value: f64,
     /// Standard error for correlated residuals, in N·m or N; `None` if the run is too short for an estimate.
     pub standard_error: Option<f64>,

@@ -13,21 +13,21 @@ use nalgebra::{DMatrix, DVector};
 /// Largest number of terms of a library. Twelve terms have 4095 subsets with at least one term.
 pub(crate) const MOST_TERMS: usize = 12;
 
-/// Subset of the terms, with its error on held-out folds.
+/// Subset of the candidate terms, with the error of its law on held-out folds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ValidatedSubset {
     /// Indices of the terms in ascending order.
     pub active: Vec<usize>,
     /// Mean squared error on the held-out fold, averaged over the folds.
     pub mean_error: f64,
-    /// Standard error of [`Self::mean_error`].
+    /// Standard error of [`Self::mean_error`] over the folds.
     pub standard_error: f64,
 }
 
 /// Pareto table for a choice of terms: sets of terms with their errors on held-out folds. The chosen set is one of them.
 ///
-/// For the best subset, the table contains the best set of each size. For STLS and LASSO, it contains the sets along a
-/// decreasing threshold or penalty.
+/// For the method of the best subset, the table contains the best set of each size. For STLS and LASSO, it contains the sets
+/// that are chosen with decreasing thresholds or penalties.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SubsetValidation {
     /// Sets in the order of their number of terms, from few to many. Sets whose equations cannot be solved are left out.
@@ -43,7 +43,7 @@ pub struct SubsetValidation {
 /// `f(v)` if the motion has only one direction, and would drive the joint in the other direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Requirement {
-    /// Index of the term.
+    /// Index of the term that needs another term.
     pub term: usize,
     /// Index of the term that the first term needs.
     pub needs: usize,

@@ -35,8 +35,8 @@ use super::least_squares::{Reduced, Solution};
 pub struct Thresholding {
     /// Magnitude below which a coefficient is removed, in the unit of the coefficient.
     pub threshold: f64,
-    /// Ridge parameter α ≥ 0 of the intermediate solutions, which minimize `‖y − Θ ξ‖² + α ‖ξ‖²`. The final solution is
-    /// computed without a ridge.
+    /// Ridge parameter α ≥ 0 of the intermediate solutions. Their coefficients ξ minimize `‖y − Θ ξ‖² + α ‖ξ‖²` with the target
+    /// y and the matrix Θ of the terms. The final solution is computed without a ridge.
     pub ridge: f64,
     /// Largest number of iterations. Each iteration except the last one removes a term. Therefore p iterations are enough
     /// for p terms.
@@ -50,8 +50,8 @@ impl Default for Thresholding {
 }
 
 impl Thresholding {
-    /// Solves least squares and removes every coefficient below the threshold. This is repeated until no coefficient is
-    /// removed. Returns the least-squares solution on the remaining terms.
+    /// Solves least squares and removes every term whose coefficient is below the threshold. This is repeated until no
+    /// coefficient is removed. Returns the least-squares solution on the remaining terms.
     ///
     /// - `reduced`: data of the regression
     /// - `target`: index of the target column

@@ -1,4 +1,4 @@
-//! Order statistics.
+//! Order statistics, such as medians.
 
 /// Returns the quantile of sorted values, with linear interpolation between the values.
 pub(crate) fn quantile(sorted: &[f64], share: f64) -> f64 {

@@ -101,7 +101,8 @@ fn check(robot: &dyn Robot, settings: &PayloadSettings) -> Result<usize> {
 struct Found {
     load: ConsistentSolution,
     covariance: DMatrix<f64>,
-    /// For each parameter, the difference between the reference and bodies at distance one from it.
+    /// For each parameter, the difference between the reference and bodies at the distance 1 from the reference. The distance
+    /// is that of [`PayloadSettings::weight`].
     sizes: Vec<f64>,
 }
 
@@ -152,7 +153,8 @@ fn ball(pi: &[f64]) -> [f64; PER_BODY] {
     from_pseudo_inertia(&j)
 }
 
-/// For each parameter, the difference between the ball and bodies at distance one from it.
+/// For each parameter, the difference between the reference ball and bodies at the distance 1 from this ball
+/// ([`PayloadSettings::weight`]).
 fn prior_sizes(hessian: &DMatrix<f64>, weight: f64) -> Result<Vec<f64>> {
     let inverse = inverse(hessian, "the load's reference")?;
     Ok(inverse.diagonal().iter().map(|square| (weight * square).sqrt()).collect())

@@ -1,4 +1,4 @@
-//! Report on a load: centre of mass, moments about it, intervals, findings.
+//! Report on a load: mass, centre of mass, moments of inertia about the centre of mass, intervals, findings.
 
 use super::result::{NAMES, Payload};
 use crate::error::Result;
@@ -46,7 +46,7 @@ pub(super) struct Parts<'a> {
     pub body: usize,
     pub load: &'a ConsistentSolution,
     pub covariance: &'a DMatrix<f64>,
-    /// For each parameter, its range among bodies of this mass.
+    /// For each parameter, its range among bodies with the mass of the load.
     pub sizes: &'a [f64],
     pub degrees: usize,
     pub confidence: f64,

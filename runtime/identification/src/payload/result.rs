@@ -26,11 +26,13 @@ pub struct Payload {
     /// Mass m, first moments m c, and moments of inertia Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the frame's origin, in kg, kg m and
     /// kg m². The sum of these parameters and of the body's parameters describes the body with the load.
     pub parameters: [Uncertain; PER_BODY],
-    /// For each parameter, whether the motion determines it: the interval is then narrower than the range of bodies with this
-    /// mass. The other parameters are those of a ball of 1500 kg/m³ at the centre of mass, if the motion determines the mass.
+    /// For each of [`Self::parameters`], whether the motion determines it. A parameter counts as determined if its interval is
+    /// narrower than the range of this parameter among bodies with the mass of the load. If the motion determines the mass, the
+    /// other parameters are those of a ball of 1500 kg/m³ at the centre of mass.
     pub shown: [bool; PER_BODY],
-    /// For each joint, the share of the residual sum of squares of the log with the load that the load explains if friction is
-    /// unchanged. One is best. At zero or less the load explains nothing. `None` for a joint at rest.
+    /// For each joint, the share of a residual sum of squares that the load explains. The residual is that of the log with the
+    /// load, if the load is zero and friction is unchanged. A share of one is best. If the share is zero or less, the load
+    /// explains nothing. `None` for a joint at rest.
     pub explained: Vec<Option<f64>>,
     /// Standard deviation of each joint's residual [N·m or N]; `None` for a joint at rest.
     pub residuals: Vec<Option<f64>>,

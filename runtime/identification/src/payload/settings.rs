@@ -5,9 +5,9 @@
 pub struct PayloadSettings {
     /// Index of the body that carries the load, from 0. `None` takes the last body.
     pub body: Option<usize>,
-    /// Weight of the description: cost of a body at the distance `½ tr((P₀⁻¹ ΔP)²) = 1` from its description, as a number of
-    /// samples with an error of one standard deviation. P₀ is the described pseudo-inertia and ΔP the difference from it. The
-    /// weight must be positive.
+    /// Weight of the description, as a number of samples. The distance of a body from its description is `½ tr((P₀⁻¹ ΔP)²)`
+    /// with the described pseudo-inertia P₀ and the difference ΔP from it. A body at the distance 1 costs as much as this
+    /// number of samples with an error of one standard deviation. The weight must be positive.
     pub weight: f64,
     /// Confidence level of the intervals, between 0 and 1.
     pub confidence: f64,

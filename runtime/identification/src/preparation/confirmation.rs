@@ -1,4 +1,4 @@
-//! Choice of the bandwidth from the efforts.
+//! Choice of the filter's bandwidth from the efforts: the largest bandwidth at which the motion explains the efforts well.
 
 use super::super::error::Result;
 use super::super::robot::Robot;

@@ -45,7 +45,7 @@ levels! {
     /// Bandwidth in Hz for the interpolation of pauses before a bandwidth is chosen.
     USUAL_BANDWIDTH: f64 = 5.0;
 
-    /// Number of output samples in each period of the bandwidth.
+    /// Number of prepared samples in each period of the bandwidth.
     OVERSAMPLING: f64 = 10.0;
 
     /// Smallest share of the duration of all pieces that must remain after their ends are cut off.
@@ -82,8 +82,8 @@ levels! {
     /// bandwidth.
     NARROWER: f64 = 0.25;
 
-    /// Widths of the sign of the velocity, as shares of a joint's largest speed. They represent Coulomb friction and
-    /// friction that grows more slowly with the speed.
+    /// Widths of the smooth signs of the velocity, as shares of a joint's largest speed. The smooth signs represent Coulomb
+    /// friction and friction that grows more slowly with the speed.
     ROUNDINGS: [f64; 3] = [0.002, 0.05, 0.4];
 
     /// Width of the smooth sign of the velocity, as a share of a joint's largest speed.

@@ -38,11 +38,11 @@ use super::error::Result;
 use super::robot::Robot;
 use super::run::{PreparedRun, Run};
 
-/// Prepares the runs of one robot with one filter and one set of delays. Runs are split at gaps.
+/// Prepares the runs of one robot with one filter and one set of delays. Runs are split at gaps. Returns the prepared runs in
+/// the order of `runs` and of time, and a report. All prepared runs have the same time step.
 ///
-/// - `robot`: robot whose regressor helps to choose delay and bandwidth. Without a robot no delay is estimated, and the
-///   bandwidth is the largest one that the noise of the positions allows.
-/// - returns the prepared runs in the order of `runs` and of time, with one time step, and a report
+/// - `robot`: robot whose regressor helps to choose delay and bandwidth. If it is `None`, no delay is estimated, and the
+///   bandwidth is the largest bandwidth that the noise of the positions allows.
 ///
 /// # Errors
 /// - [`Empty`](crate::IdentificationError::Empty): there are no runs

@@ -10,7 +10,8 @@ pub struct PreparationReport {
     pub joints: Vec<JointPreparation>,
     /// Delay of each effort.
     pub(crate) delays: Vec<Delay>,
-    /// Filter of positions and efforts. Columns of the regressor must also pass this filter (`Filter::apply`).
+    /// Filter that positions and efforts passed. In a regression, the columns of friction must pass this filter, too
+    /// (`Filter::apply`).
     pub filter: Filter,
     /// Sample rate of the prepared runs in Hz.
     pub sample_rate: f64,
@@ -43,16 +44,16 @@ pub struct JointPreparation {
     pub noise: f64,
     /// Smallest change between two measured positions in rad or m. For a coarse encoder it is the resolution.
     pub resolution: f64,
-    /// Mean number of log rows for each new position, in the run with the largest number. It is 1 if each row has a new
-    /// position.
+    /// Mean number of log rows in which the same measured position is repeated, in the run with the largest number. It is 1 if
+    /// each row has a new position.
     pub hold: f64,
     /// Whether the joint moves by more than ten times its noise.
     pub moves: bool,
     /// Half-amplitude frequency of the filter in Hz. It is the same for all joints.
     pub bandwidth: f64,
-    /// Estimated share of noise in the power of the filtered acceleration ÿ.
+    /// Estimated share of noise in the power (mean square) of the filtered acceleration ÿ.
     pub acceleration_noise: f64,
-    /// Removed delay in s of the effort whose index is that of this joint. It is one of these delays, in this order:
+    /// Removed delay in s of the effort whose index is that of this joint. It is the first of these delays that applies:
     ///
     /// - the given delay
     /// - the delay of this effort, if it differs significantly from the common delay

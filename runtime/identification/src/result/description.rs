@@ -1,7 +1,7 @@
-//! Writes identified friction as a robot description in TOML, which `gelenk generate` accepts.
+//! Writes identified values as a robot description in TOML, which `gelenk generate` accepts.
 //!
-//! The description extends the one that was used for the identification, and replaces the friction of the identified
-//! joints. It does not change anything else:
+//! The written description extends the description that was used for the identification. For example, this description
+//! replaces only the friction of joint `beta`:
 //!
 //! ```toml
 //! name = "arm_identified"
@@ -36,7 +36,7 @@ pub struct Identified<'a> {
     /// Path of the description that was used for the identification, a URDF or a TOML. The path is absolute, or relative to
     /// the folder of the written description.
     pub extends: &'a str,
-    /// Lines on the origin of the values. They become comments at the beginning of the file.
+    /// Lines of text on the origin of the values. The lines become comments at the beginning of the file.
     pub provenance: &'a [String],
     /// Additional top-level keys, one line of TOML each. They determine how the extended description is read.
     pub settings: &'a [String],

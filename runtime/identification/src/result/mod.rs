@@ -1,4 +1,4 @@
-//! Identified friction: the law, its statistics, and text about both. [`description`] writes the law as TOML.
+//! Identified friction: the law, its statistics, and text about both. The module [`description`] writes the law as TOML.
 
 use super::error::Result;
 use super::methods::confidence::quantile;
@@ -21,10 +21,10 @@ pub(crate) const CONFIDENCE: f64 = 0.95;
 pub struct FrictionTerm {
     /// Expression in the joint's velocity `v`, or the name a1 … a5 of a parameter of a Stribeck law.
     pub basis: String,
-    /// Coefficient in N·m or N, divided by the unit of the expression. For a Stribeck law it is the parameter.
+    /// Coefficient in N·m or N, divided by the unit of the expression. For a Stribeck law it is the value of the parameter.
     pub coefficient: f64,
-    /// Standard error of the coefficient for correlated residuals; `None` if it is unknown. If [`Self::reach`] is given,
-    /// this error includes the possible bias: it is √(standard error² + bias²).
+    /// Standard error of the coefficient for correlated residuals; `None` if it is unknown. If [`Self::reach`] is not
+    /// `None`, this error includes the possible bias: it is the root of (error without bias)² + bias².
     pub standard_error: Option<f64>,
     /// Half width of the 95 % interval if the coefficient may be biased: the half width by Student's distribution plus the
     /// possible bias. `None` if the interval follows from the standard error alone. The possible bias is the change of the
@@ -34,7 +34,8 @@ pub struct FrictionTerm {
     /// the coefficient are written. Terms that are nearly collinear have inaccurate coefficients but an accurate sum, so
     /// that the standard error would give too few digits.
     pub resolution: Option<f64>,
-    /// Probability that the term belongs to the law, over all subsets of the library; `None` if it is unknown.
+    /// Probability that the term belongs to the law: the sum of the probabilities (from BIC) of all subsets of the library
+    /// that contain the term. `None` if it is unknown.
     pub probability: Option<f64>,
 }
 
@@ -189,16 +190,16 @@ pub struct FrictionResult {
     pub velocity_unit: String,
     /// Friction law without the constant and without load-dependent friction.
     pub law: FrictionLaw,
-    /// Terms whose sum is s₁(v) in the load-dependent friction `|τ_l| s₁(v)`. The torque τ_l is the load of the gear. The
-    /// list is empty if there is no load-dependent friction.
+    /// Terms whose sum is s₁(v) in the load-dependent friction `|τ_l| s₁(v)`. The torque τ_l is the load of the gear, the
+    /// torque of the drive without all friction. The list is empty if the law has no load-dependent friction.
     pub load: Vec<FrictionTerm>,
     /// Constant torque that all runs have in common, in N·m or N. It is written with the law. `None` if the constant does
     /// not differ significantly from zero.
     pub constant: Option<FrictionTerm>,
     /// Physical parameters of a Stribeck law; `None` for other laws.
     pub(crate) stribeck: Option<StribeckWords>,
-    /// Constant torque of each run in addition to [`Self::constant`]. It is not written to the description. Empty if
-    /// constants are part of the law.
+    /// Constant torque of each run in addition to [`Self::constant`]. These torques are not written to the description. Empty
+    /// if constants are part of the law.
     pub offsets: Vec<Offset>,
     /// Number of samples to which the law was fitted.
     pub samples: usize,
@@ -207,8 +208,9 @@ pub struct FrictionResult {
     /// Smallest and largest velocity in the data, in rad/s or m/s. Outside of this range the law is extrapolated.
     pub velocity_range: [f64; 2],
     /// Speed above which the filter does not distort the law, in rad/s or m/s; `None` if the torques were not filtered.
-    /// Only nine slower samples are farther from rests and reversals than the filter reaches. Therefore the law at lower
-    /// speeds depends on samples that the filter has changed.
+    /// It is the tenth smallest speed of the samples that lie outside the reach of the filter around rests and reversals,
+    /// or the largest speed if there are fewer than ten of these samples. Below this speed, nearly all samples were changed
+    /// by the filter.
     pub resolved_from: Option<f64>,
     /// Root mean square of the residual, in N·m or N.
     pub residual: f64,
@@ -221,10 +223,11 @@ pub struct FrictionResult {
     pub(crate) drift: Option<Drift>,
     /// File name and SHA-256 of the data.
     pub data: String,
-    /// Notes on the settings: method, λ with its convention, selection of samples, differentiation.
+    /// Notes on the settings: method, λ (weight of the LASSO's penalty) with its objective function, selection of samples,
+    /// differentiation.
     pub settings: Vec<Finding>,
-    /// Findings about the law. Findings with the severity "error" prevent writing the law unless the user accepts poor
-    /// laws.
+    /// Findings about the law. A law with findings of the severity "error" is not written to a description unless the user
+    /// accepts poor laws.
     pub findings: Vec<Finding>,
 }
 
@@ -309,8 +312,8 @@ impl FrictionResult {
         lines.extend(self.offset_line());
         lines.extend(self.resolved_from.map(|speed| {
             let (speed, unit) = (plain(speed, 2), &self.velocity_unit);
-            format!("resolved from {speed} {unit} on: nearly all slower samples (all except nine at most) are within a \
-                     filter length of a rest or a reversal")
+            format!("the filter does not distort the law above {speed} {unit}: nearly all slower samples (all except nine at most) \
+                     are within a filter length of a rest or a reversal")
         }));
         let held_out = self.held_out.map_or_else(|| "unknown".into(), |r| format!("{r:.4}"));
         lines.push(format!(

@@ -8,14 +8,14 @@ use nalgebra::DMatrix;
 /// Share of a row's largest entry below which an entry of C⁻¹ counts as a rounding error of zero.
 const ROUNDING: f64 = 1e-12;
 
-/// The rows of the equations in the coordinates `z = C y`.
+/// The rows of the equations of motion if shafts replace joints, in the coordinates `z = C y` with the joint positions y.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ShaftRows {
     shafts: Vec<Shaft>,
     terms: Vec<JointTerm>,
-    /// C.
+    /// Matrix C of the coordinates `z = C y`, from joint positions y to positions z of the rows.
     motion: DMatrix<f64>,
-    /// C⁻¹.
+    /// Inverse of C, from positions z of the rows to joint positions y.
     back: DMatrix<f64>,
     has_quaternions: bool,
     /// Number of the robot's inertial parameters. The factors of the joints' friction terms follow them.
@@ -121,13 +121,13 @@ impl ShaftRows {
         if self.has_quaternions { z.to_vec() } else { self.joint_motion(z) }
     }
 
-    /// ẏ from ż, or ÿ from z̈.
+    /// Velocities ẏ of the joints from velocities ż of the rows, or accelerations ÿ from z̈.
     pub(super) fn joint_motion(&self, z: &[f64]) -> Vec<f64> {
         let row = |row: usize| self.back.row(row).iter().zip(z).map(|(factor, z)| factor * z).sum();
         (0..self.back.nrows()).map(row).collect()
     }
 
-    /// C⁻ᵀ times a matrix over the joints with `columns` columns, row by row.
+    /// Generalized forces of the rows: C⁻ᵀ times forces at the joints, a matrix with `columns` columns, row by row.
     pub(super) fn forces(&self, joints: &[f64], columns: usize, rows: &mut [f64]) {
         rows.fill(0.0);
         for (row, found) in rows.chunks_exact_mut(columns.max(1)).enumerate() {

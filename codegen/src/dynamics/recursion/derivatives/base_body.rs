@@ -21,8 +21,8 @@ impl<'g> BaseBody<'g> {
         self.axes[0].scaled(v[0]) + self.axes[1].scaled(v[1]) + self.axes[2].scaled(v[2])
     }
 
-    /// Transforms a disturbance of the body to the root's frame. Its acceleration is then that of the point
-    /// at this frame's origin.
+    /// Transforms a disturbance of the body (δω, β and δa, which [`super`] defines) to the root's frame. Its
+    /// acceleration is then that of the point at this frame's origin.
     pub(super) fn disturbed(&self, local: &Disturbed<'g>) -> Disturbed<'g> {
         let (omega, beta) = (self.direction(local.omega), self.direction(local.beta));
         let at_origin =

@@ -28,7 +28,8 @@ impl<'g> Column<'g> {
     }
 }
 
-/// Disturbances of a body for a unit of its joint's coordinate and of its joint's velocity.
+/// Disturbances of a body (δω, β and δa) for a unit of its joint's coordinate, and for a unit of its joint's
+/// velocity.
 #[derive(Clone, Copy)]
 pub(super) struct Disturbance<'g> {
     pub(super) by_coordinate: Disturbed<'g>,

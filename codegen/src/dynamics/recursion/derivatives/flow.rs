@@ -68,7 +68,8 @@ pub(super) fn twice_across(omega: Vector3<Scalar<'_>>) -> Vector3<Scalar<'_>> {
 }
 
 impl<'g> Flow<'g> {
-    /// Force, and moment about the origin, that a disturbance of the body requires.
+    /// Force, and moment about the origin, that a disturbance of the body (δω, β and δa, which [`super`]
+    /// defines) requires.
     pub(super) fn response(&self, disturbed: &Disturbed<'g>) -> Force<'g> {
         let Disturbed { omega, beta, acceleration } = *disturbed;
         let moments = self.composite.moments;

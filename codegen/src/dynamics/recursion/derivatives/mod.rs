@@ -16,7 +16,9 @@
 //! δn = h × δa + (tr Σ − Σ) β + (tr 2K − 2K) δω
 //! ```
 //!
-//! With U = ω̇× + ω× ω× and the joint's axis z, a unit of a joint's position or velocity causes:
+//! All vectors have components in the frame that moves with the body, and a is the acceleration of the body's
+//! origin minus gravity. With U = ω̇× + ω× ω× and the joint's axis z, a unit of the joint's position or
+//! velocity causes these disturbances:
 //!
 //! - position of a revolute joint: `δω = ω × z`, `β = U z`, `δa = a × z`
 //! - velocity of a revolute joint: `δω = z`, `β = 2 ω × z`
@@ -47,7 +49,8 @@ use crate::graph::Scalar;
 use crate::kinematics::{Body, ChainPlace, Followed, Mechanism};
 use crate::spatial::Force;
 
-/// Inverse dynamics, with the mass matrix and the derivatives.
+/// Forces of the inverse dynamics, their derivatives with respect to positions and velocities, and the mass
+/// matrix.
 #[derive(Debug, Clone)]
 pub struct ForceDerivatives<'g> {
     /// Forces by coordinate. In the result of [`inverse_dynamics_derivatives`] they are
@@ -61,11 +64,12 @@ pub struct ForceDerivatives<'g> {
     pub mass_matrix: Matrix<'g>,
 }
 
-/// Frame in which the entries of pairs of joints are computed. Each column of the derivatives belongs to one
-/// joint, and its entries belong to the joints before this joint.
+/// Frame in which the derivatives for pairs of joints are computed. Each column of the derivatives belongs to
+/// the motion of one joint, and its entries belong to the forces at the joints before this joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PairFrame {
-    /// The working frame of each body on the path to the base. The column is transformed from body to body.
+    /// The working frame (the frame of the equations) of each body on the path to the base. The column is
+    /// transformed from body to body.
     Links,
     /// The frame of the tree's first body. Columns need no transformation from body to body, but each product
     /// has all components. All bodies must have the same unit of length.

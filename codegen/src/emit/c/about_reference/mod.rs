@@ -1,9 +1,9 @@
 //! States relative to reference positions, for tools that only support vectors. Positions y are replaced by
 //! small motions d with y = y_ref ⊕ d.
 //!
-//! The texts call only each other. They use the module's constants JOINT_POSITIONS, FIRST_POSITIONS and
-//! FIRST_VELOCITIES. Each text has an include guard, because the source for acados may include the source for
-//! CasADi, which contains the same texts.
+//! The C texts of this module call only each other. They use the constants JOINT_POSITIONS, FIRST_POSITIONS and
+//! FIRST_VELOCITIES of the generated module. Each text has an include guard, because the source for acados
+//! may include the source for CasADi, which contains the same texts.
 
 /// Text of `gelenk_about_blocks`: product of a matrix and a block-diagonal matrix with one block per joint.
 pub(super) const BLOCKS: &str = include_str!("blocks.c");

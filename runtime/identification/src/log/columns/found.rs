@@ -16,7 +16,7 @@ pub(in crate::log) struct Column {
     pub index: usize,
     /// Name of the column in messages.
     pub label: String,
-    /// Header or number in `--columns`.
+    /// Name of the column for `--columns`: its header or its number.
     pub written: String,
     pub unit: Unit,
     /// The unit in words.
@@ -34,7 +34,7 @@ pub(in crate::log) struct Found {
     pub names: Vec<String>,
     /// Indices of the joints or inputs in the description.
     pub places: Vec<usize>,
-    /// Columns in the form of `--columns`.
+    /// Columns in the form of `--columns`, for example `q{}`.
     pub pattern: String,
     /// Whether only commanded columns were found and the user did not name them.
     pub is_commanded: bool,
@@ -43,9 +43,9 @@ pub(in crate::log) struct Found {
 /// Names of the columns of a quantity in a log, for messages and for `--columns`.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct ColumnLabels {
-    /// Header or number of the column of each joint or input; `none` if the log does not have this column.
+    /// Name of the column of each joint or input in messages; `none` if the log does not have this column.
     pub(crate) columns: Vec<String>,
-    /// The same columns in the form that `--columns` takes; `None` if the log does not have the column.
+    /// Name of the column of each joint or input for `--columns`; `None` if the log does not have this column.
     pub(crate) written: Vec<Option<String>>,
     /// All columns in the form of `--columns`, for example `q{}`.
     pub(crate) pattern: String,

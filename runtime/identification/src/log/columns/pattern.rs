@@ -30,9 +30,9 @@ pub struct ColumnOptions {
     pub effort: Option<Effort>,
 }
 
-/// Key of held joints in the argument.
+/// Key of `--columns` for joints that are held at fixed positions.
 const HOLD: &str = "hold";
-/// Part of the argument that requests the list of columns.
+/// Part of `--columns` that requests the list of columns.
 const ASKED: &str = "?";
 
 /// One part `QUANTITY=COLUMNS` of the argument.

@@ -21,7 +21,7 @@ pub struct Derivatives {
     pub second: Vec<f64>,
     /// Root mean square of the signal minus the smoothed signal, in the unit of the signal.
     pub residual: f64,
-    /// Weight γ of the regularization.
+    /// Weight γ of the regularization ([`TotalVariation`]).
     pub parameter: f64,
 }
 
@@ -44,7 +44,8 @@ fn require_signal(times: &[f64], signal: &[f64], needed: usize) -> Result<()> {
     match times.windows(2).position(|w| w[1] <= w[0]) {
         None => Ok(()),
         Some(i) => Err(Place::default().fault(format!(
-            "time does not increase at sample {} (counted from 0): {} s is followed by {} s: sort the rows or split the log into segments",
+            "the time does not increase at sample {} (counted from 0): {} s is followed by {} s: sort the rows or split the log \
+             into segments",
             i + 1,
             times[i],
             times[i + 1]

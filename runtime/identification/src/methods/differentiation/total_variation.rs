@@ -31,7 +31,7 @@ pub struct TotalVariation {
 /// Rule for the weight γ.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Regularization {
-    /// A given γ.
+    /// A given weight γ.
     Weight(f64),
     /// Standard deviation σ of the noise. By the discrepancy principle (Morozov 1966), γ is the largest weight for which
     /// `rms(s − f)` does not exceed σ, apart from a margin for chance.
@@ -121,7 +121,7 @@ impl TotalVariation {
         if let Some(epsilon) = self.epsilon {
             require_setting("ε", epsilon, epsilon > 0.0, "it must be positive")?;
         } else if let Regularization::Weight(gamma) = self.regularization {
-            require_setting("γ", gamma, false, "with γ by hand ε must be given too")?;
+            require_setting("γ", gamma, false, "if the weight γ is given, ε must be given, too")?;
         }
         require_setting("iterations", self.iterations as f64, self.iterations > 0, "at least one is needed")?;
         require_signal(times, signal, self.order + 3)?;

@@ -1,7 +1,9 @@
-//! LASSO along a path of λ, by coordinate descent on the Gram matrix (Friedman, Hastie, Tibshirani 2010).
+//! LASSO for a sequence of weights λ of the penalty, by coordinate descent on the Gram matrix (Friedman, Hastie, Tibshirani
+//! 2010).
 //!
-//! Every λ in this crate follows the convention of glmnet and scikit-learn: `min 1/(2N) ‖y − Θ ξ‖² + λ Σ ωᵢ |ξᵢ|` with N
-//! samples and the penalty weights ωᵢ. In the form `‖y − Θ ξ‖² + λ' ‖ξ‖₁` the value is `λ' = 2 N λ` (`paper_lambda`).
+//! Every λ in this crate follows the convention of glmnet and scikit-learn: `min 1/(2N) ‖y − Θ ξ‖² + λ Σ ωᵢ |ξᵢ|` over the
+//! coefficients ξ, with the target y, the matrix Θ of the terms, N samples and the penalty weights ωᵢ. In the form
+//! `‖y − Θ ξ‖² + λ' ‖ξ‖₁` the value is `λ' = 2 N λ` (`paper_lambda`).
 
 mod descent;
 #[cfg(test)]
@@ -20,13 +22,13 @@ pub(crate) fn paper_lambda(lambda: f64, samples: usize) -> f64 {
 /// Settings of the LASSO.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lasso {
-    /// Whether the penalty weight of a term is its root mean square (`ωᵢ = rms θᵢ`) instead of 1.
+    /// Whether the penalty weight ωᵢ of a term is the root mean square of the term's column instead of 1.
     pub standardize: bool,
     /// Indices of terms without a penalty (`ωᵢ = 0`).
     pub unpenalized: Vec<usize>,
     /// Indices of terms whose coefficient must not be negative.
     pub nonnegative: Vec<usize>,
-    /// Duality gap at which the iteration ends, as a share of `‖y‖²/(2N)`.
+    /// Duality gap at which the iteration ends, as a share of `‖y‖²/(2N)` for N samples of the target y.
     pub tolerance: f64,
     /// Largest number of sweeps over all terms for each λ.
     pub max_sweeps: usize,
@@ -44,7 +46,7 @@ impl Default for Lasso {
     }
 }
 
-/// Solutions along a path of λ.
+/// Solutions of the LASSO for a sequence of weights λ of the penalty.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LassoPath {
     /// Values of λ, descending.

@@ -1,4 +1,4 @@
-//! Standard errors of the parameters, and warnings about them.
+//! Standard errors of the parameters of a Stribeck law, and warnings about the parameters.
 
 use super::super::confidence::{LongRun, covariance_of_sums};
 use super::super::margin::change;
@@ -177,7 +177,10 @@ fn warnings(fit: &StribeckFit, data: &Data) -> Vec<Finding> {
     };
     let a = &fit.parameters;
     if !fit.converged {
-        let message = format!("no convergence in {} passes: some parameters run away", fit.iterations);
+        let message = format!(
+            "the regression did not converge in {} passes, because some parameters grow without a limit",
+            fit.iterations
+        );
         warn(message, "passes", fit.iterations as f64);
     }
     for i in 0..5 {
@@ -185,7 +188,11 @@ fn warnings(fit: &StribeckFit, data: &Data) -> Vec<Finding> {
         match fit.standard_errors[i] {
             None => warn(format!("{name} is not identifiable: the data do not depend on it"), name, a[i]),
             Some(s) if s > 0.5 * a[i].abs() => {
-                warn(format!("{name} = {value} has a standard error of {}", plain(s, 2)), name, a[i]);
+                let error = plain(s, 2);
+                let message = format!(
+                    "{name} = {value} is uncertain: its standard error of {error} is more than half of the value"
+                );
+                warn(message, name, a[i]);
             }
             Some(_) => {}
         }
@@ -193,8 +200,9 @@ fn warnings(fit: &StribeckFit, data: &Data) -> Vec<Finding> {
             let c = fit.covariance[(i, j)] / (fit.covariance[(i, i)] * fit.covariance[(j, j)]).sqrt();
             if c.abs() > 0.995 {
                 let other = NAMES[j];
-                let message =
-                    format!("{other} and {name} are correlated with {c:.4}: only a combination is known");
+                let message = format!(
+                    "the errors of {other} and {name} have the correlation {c:.4}: the data determine only a combination of both"
+                );
                 warn(message, "correlation", c);
             }
         }
@@ -202,8 +210,9 @@ fn warnings(fit: &StribeckFit, data: &Data) -> Vec<Finding> {
     let (slow, speed) =
         (data.samples.v.iter().filter(|v| v.abs() < 1.0 / a[2]).count(), plain(1.0 / a[2], 4));
     if slow < 10 {
-        let message =
-            format!("only {slow} samples are slower than 1/a3 = {speed}: the step at zero is a guess");
+        let message = format!(
+            "only {slow} samples are slower than 1/a3 = {speed}: the data do not determine the width 1/a3 of the step at zero velocity"
+        );
         warn(message, "slow samples", slow as f64);
     }
     warnings

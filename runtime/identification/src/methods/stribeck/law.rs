@@ -75,7 +75,7 @@ pub struct StribeckFit {
     /// Parameters a1 … a5 of [the law](crate::methods::stribeck). For a revolute joint their units are N·m·s/rad, N·m,
     /// s/rad, N·m, s/rad.
     pub parameters: [f64; 5],
-    /// Constant torque of each run, in N·m or N; empty if the regression has no offsets.
+    /// Constant torque of each run in addition to the law, in N·m or N; empty if the regression has no offsets.
     pub offsets: Vec<f64>,
     /// Covariance of the parameters. It holds for independent errors, or for correlated errors after
     /// `with_correlated_errors`. Rows and columns of parameters that are not identifiable are zero, see
@@ -91,7 +91,8 @@ pub struct StribeckFit {
     /// Degrees of freedom of the residual variance. After `with_correlated_errors`, degrees of freedom of the standard
     /// errors.
     pub freedom: usize,
-    /// Condition number of the derivatives with respect to the parameters, with columns scaled to unit length.
+    /// Condition number of the matrix of the derivatives of the torques with respect to the parameters, with columns scaled to
+    /// unit length.
     pub condition: f64,
     /// Number of passes over all samples.
     pub iterations: usize,

@@ -1,4 +1,4 @@
-//! Refinement of the parameters on all samples.
+//! Refinement of the parameters of a Stribeck law on all samples, by the Levenberg–Marquardt method.
 
 use super::super::filtered::Filtered;
 use super::law::{StribeckRegression, stribeck_block};
@@ -9,7 +9,7 @@ use std::ops::Range;
 /// Number of columns: five derivatives and the residual.
 const WIDTH: usize = 6;
 
-/// First damping if the start is near the result.
+/// First damping of the Levenberg–Marquardt method if the start is near the result.
 pub(super) const NEAR: f64 = 1e-8;
 
 /// The samples of a regression.
@@ -225,7 +225,7 @@ impl Data<'_> {
     }
 }
 
-/// Returns the offsets after a step, to first order.
+/// Returns the offsets of the runs after a step of the parameters, to first order in the step.
 fn ahead(state: &Normal, step: &SVector<f64, 5>) -> Vec<f64> {
     state.offsets.iter().zip(&state.levels).map(|(offset, level)| offset - level.dot(step)).collect()
 }

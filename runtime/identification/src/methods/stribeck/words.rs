@@ -1,4 +1,4 @@
-//! Physical parameters of a Stribeck law.
+//! Physical parameters of a Stribeck law: Coulomb friction, static friction, Stribeck speed, viscous friction.
 
 use super::law::StribeckFit;
 use gelenk_findings::digits::with_error;

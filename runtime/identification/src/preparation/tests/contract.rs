@@ -110,7 +110,7 @@ fn runs_that_cannot_be_prepared_say_why() {
     let mut run = recorded();
     run.times[5] = run.times[4];
     assert!(
-        message(&run, &none).contains("simulated 3, row 7: time does not increase"),
+        message(&run, &none).contains("simulated 3, row 7: the time does not increase"),
         "{}",
         message(&run, &none)
     );
