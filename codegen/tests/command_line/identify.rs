@@ -268,7 +268,10 @@ fn a_planned_motion_identifies_what_a_simulated_arm_is() {
     let failed = gelenk(folder.path(), &arguments);
     let said = String::from_utf8(failed.stderr.clone()).unwrap();
     let place = |words: &str| said.find(words).unwrap_or_else(|| panic!("{words}: {said}"));
-    assert!(place("1 samples have the time of the one before") < place("error[unusable-input]: missing.csv"), "{said}");
+    assert!(
+        place("1 samples have the time of the one before") < place("error[unusable-input]: missing.csv"),
+        "{said}"
+    );
     assert_eq!(failed.status.code(), Some(1));
     // Once more over its own output, never over what was read.
     assert!(gelenk(folder.path(), &["identify", "arm.toml", "log.csv"]).status.success());
@@ -405,7 +408,7 @@ fn logs_reduce_to_moments_and_moments_to_a_description() {
         2,
         &["identify", "arm.toml", "--merge", "1.moments", "--output", "x.moments", "--method", "lasso"],
     );
-    assert!(method.contains("--method needs a result"), "{method}");
+    assert!(method.contains("--method needs the result"), "{method}");
     let other = refused(1, &["identify", "truth.toml", "--merge", "1.moments", "--output", "x.toml"]);
     assert!(other.contains("another description"), "{other}");
     let log = refused(1, &["identify", "arm.toml", "--merge", "1.csv", "--output", "x.toml"]);
