@@ -49,8 +49,7 @@ fn commanded_columns_are_a_warning_everywhere() {
     let commanded = header.replace("q_", "q_target_");
     fs::write(arm.at("log.csv"), log.replacen(header, &commanded, 1)).unwrap();
     let found = arm.identify(&["log.csv", "--output", "found.toml"]);
-    let warning =
-        "warning[column-doubtful]: the positions (`q_target_{name}`) have names of commanded values";
+    let warning = "warning[column-doubtful]: the columns of the positions (`q_target_{name}`) have names of commanded values";
     assert!(found["warnings"][0].as_str().unwrap().starts_with(warning), "{:#}", found["warnings"]);
     let written = fs::read_to_string(arm.at("found.toml")).unwrap();
     assert!(written.contains(&format!("# {warning}")), "{written}");

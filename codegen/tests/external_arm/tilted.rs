@@ -28,7 +28,7 @@ fn a_base_at_an_angle_is_a_warning_with_the_gravity_that_a_description_needs() {
     // atan(1.36 / 9.715)
     assert!((angle - 7.97).abs() < 0.2, "{angle}");
     // With what the warning says there is no doubt left; neither is where the base is level.
-    let gravity = said.split("set ").nth(1).unwrap().split(", and").next().unwrap();
+    let gravity = said.split("set `").nth(1).unwrap().split('`').next().unwrap();
     fs::write(arm.at("arm.toml"), super::ARM.replace("gravity = [0, 0, -9.81]", gravity)).unwrap();
     let again = arm.identify(&["log.csv", "--output", "found.toml"]);
     assert!(doubt(&again).is_none(), "{}", again["warnings"]);

@@ -111,7 +111,9 @@ fn loads_from_logs_in_other_units_are_refused() {
             .contains("the positions seem to be in deg: use --columns 'position=q_{name}[deg]'")
     );
     record([1.0, 1.0, 1e3], "with.csv");
-    assert!(load("limited.toml").contains("they may be in mNm: --columns 'torque=effort_{name}[mNm]'"));
+    assert!(
+        load("limited.toml").contains("the efforts may be in mNm: use --columns 'torque=effort_{name}[mNm]'")
+    );
     // Without limits the weight of the robot shows it. No fit has tried a unit, so none is named.
     let said = load("arm.toml");
     assert!(said.contains("the rigid-body forces in the efforts are 1") && !said.contains("[mNm]"), "{said}");

@@ -11,7 +11,7 @@ use thiserror::Error;
 /// Fixture: `what_cannot_be_read_is_explained` in `log/tests/refusals.rs`.
 const UNUSABLE: Rule = Rule::error("unusable-input");
 
-/// Error of an identification step. Every message names the quantity, its value and a remedy.
+/// Error of an identification step. The message names the quantity, its value and, if known, a remedy.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum IdentificationError {
     /// There are no samples.

@@ -219,7 +219,7 @@ pub struct JointTerm {
 pub(crate) fn require_no_driven(robot: &dyn Robot, what: &str, help: &str) -> Result<()> {
     let names = robot.joint_names().into_iter().zip(robot.unmeasured());
     match names.filter(|(_, unmeasured)| *unmeasured).map(|(name, _)| name).next() {
-        Some(joint) => Err(at_joint(joint).fault(format!("{what} where a joint is driven: {help}"))),
+        Some(joint) => Err(at_joint(joint).fault(format!("{what} if a joint is driven: {help}"))),
         None => Ok(()),
     }
 }
@@ -234,7 +234,7 @@ pub(crate) fn require_no_driven(robot: &dyn Robot, what: &str, help: &str) -> Re
 pub(crate) fn require_no_quaternions(robot: &dyn Robot, what: &str, help: &str) -> Result<()> {
     let Some(joint) = robot.quaternion_joints().into_iter().next() else { return Ok(()) };
     let kind = if joint.is_floating { "floating" } else { "spherical" };
-    Err(at_joint(joint.name).fault(format!("{what} where a joint is {kind}: {help}")))
+    Err(at_joint(joint.name).fault(format!("{what} if a joint is {kind}: {help}")))
 }
 
 /// For each joint, whether its row of B has a single entry whose column has no other entry.

@@ -191,7 +191,7 @@ impl PreparedRun {
         }
     }
 
-    /// Number of the samples at which a joint moves.
+    /// Number of the samples at which at least one joint moves.
     pub(crate) fn count_moving(&self, samples: Range<usize>) -> usize {
         samples.filter(|sample| self.is_moving(*sample)).count()
     }

@@ -44,8 +44,8 @@ impl Checked<'_> {
                 vec![no_effort(self.task.robot, joint)]
             } else if !self.task.layout.moves[joint] && !self.task.layout.exact[joint] {
                 let still =
-                    DOES_NOT_MOVE.found("it does not move in these data: its friction is not estimated");
-                vec![still.of(self.task.robot.subject(joint)).help("move it")]
+                    DOES_NOT_MOVE.found("it does not move in these data, so its friction is not estimated");
+                vec![still.of(self.task.robot.subject(joint)).help("record a log in which it moves")]
             } else {
                 self.joint(joint)
             }

@@ -153,10 +153,10 @@ fn under_load(
     progress: &mut dyn FnMut(&str),
 ) -> Result<Estimate> {
     let layout = Layout::of(robot, runs, settings, (settings.steepness.as_deref(), false))?;
-    // Friction under load may be most of the residual, so that a poor fit is accepted here.
+    // Load-dependent friction may be most of the residual, so a poor fit is accepted here.
     let first = EstimationSettings { accept_poor: true, ..settings.clone() };
     let (mut found, steepness) = pass(robot, runs, &first, (&layout, None), progress)?;
-    // The term of friction under load changes sign as the Coulomb term does.
+    // The term of load-dependent friction has the same steepness k as the Coulomb term.
     let layout = Layout::of(robot, runs, settings, (Some(&steepness), true))?;
     for number in 1..=PASSES {
         let loads = Loads::new(robot, &layout, &found)?;

@@ -387,7 +387,7 @@ pub(super) fn require_explained(
         let explains_nothing = r_squared.is_nan() && !layout.exact[*joint];
         layout.moves[*joint] && (r_squared < least || explains_nothing || doubt(*joint).is_some())
     };
-    // A fault of another joint makes a joint poor, too. So a joint with a doubt of its own goes first.
+    // A fault of one joint also makes the fit of other joints poor. So a joint with a doubt about its effort goes first.
     let doubted = (0..layout.joints).filter(&poor).find(|joint| doubt(*joint).is_some());
     let Some(joint) = doubted.or_else(|| (0..layout.joints).find(&poor)).filter(|_| !settings.accept_poor)
     else {

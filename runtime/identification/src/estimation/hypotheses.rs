@@ -72,7 +72,7 @@ const TABLE: [Hypothesis; 7] = [
         rule: GRAVITY,
         changes: |case| Ok(vec![Change::Gravity(Gravity::of(!is_compensated(case)))]),
         bodies: Bodies::Described,
-        // Bodies that are described too heavy, and efforts in a larger unit, are also better explained without gravity.
+        // If described bodies are too heavy or efforts are in a larger unit, the data are also better explained without gravity.
         rival: |case| case.ratio.map(|ratio| Change::Factor(None, 1.0 / ratio.factor())),
         finding: other_gravity,
         ..USUAL
@@ -228,8 +228,8 @@ fn signs(case: &Case) -> Result<Vec<Change>> {
 
 fn other_sign(_: &Case, _: &Change, rule: &Rule) -> Result<Option<Finding>> {
     Ok(Some(rule.found("the data are explained better with the other sign of its effort").help(
-        "check the signs of effort and position; --columns turns all columns, 'torque=tau{}[-1 Nm]', or one of them, \
-         'torque=tau1|tau2[-1 Nm]|tau3'",
+        "check the signs of effort and position. To change the sign of all efforts, use --columns 'torque=tau{}[-1 Nm]'; to change \
+         one sign, use --columns 'torque=tau1|tau2[-1 Nm]|tau3'",
     )))
 }
 
@@ -274,7 +274,7 @@ fn other_delay(_: &Case, change: &Change, rule: &Rule) -> Result<Option<Finding>
         1e3 * seconds.abs()
     );
     let remedy =
-        "leave --delay out, or give the whole delay with --delay SECONDS, above 0 if efforts are late";
+        "leave --delay out, or give the whole delay with --delay SECONDS (positive if efforts are late)";
     Ok(Some(rule.found(message).with("delay", *seconds, "s").help(remedy)))
 }
 

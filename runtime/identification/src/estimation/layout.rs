@@ -297,8 +297,8 @@ fn measured(robot: &dyn Robot, runs: &[PreparedRun]) -> Vec<bool> {
 fn require_known_inputs(robot: &dyn Robot, effort: Effort) -> Result<()> {
     if effort != Effort::Joint && robot.has_inputs_at_frames() {
         return Err(Place::default().fault(
-            "inputs act at frames, so that their forces at the joints depend on the positions; convert currents to forces of the \
-             inputs first, and say so (`--effort input`)",
+            "inputs act at frames, so their forces at the joints depend on the positions; convert the efforts to forces at the \
+             joints first, and use --effort joint",
         ));
     }
     if known_gains(robot, effort).contains(&false) { require_own_inputs(robot) } else { Ok(()) }

@@ -175,10 +175,9 @@ pub(super) fn finding(case: &Case, change: &Change, rule: &Rule) -> Result<Optio
         vector.iter().map(entry).collect::<Vec<_>>().join(", ")
     });
     let message = format!(
-        "the efforts show a direction of gravity that differs by {angle:.1}° from the described direction, by a turn about \
-         [{axis}] in the axes of the base: the base is mounted at an angle, or `gravity` is wrong. Bodies and friction were \
-         fitted with the described direction"
+        "the efforts show a gravity {angle:.1}° off the described one, turned about the axis [{axis}] of the base: the base is \
+         mounted at an angle, or `gravity` is wrong. Bodies and friction were fitted with the described gravity"
     );
-    let remedy = format!("set gravity = [{found}], and identify again");
+    let remedy = format!("set `gravity = [{found}]`, and identify again");
     Ok(Some(rule.found(message).with("angle", angle, "°").help(remedy)))
 }

@@ -133,7 +133,7 @@ impl CommonRatio {
         let usual = if self.effort == Effort::Current {
             "the described motor constants may be wrong"
         } else if self.factor < 1.0 {
-            "efforts of motors before their gears are --effort input, currents are --effort current"
+            "use --effort input for efforts on the motor side of the gears, and --effort current for currents"
         } else {
             "use --effort current for currents, and --effort joint for efforts on the output side of the gears"
         };

@@ -358,7 +358,7 @@ fn what_does_not_belong_together_is_refused_with_what_to_do() {
     let message = sum(&[&all[0], &all[1], &copy]).unwrap_err().to_string();
     assert_eq!(
         message,
-        "2.moments: its log copy.csv has the same samples as the log 1.csv in 0.moments: leave out one of the two files"
+        "error[unusable-input]: 2.moments: its log copy.csv has the same samples as the log 1.csv in 0.moments: leave out one of the two files"
     );
     // A copy that an editor ended with another line has the same samples.
     let copy = reduced(folder.path(), "copy.csv", &format!("{}\n", log(1, false)), &settings()).unwrap();

@@ -63,7 +63,7 @@ impl<'a> Findings<'a> {
     pub(super) fn judge(&mut self, held_out: Option<f64>, least: f64) {
         let Some(r) = held_out.filter(|r| *r < least) else { return };
         let message = format!(
-            "the law explains nothing: R² on held-out data is {r:.3}, and at least {least} is required"
+            "the law explains too little: R² on held-out data is {r:.3}, and at least {least} is required"
         );
         let remedy = "record motion with more speed and reversals, or leave the described friction as it is";
         self.add(POOR_LAW.found(message).help(remedy));

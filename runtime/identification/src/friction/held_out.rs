@@ -62,7 +62,7 @@ pub(super) fn held_out(
     match folds.and_then(|folds| by_folds(&folds, selection, rows)) {
         Ok(folds) => Some(HeldOutErrors { folds, total }),
         Err(reason) => {
-            findings.add(NO_HELD_OUT.found(format!("no R² on held-out data: {reason}")));
+            findings.add(NO_HELD_OUT.found(format!("R² on held-out data cannot be computed: {reason}")));
             None
         }
     }

@@ -392,7 +392,7 @@ pub(super) mod tests {
         assert!(text.contains("v: 76.556 ± 0.031, 95 % interval 76.494 … 76.619"), "{text}");
         assert!(text.contains("offset 0.503 ± 0.021 N·m, not part of the law"), "{text}");
         assert!(text.contains("R² 0.9980 in the fit, 0.9971 on held-out data"), "{text}");
-        // The formula has the digits of the resolution: what is written.
+        // The formula has the digits that are written, which follow from the resolution.
         assert_eq!(example().law.formula(), "76.5561*v - 3.9245*tanh(5*v)");
     }
 
