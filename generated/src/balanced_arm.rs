@@ -23,7 +23,7 @@ pub const JOINT_NAMES: [&str; N] = ["shoulder", "elbow"];
 /// Units of the coordinates: `rad` or `m`.
 pub const JOINT_UNITS: [&str; N] = ["rad", "rad"];
 
-/// Units of the forces at the joints, as those of `inverse_dynamics`: `N m` or `N`.
+/// Units of the forces at the joints, for example of the results of `inverse_dynamics`: `N m` or `N`.
 pub const EFFORT_UNITS: [&str; N] = ["N m", "N m"];
 
 /// Names of the inputs.
@@ -44,34 +44,34 @@ pub const WRENCHES: usize = 1;
 /// Names of the wrenches.
 pub const WRENCH_NAMES: [&str; 1] = ["contact"];
 
-/// Lowest and highest position of each joint (rad or m); infinite where not described.
+/// Lowest and highest position of each joint (rad or m); infinite if not described.
 pub const POSITION_LIMITS: [[f64; 2]; N] = [[-0.2, 1.9], [-2.5, 2.5]];
 
-/// Highest speed of each joint (rad/s or m/s); infinite where not described.
+/// Highest speed of each joint (rad/s or m/s); infinite if not described.
 pub const VELOCITY_LIMITS: [f64; N] = [2.0, 3.0];
 
-/// Nominal force at each joint (N m or N); infinite where not described.
+/// Nominal force at each joint (N m or N); infinite if not described.
 pub const EFFORT_LIMITS: [f64; N] = [250.0, 90.0];
 
-/// Peak force at each joint (N m or N); the nominal one where no peak is described.
+/// Peak force at each joint (N m or N); the nominal force if no peak is described.
 pub const PEAK_EFFORT_LIMITS: [f64; N] = [250.0, 90.0];
 
-/// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite where
-/// not described. `EFFORT_LIMITS` at the joint also applies.
+/// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite if not
+/// described. `EFFORT_LIMITS` at the joint also applies.
 pub const INPUT_LIMITS: [f64; M] = [1.5, 0.8];
 
 /// Largest magnitude of each input that its motor bears for a short time, in the unit of the input; the nominal
-/// one where no peak is described.
+/// magnitude if no peak is described.
 pub const PEAK_INPUT_LIMITS: [f64; M] = [4.0, 2.0];
 
-/// Gear ratio of each drive: motor angle over joint angle.
+/// Gear ratio of each drive: motor angle divided by joint angle.
 pub const GEAR_RATIOS: [f64; M] = [80.0, 60.0];
 
-/// Axial inertia of each rotor, on its own side of the gear (kg m²).
+/// Axial inertia of each rotor, on the motor side of the gear (kg m²).
 pub const ROTOR_INERTIAS: [f64; M] = [0.0001, 4e-5];
 
-/// Pairs of coordinates i, j: friction at i may jump where velocity j changes its sign, because a law has an
-/// exact `sign`.
+/// Pairs of coordinates i, j: friction at i may jump if velocity j changes its sign, because a law has an exact
+/// `sign`.
 pub const FRICTION_JUMPS: [[usize; 2]; 0] = [];
 
 /// Gravitational acceleration in the base frame (m/s²).
@@ -104,7 +104,7 @@ pub const FUNCTIONS: [&str; 23] = [
     "frame_tool_jacobian_rate_times_velocity",
 ];
 
-/// Structure of `M`: `false` where the entry is zero in every state; 4 of 4 are not.
+/// Structure of `M`: `false` for entries that are zero in every state; 4 of 4 entries are `true`.
 pub const MASS_MATRIX_NONZERO: [[bool; 2]; 2] = [[true, true], [true, true]];
 
 /// Mass matrix `M(y)`.
@@ -134,7 +134,7 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
 ///
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
-/// - returns `k: [N]`: on the left-hand side: without gravity, springs and friction
+/// - returns `k: [N]`: on the left-hand side, without gravity, springs and friction
 ///
 /// Cost: 6 multiplications, 2 additions, 0 divisions, 1 function call (`sin_cos`).
 ///
@@ -154,12 +154,12 @@ pub fn coriolis_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
     [moment_shoulder_z, moment_elbow_z]
 }
 
-/// Gravity's share of the applied forces.
+/// Generalized forces of gravity, a part of the applied forces q.
 ///
 /// `q = gravity_forces + spring_forces − friction_torques`
 ///
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
-/// - returns `q_gravity: [N]`: positive where gravity drives the joint forwards; −∂V/∂y
+/// - returns `q_gravity: [N]`: a positive force acts in the positive direction of the joint; equals −∂V/∂y
 ///
 /// Cost: 2 multiplications, 2 additions, 0 divisions, 2 function calls (`sin_cos`).
 #[inline]
@@ -176,13 +176,13 @@ pub fn gravity_forces(y: &[f64; N]) -> [f64; N] {
     [moment_shoulder_z, moment_elbow_z]
 }
 
-/// Springs' and dampers' share of the applied forces.
+/// Generalized forces of springs and dampers, a part of the applied forces q.
 ///
 /// `q = gravity_forces + spring_forces − friction_torques`
 ///
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
-/// - returns `q_springs: [N]`: positive where a spring drives the joint forwards
+/// - returns `q_springs: [N]`: a positive force acts in the positive direction of the joint
 ///
 /// Cost: 10 multiplications, 6 additions, 1 division, 2 function calls (1 `sin_cos`, 1 other).
 #[inline]
@@ -217,7 +217,7 @@ pub fn spring_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
 /// `q = gravity_forces + spring_forces − friction_torques`
 ///
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
-/// - returns `τ: [N]`: positive for positive velocity, at the joint
+/// - returns `τ: [N]`: friction at the joint, positive for positive velocity
 ///
 /// Cost: 2 multiplications, 0 additions, 0 divisions, 0 function calls.
 #[inline]
@@ -232,7 +232,7 @@ pub fn friction_torques(v: &[f64; N]) -> [f64; N] {
 ///
 /// `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u`
 ///
-/// - returns `B: [N × M]`: gear ratios, times motor constants where inputs are currents
+/// - returns `B: [N × M]`: gear ratios, times motor constants for inputs that are currents
 ///
 /// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
 #[inline]
@@ -241,14 +241,14 @@ pub fn input_matrix() -> [[f64; M]; N] {
     [[80.0, 0.0], [0.0, 60.0]]
 }
 
-/// Inverse dynamics: the joint forces of a motion.
+/// Inverse dynamics: the drive forces that produce a motion.
 ///
 /// `M(y) ÿ + k(y, ẏ) − q(y, ẏ)`
 ///
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
 /// - `a: [N]`: accelerations ÿ: `shoulder`, `elbow` in rad/s²
-/// - returns `B u: [N]`: drive forces at the joints; u\_ff = B⁻¹ times these
+/// - returns `B u: [N]`: drive forces at the joints; the feedforward inputs are u\_ff = B⁻¹ (B u)
 ///
 /// Cost: 30 multiplications, 23 additions, 1 division, 3 function calls (2 `sin_cos`, 1 other).
 ///
@@ -330,7 +330,7 @@ pub fn inverse_dynamics(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [f64; N] {
 ///
 /// Cost: 32 multiplications, 21 additions, 2 divisions, 3 function calls (2 `sin_cos`, 1 other).
 ///
-/// M = Lᵀ D L along the branches of the tree (Featherstone 2005) was cheaper than articulated bodies.
+/// The factorization M = Lᵀ D L (Featherstone 2005) needed fewer operations than articulated bodies.
 #[must_use]
 pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let ([sin_shoulder, sin_elbow], [cos_shoulder, cos_elbow]) = math::sin_cos_2(
@@ -413,7 +413,7 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
-/// Forward differentiation of the inverse dynamics was cheapest.
+/// Forward differentiation of the inverse dynamics needed the fewest operations.
 #[must_use]
 pub fn inverse_dynamics_derivatives(
     y: &[f64; N],
@@ -522,13 +522,13 @@ pub fn inverse_dynamics_derivatives(
     ([t51, t95], [[t76, t96], [t72, t97]], [[t94, t98], [t92, 2.0]])
 }
 
-/// Structure of `A_y`: `false` where the entry is zero in every state; 4 of 4 are not.
+/// Structure of `A_y`: `false` for entries that are zero in every state; 4 of 4 entries are `true`.
 pub const A_Y_NONZERO: [[bool; 2]; 2] = [[true, true], [true, true]];
 
-/// Structure of `A_v`: `false` where the entry is zero in every state; 4 of 4 are not.
+/// Structure of `A_v`: `false` for entries that are zero in every state; 4 of 4 entries are `true`.
 pub const A_V_NONZERO: [[bool; 2]; 2] = [[true, true], [true, true]];
 
-/// Structure of `B_x`: `false` where the entry is zero in every state; 4 of 4 are not.
+/// Structure of `B_x`: `false` for entries that are zero in every state; 4 of 4 entries are `true`.
 pub const B_X_NONZERO: [[bool; 2]; 2] = [[true, true], [true, true]];
 
 /// Linearization of the accelerations in continuous time.
@@ -547,7 +547,7 @@ pub const B_X_NONZERO: [[bool; 2]; 2] = [[true, true], [true, true]];
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
-/// Forward differentiation of the inverse dynamics was cheapest.
+/// Forward differentiation of the inverse dynamics needed the fewest operations.
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -771,13 +771,13 @@ pub fn kinetic_energy(y: &[f64; N], v: &[f64; N]) -> f64 {
 /// `V = −g · Σ m c + Σ ∫ F(l, l̇ = 0) dl`
 ///
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
-/// - returns `V`: energy (J), that of gravity zero with the masses at the height of the base frame; springs of
-///   joints not included
+/// - returns `V`: energy (J); without springs of joints; gravity: 0 if the centre of mass is at the height of the
+///   base frame's origin
 ///
 /// Cost: 10 multiplications, 8 additions, 0 divisions, 3 function calls (2 `sin_cos`, 1 other).
 ///
-/// Includes the laws of `gas_spring` at standstill. A summand c (l − l₀)ⁿ has no energy at l₀, any other
-/// polynomial none at l = 0.
+/// Includes the force laws of `gas_spring` at standstill. The energy of a summand c (l − l₀)ⁿ is 0 at the
+/// distance l = l₀. The energy of any other polynomial is 0 at l = 0.
 #[inline]
 #[must_use]
 pub fn potential_energy(y: &[f64; N]) -> f64 {
@@ -809,12 +809,12 @@ pub fn potential_energy(y: &[f64; N]) -> f64 {
 
 /// Generalized forces of the wrenches.
 ///
-/// `Σ Jᵀ w over the wrenches, J the Jacobian of each one's frame`
+/// `Σ Jᵀ w over the wrenches w, with the Jacobian J of each wrench's frame`
 ///
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
 /// - `w: [WRENCHES × 6]`: wrenches, each force (N), then moment about the origin of its frame (N m): `contact` in
 ///   the axes of the base
-/// - returns `q_w: [N]`: positive where the wrenches drive the joint forwards
+/// - returns `q_w: [N]`: a positive force acts in the positive direction of the joint
 ///
 /// Cost: 9 multiplications, 9 additions, 0 divisions, 2 function calls (`sin_cos`).
 #[inline]
@@ -847,7 +847,7 @@ pub fn wrench_forces(y: &[f64; N], w: &[[f64; 6]; WRENCHES]) -> [f64; N] {
     [t22, t23]
 }
 
-/// Inverse dynamics: the joint forces of a motion on which wrenches act.
+/// Inverse dynamics: the drive forces that produce a motion under wrenches.
 ///
 /// `M(y) ÿ + k(y, ẏ) − q(y, ẏ) − wrench_forces(y, w)`
 ///
@@ -1198,24 +1198,24 @@ pub fn frame_tool_jacobian_rate_times_velocity(y: &[f64; N], v: &[f64; N]) -> [f
     [t19, 0.0, t20, 0.0, 0.0, 0.0]
 }
 
-/// Elementary functions that give the same bits on every platform.
+/// Elementary functions whose results have the same bits on every platform.
 #[allow(
     clippy::approx_constant,
     clippy::excessive_precision,
     reason = "coefficients and parts of π are not those constants"
 )]
 mod math {
-    // Sine and cosine in one pass, without branches below 1e5, tables or fused operations: the same bits on every platform.
+    // Sine and cosine in one pass, without branches up to 1e5, tables or fused operations. Bits are reproducible.
     //
-    // x = n π/2 + hi − low with |hi| ≤ π/4, π/2 in three parts (Cody and Waite, Software Manual for the Elementary
-    // Functions, 1980, ch. 8); beyond 1e5 by the bits of 2/π (Payne and Hanek, SIGNUM Newsletter 18, 1983). Then minimax
-    // polynomials (Remez exchange, minimax.py). Error below 0.9 ulp for every finite x (0.80 seen); NaN for NaN and ±∞;
-    // sin −0 = −0.
+    // The angle is reduced to x = n π/2 + hi − low with |hi| ≤ π/4. Up to 1e5, π/2 is used in three parts (Cody
+    // and Waite, Software Manual for the Elementary Functions, 1980, ch. 8). Above 1e5, the bits of 2/π are used
+    // (Payne and Hanek, SIGNUM Newsletter 18, 1983). Minimax polynomials follow (Remez exchange, minimax.py). The
+    // error is below 0.9 ulp for every finite x (measured: 0.80). NaN and ±∞ give NaN, and sin −0 is −0.
 
-    /// Largest angle of the fast path: `n π/2` is exact in the first two parts up to here.
+    /// Largest angle of the fast path. Up to this angle, `n π/2` is exact in the first two parts.
     const LARGEST_DIRECT_ANGLE: f64 = 1.0e5;
 
-    /// `(sin x, cos x)` with an error below 0.9 ulp each.
+    /// Returns `(sin x, cos x)`, each with an error below 0.9 ulp.
     #[inline(always)]
     pub fn sin_cos(x: f64) -> (f64, f64) {
         if x.abs() <= LARGEST_DIRECT_ANGLE {
@@ -1225,7 +1225,7 @@ mod math {
         }
     }
 
-    /// `|x| ≤ 1e5`. The first difference is exact, the second one keeps its rounding error (Fast2Sum).
+    /// Sine and cosine for `|x| ≤ 1e5`. The first difference is exact. Fast2Sum keeps the error of the second.
     #[inline(always)]
     fn sin_cos_direct(x: f64) -> (f64, f64) {
         const HALF_PI: [f64; 3] = [
@@ -1244,7 +1244,7 @@ mod math {
         sin_cos_quarter(hi, low, shifted.to_bits())
     }
 
-    /// Sine and cosine of `hi − low + quadrant π/2`, where `|hi| ≤ π/4` and `low` is of the size of its rounding error.
+    /// Sine and cosine of `hi − low + quadrant π/2` with `|hi| ≤ π/4`. `low` is a rounding error of `hi`.
     #[inline(always)]
     fn sin_cos_quarter(hi: f64, low: f64, quadrant: u64) -> (f64, f64) {
         let z = hi * hi;
@@ -1263,7 +1263,8 @@ mod math {
         in_quadrant(sin, cos, quadrant)
     }
 
-    /// Sine and cosine of an angle turned by `quadrant` quarters, from those of the angle; the last two bits count.
+    /// Sine and cosine of an angle after a rotation by `quadrant` quarter turns, from the sine and cosine of the
+    /// angle. Only the last two bits of `quadrant` are used.
     #[inline(always)]
     fn in_quadrant(sin: f64, cos: f64, quadrant: u64) -> (f64, f64) {
         let exchange = (sin.to_bits() ^ cos.to_bits()) & (quadrant & 1).wrapping_neg();
@@ -1275,11 +1276,11 @@ mod math {
         )
     }
 
-    /// `|x| > 1e5`, or not a number: `x · 2/π` modulo 4 from the bits of 2/π that matter, in integers.
+    /// Sine and cosine for `|x| > 1e5` or NaN. `x · 2/π` modulo 4 is computed in integers from bits of 2/π.
     #[cold]
     #[inline(never)]
     fn sin_cos_large(x: f64) -> (f64, f64) {
-        // One zero word, then the first 1216 bits of 2/π.
+        // A zero word, then the first 1216 bits of 2/π.
         const TWO_OVER_PI: [u64; 20] = [
             0x0000000000000000,
             0xa2f9836e4e441529,
@@ -1306,7 +1307,7 @@ mod math {
         if !x.is_finite() {
             return (f64::NAN, f64::NAN);
         }
-        // |x| = mantissa · 2^exponent; bits of 2/π before `start` give multiples of 4.
+        // |x| = mantissa · 2^exponent. The bits of 2/π before `start` only add multiples of 4.
         let exponent = (x.abs().to_bits() >> 52).wrapping_sub(1075);
         let mantissa = u128::from(x.to_bits() & ((1 << 52) - 1) | 1 << 52);
         let start = exponent.wrapping_add(62);
@@ -1320,7 +1321,7 @@ mod math {
         let low = mantissa * bits(2);
         let middle = mantissa * bits(1) + (low >> 64);
         let high = mantissa.wrapping_mul(bits(0)).wrapping_add(middle >> 64);
-        // x · 2/π = (turns modulo 4) / 2^126: two bits of quadrant, then the fraction, taken to [−1/2, 1/2).
+        // x · 2/π = (turns modulo 4) / 2^126. Two bits are the quadrant. The others are a fraction in [−1/2, 1/2).
         let turns = high << 64 | middle & u128::from(u64::MAX);
         let quadrant = ((turns >> 126) + (turns >> 125 & 1)) as u64;
         let fraction = (turns << 2) as i128;
@@ -1334,9 +1335,9 @@ mod math {
         (if x < 0.0 { -sin } else { sin }, cos)
     }
 
-    // Sine and cosine of several angles at once (after sin_cos.rs): the loop has no branch, so it becomes SIMD code.
+    // Sine and cosine of several angles at once (after sin_cos.rs): a loop without branches, for SIMD.
 
-    /// `(sin xᵢ, cos xᵢ)`, the same bits as [`sin_cos`] of each.
+    /// Returns all `sin xᵢ`, then all `cos xᵢ`, bit-identical to [`sin_cos`] of each angle.
     #[inline(always)]
     pub fn sin_cos_array<const L: usize>(x: [f64; L]) -> ([f64; L], [f64; L]) {
         let (mut sin, mut cos, mut all_direct) = ([0.0; L], [0.0; L], true);
@@ -1358,19 +1359,17 @@ mod math {
         (pairs.map(|pair| pair.0), pairs.map(|pair| pair.1))
     }
 
-    // Sine and cosine of 2 angles that arrive in registers (after sin_cos_array.rs).
-    // Never inlined: among scalar code the compiler would undo the lanes.
+    // Sine and cosine of 2 angles in registers. If it were inlined, the compiler would undo its SIMD code.
 
-    /// Sines and cosines of 2 angles, the same bits as [`sin_cos`] of each.
+    /// Sines and cosines of 2 angles, bit-identical to [`sin_cos`] of each angle.
     #[inline(never)]
     pub fn sin_cos_2(a: f64, b: f64) -> ([f64; 2], [f64; 2]) {
         sin_cos_array([a, b])
     }
 
-    // Sine and cosine of 4 angles that arrive in registers (after sin_cos_array.rs).
-    // Never inlined: among scalar code the compiler would undo the lanes.
+    // Sine and cosine of 4 angles in registers. If it were inlined, the compiler would undo its SIMD code.
 
-    /// Sines and cosines of 4 angles, the same bits as [`sin_cos`] of each.
+    /// Sines and cosines of 4 angles, bit-identical to [`sin_cos`] of each angle.
     #[inline(never)]
     pub fn sin_cos_4(a: f64, b: f64, c: f64, d: f64) -> ([f64; 4], [f64; 4]) {
         sin_cos_array([a, b, c, d])
@@ -1378,10 +1377,11 @@ mod math {
 
     // Square root, correctly rounded, without branches on the usual path.
     //
-    // `core` has no square root, so that processors' own instruction is out of reach without std. Its result is the same.
-    // Newton's iteration for 1/√x starts from the bits of x; the remainder decides the last digit in whole numbers.
+    // `core` has no square root, so the instruction of the processor is not available without std. The results
+    // are the same. Newton's iteration for 1/√x starts from the bits of x. The remainder, computed in integers,
+    // determines the last digit.
 
-    /// `√x`, correctly rounded; NaN for x < 0 and NaN.
+    /// Square root `√x`, correctly rounded; NaN for x < 0 and NaN.
     #[inline]
     pub fn sqrt(x: f64) -> f64 {
         if !(x > 0.0 && x < f64::INFINITY) {
@@ -1398,14 +1398,15 @@ mod math {
         let odd = (exponent & 1) ^ 1;
         let mantissa = (fraction | 0x0010_0000_0000_0000) << odd;
         let v = mantissa as f64 * 2.220_446_049_250_313e-16;
-        // 1/√v with an error of 3.4e-2, which each step squares and multiplies by 1.5.
+        // The initial value of 1/√v has a relative error of 3.4e-2. Each step squares the error and multiplies it
+        // by 1.5.
         let half = 0.5 * v;
         let y = f64::from_bits(0x5FE6_EB50_C7B5_37A9_u64.wrapping_sub(v.to_bits() >> 1));
         let y = y * (1.5 - half * y * y);
         let y = y * (1.5 - half * y * y);
         let y = y * (1.5 - half * y * y);
         let y = y * (1.5 - half * y * y);
-        // The root as a whole number of 2^-52. Its remainder is so small that 64 bits hold it.
+        // The root in units of 2^-52, as an integer. Its remainder is so small that 64 bits suffice.
         let remainder = |root: u64| {
             (mantissa << 52)
                 .wrapping_sub(root.wrapping_mul(root))
@@ -1416,7 +1417,8 @@ mod math {
         let root = near.wrapping_sub(8).wrapping_add((correction + 8.0) as u64);
         let root = root.wrapping_sub(u64::from(remainder(root) < 0));
         let root = root.wrapping_add(u64::from(remainder(root.wrapping_add(1)) >= 0));
-        // Above the middle between two numbers, (root + 1/2)², it is the larger one. No root lies in the middle.
+        // If v is above (root + 1/2)², the middle between two numbers, the larger number is nearer. The exact
+        // root is never in the middle.
         let root = root.wrapping_add(u64::from(remainder(root) > root.cast_signed()));
         let exponent = exponent.wrapping_add(1023).wrapping_sub(odd) >> 1;
         f64::from_bits((exponent << 52).wrapping_add(root.wrapping_sub(0x0010_0000_0000_0000))) * scale

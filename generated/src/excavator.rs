@@ -24,7 +24,7 @@ pub const JOINT_NAMES: [&str; N] = ["swing", "boom", "stick", "bucket"];
 /// Units of the coordinates: `rad` or `m`.
 pub const JOINT_UNITS: [&str; N] = ["rad", "rad", "rad", "rad"];
 
-/// Units of the forces at the joints, as those of `inverse_dynamics`: `N m` or `N`.
+/// Units of the forces at the joints, for example of the results of `inverse_dynamics`: `N m` or `N`.
 pub const EFFORT_UNITS: [&str; N] = ["N m", "N m", "N m", "N m"];
 
 /// Names of the inputs.
@@ -49,7 +49,7 @@ pub const FRAME_NAMES: [&str; 7] = [
     "teeth",
 ];
 
-/// Lowest and highest position of each joint (rad or m); infinite where not described.
+/// Lowest and highest position of each joint (rad or m); infinite if not described.
 pub const POSITION_LIMITS: [[f64; 2]; N] = [
     [-3.1, 3.1],
     [-1.1, 0.5],
@@ -57,10 +57,10 @@ pub const POSITION_LIMITS: [[f64; 2]; N] = [
     [-0.4, 1.3],
 ];
 
-/// Highest speed of each joint (rad/s or m/s); infinite where not described.
+/// Highest speed of each joint (rad/s or m/s); infinite if not described.
 pub const VELOCITY_LIMITS: [f64; N] = [0.9, 0.8, 1.2, 1.8];
 
-/// Nominal force at each joint (N m or N); infinite where not described.
+/// Nominal force at each joint (N m or N); infinite if not described.
 pub const EFFORT_LIMITS: [f64; N] = [
     f64::INFINITY,
     f64::INFINITY,
@@ -68,7 +68,7 @@ pub const EFFORT_LIMITS: [f64; N] = [
     f64::INFINITY,
 ];
 
-/// Peak force at each joint (N m or N); the nominal one where no peak is described.
+/// Peak force at each joint (N m or N); the nominal force if no peak is described.
 pub const PEAK_EFFORT_LIMITS: [f64; N] = [
     f64::INFINITY,
     f64::INFINITY,
@@ -76,15 +76,15 @@ pub const PEAK_EFFORT_LIMITS: [f64; N] = [
     f64::INFINITY,
 ];
 
-/// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite where
-/// not described. `EFFORT_LIMITS` at the joint also applies.
+/// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite if not
+/// described. `EFFORT_LIMITS` at the joint also applies.
 pub const INPUT_LIMITS: [f64; M] = [90.0, 60000.0, 45000.0, 35000.0];
 
 /// Largest magnitude of each input that its motor bears for a short time, in the unit of the input; the nominal
-/// one where no peak is described.
+/// magnitude if no peak is described.
 pub const PEAK_INPUT_LIMITS: [f64; M] = [120.0, 60000.0, 45000.0, 35000.0];
 
-/// Lowest and highest value of each input, in its unit; infinite where not described.
+/// Lowest and highest value of each input, in its unit; infinite if not described.
 pub const INPUT_RANGES: [[f64; 2]; M] = [
     [-120.0, 120.0],
     [-60000.0, 35000.0],
@@ -92,17 +92,17 @@ pub const INPUT_RANGES: [[f64; 2]; M] = [
     [-35000.0, 22000.0],
 ];
 
-/// Number of inputs that are drives; these are first. The others act at frames.
+/// Number of drives among the inputs. Drives come first; the other inputs act at frames.
 pub const DRIVES: usize = 1;
 
-/// Gear ratio of each drive: motor angle over joint angle.
+/// Gear ratio of each drive: motor angle divided by joint angle.
 pub const GEAR_RATIOS: [f64; 1] = [20.0];
 
-/// Axial inertia of each rotor, on its own side of the gear (kg m²).
+/// Axial inertia of each rotor, on the motor side of the gear (kg m²).
 pub const ROTOR_INERTIAS: [f64; 1] = [0.004];
 
-/// Pairs of coordinates i, j: friction at i may jump where velocity j changes its sign, because a law has an
-/// exact `sign`.
+/// Pairs of coordinates i, j: friction at i may jump if velocity j changes its sign, because a law has an exact
+/// `sign`.
 pub const FRICTION_JUMPS: [[usize; 2]; 0] = [];
 
 /// Gravitational acceleration in the base frame (m/s²).
@@ -131,7 +131,7 @@ pub const FUNCTIONS: [&str; 19] = [
     "frame_bucket_cylinder_rod_pose",
 ];
 
-/// Structure of `M`: `false` where the entry is zero in every state; 10 of 16 are not.
+/// Structure of `M`: `false` for entries that are zero in every state; 10 of 16 entries are `true`.
 pub const MASS_MATRIX_NONZERO: [[bool; 4]; 4] = [
     [true, false, false, false],
     [false, true, true, true],
@@ -235,7 +235,7 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
 ///
 /// - `y: [N]`: coordinates: `swing`, `boom`, `stick`, `bucket` in rad
 /// - `v: [N]`: velocities ẏ: `swing`, `boom`, `stick`, `bucket` in rad/s
-/// - returns `k: [N]`: on the left-hand side: without gravity, springs and friction
+/// - returns `k: [N]`: on the left-hand side, without gravity, springs and friction
 ///
 /// Cost: 61 multiplications, 48 additions, 0 divisions, 3 function calls (`sin_cos`).
 ///
@@ -375,12 +375,12 @@ pub fn coriolis_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
     ]
 }
 
-/// Gravity's share of the applied forces.
+/// Generalized forces of gravity, a part of the applied forces q.
 ///
 /// `q = gravity_forces + spring_forces − friction_torques`
 ///
 /// - `y: [N]`: coordinates: `swing`, `boom`, `stick`, `bucket` in rad
-/// - returns `q_gravity: [N]`: positive where gravity drives the joint forwards; −∂V/∂y
+/// - returns `q_gravity: [N]`: a positive force acts in the positive direction of the joint; equals −∂V/∂y
 ///
 /// Cost: 5 multiplications, 7 additions, 0 divisions, 3 function calls (`sin_cos`).
 #[inline]
@@ -413,13 +413,13 @@ pub fn gravity_forces(y: &[f64; N]) -> [f64; N] {
     [0.0, moment_boom_z, moment_stick_z, moment_bucket_z]
 }
 
-/// Springs' and dampers' share of the applied forces.
+/// Generalized forces of springs and dampers, a part of the applied forces q.
 ///
 /// `q = gravity_forces + spring_forces − friction_torques`
 ///
 /// - `y: [N]`: coordinates: `swing`, `boom`, `stick`, `bucket` in rad
 /// - `v: [N]`: velocities ẏ: `swing`, `boom`, `stick`, `bucket` in rad/s
-/// - returns `q_springs: [N]`: positive where a spring drives the joint forwards
+/// - returns `q_springs: [N]`: a positive force acts in the positive direction of the joint
 ///
 /// Cost: 24 multiplications, 9 additions, 3 divisions, 6 function calls (3 `sin_cos`, 3 other).
 #[must_use]
@@ -483,7 +483,7 @@ pub fn spring_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
 /// `q = gravity_forces + spring_forces − friction_torques`
 ///
 /// - `v: [N]`: velocities ẏ: `swing`, `boom`, `stick`, `bucket` in rad/s
-/// - returns `τ: [N]`: positive for positive velocity, at the joint
+/// - returns `τ: [N]`: friction at the joint, positive for positive velocity
 ///
 /// Cost: 4 multiplications, 0 additions, 0 divisions, 0 function calls.
 #[inline]
@@ -501,9 +501,9 @@ pub fn friction_torques(v: &[f64; N]) -> [f64; N] {
 /// `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B(y) u`
 ///
 /// - `y: [N]`: coordinates: `swing`, `boom`, `stick`, `bucket` in rad
-/// - returns `B: [N × M]`: generalized forces of a unit of each input: for drives gear ratios, times motor
-///   constants where inputs are currents; for inputs at frames `Jᵀ` times the wrench, or `−∂l/∂y` of the distance
-///   that they pull together
+/// - returns `B: [N × M]`: generalized forces of one unit of each input: gear ratios for drives, times motor
+///   constants for currents; for inputs at frames `Jᵀ` times the wrench, or `−∂l/∂y` for inputs that shorten the
+///   distance l
 ///
 /// Cost: 15 multiplications, 9 additions, 3 divisions, 6 function calls (3 `sin_cos`, 3 other).
 #[must_use]
@@ -558,14 +558,14 @@ pub fn input_matrix(y: &[f64; N]) -> [[f64; M]; N] {
     ]
 }
 
-/// Inverse dynamics: the joint forces of a motion.
+/// Inverse dynamics: the drive forces that produce a motion.
 ///
 /// `M(y) ÿ + k(y, ẏ) − q(y, ẏ)`
 ///
 /// - `y: [N]`: coordinates: `swing`, `boom`, `stick`, `bucket` in rad
 /// - `v: [N]`: velocities ẏ: `swing`, `boom`, `stick`, `bucket` in rad/s
 /// - `a: [N]`: accelerations ÿ: `swing`, `boom`, `stick`, `bucket` in rad/s²
-/// - returns `B u: [N]`: drive forces at the joints; u\_ff = B⁻¹ times these
+/// - returns `B u: [N]`: drive forces at the joints; the feedforward inputs are u\_ff = B⁻¹ (B u)
 ///
 /// Cost: 121 multiplications, 99 additions, 3 divisions, 8 function calls (5 `sin_cos`, 3 other).
 ///
@@ -828,7 +828,7 @@ pub fn inverse_dynamics(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [f64; N] {
 ///
 /// Cost: 129 multiplications, 107 additions, 7 divisions, 8 function calls (5 `sin_cos`, 3 other).
 ///
-/// M = Lᵀ D L along the branches of the tree (Featherstone 2005) was cheaper than articulated bodies.
+/// The factorization M = Lᵀ D L (Featherstone 2005) needed fewer operations than articulated bodies.
 #[must_use]
 pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let angle_boom_stick = y[1] + y[2];
@@ -1113,7 +1113,7 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
-/// Forward differentiation of the inverse dynamics was cheapest.
+/// Forward differentiation of the inverse dynamics needed the fewest operations.
 #[inline]
 #[must_use]
 pub fn inverse_dynamics_derivatives(
@@ -1128,7 +1128,7 @@ pub fn inverse_dynamics_derivatives(
     (b_u, d_dy, d_dv)
 }
 
-/// `inverse_dynamics_derivatives` with its results written in place; their previous values are not read.
+/// Computes `inverse_dynamics_derivatives` in place. Previous values of the results are not read.
 pub fn inverse_dynamics_derivatives_into(
     y: &[f64; N],
     v: &[f64; N],
@@ -1750,7 +1750,7 @@ pub fn inverse_dynamics_derivatives_into(
     d_dv[3][2] = t569;
 }
 
-/// Structure of `A_y`: `false` where the entry is zero in every state; 12 of 16 are not.
+/// Structure of `A_y`: `false` for entries that are zero in every state; 12 of 16 entries are `true`.
 pub const A_Y_NONZERO: [[bool; 4]; 4] = [
     [false, true, true, true],
     [false, true, true, true],
@@ -1758,7 +1758,7 @@ pub const A_Y_NONZERO: [[bool; 4]; 4] = [
     [false, true, true, true],
 ];
 
-/// Structure of `A_v`: `false` where the entry is zero in every state; 16 of 16 are not.
+/// Structure of `A_v`: `false` for entries that are zero in every state; 16 of 16 entries are `true`.
 pub const A_V_NONZERO: [[bool; 4]; 4] = [
     [true, true, true, true],
     [true, true, true, true],
@@ -1766,7 +1766,7 @@ pub const A_V_NONZERO: [[bool; 4]; 4] = [
     [true, true, true, true],
 ];
 
-/// Structure of `B_x`: `false` where the entry is zero in every state; 10 of 16 are not.
+/// Structure of `B_x`: `false` for entries that are zero in every state; 10 of 16 entries are `true`.
 pub const B_X_NONZERO: [[bool; 4]; 4] = [
     [true, false, false, false],
     [false, true, true, true],
@@ -1790,7 +1790,7 @@ pub const B_X_NONZERO: [[bool; 4]; 4] = [
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
-/// Forward differentiation of the inverse dynamics was cheapest.
+/// Forward differentiation of the inverse dynamics needed the fewest operations.
 #[inline]
 #[must_use]
 #[allow(
@@ -1810,7 +1810,7 @@ pub fn linearize(
     (a_y, a_v, b_x, c)
 }
 
-/// `linearize` with its results written in place; their previous values are not read.
+/// Computes `linearize` in place. Previous values of the results are not read.
 pub fn linearize_into(
     y: &[f64; N],
     v: &[f64; N],
@@ -2900,8 +2900,8 @@ pub fn kinetic_energy(y: &[f64; N], v: &[f64; N]) -> f64 {
 /// `V = −g · Σ m c`
 ///
 /// - `y: [N]`: coordinates: `swing`, `boom`, `stick`, `bucket` in rad
-/// - returns `V`: energy (J), of the moving bodies, zero with their masses at the height of the base frame;
-///   springs not included
+/// - returns `V`: energy (J) of the moving bodies without springs, 0 if the centre of mass is at the height of
+///   the base frame's origin
 ///
 /// Cost: 11 multiplications, 10 additions, 0 divisions, 3 function calls (`sin_cos`).
 #[inline]
@@ -2959,7 +2959,7 @@ pub fn input_forces_derivatives(
     (b_u, d_dy)
 }
 
-/// `input_forces_derivatives` with its results written in place; their previous values are not read.
+/// Computes `input_forces_derivatives` in place. Previous values of the results are not read.
 pub fn input_forces_derivatives_into(
     y: &[f64; N],
     u: &[f64; M],
@@ -3359,24 +3359,24 @@ pub fn frame_bucket_cylinder_rod_pose(y: &[f64; N]) -> ([f64; 3], [[f64; 3]; 3])
     )
 }
 
-/// Elementary functions that give the same bits on every platform.
+/// Elementary functions whose results have the same bits on every platform.
 #[allow(
     clippy::approx_constant,
     clippy::excessive_precision,
     reason = "coefficients and parts of π are not those constants"
 )]
 mod math {
-    // Sine and cosine in one pass, without branches below 1e5, tables or fused operations: the same bits on every platform.
+    // Sine and cosine in one pass, without branches up to 1e5, tables or fused operations. Bits are reproducible.
     //
-    // x = n π/2 + hi − low with |hi| ≤ π/4, π/2 in three parts (Cody and Waite, Software Manual for the Elementary
-    // Functions, 1980, ch. 8); beyond 1e5 by the bits of 2/π (Payne and Hanek, SIGNUM Newsletter 18, 1983). Then minimax
-    // polynomials (Remez exchange, minimax.py). Error below 0.9 ulp for every finite x (0.80 seen); NaN for NaN and ±∞;
-    // sin −0 = −0.
+    // The angle is reduced to x = n π/2 + hi − low with |hi| ≤ π/4. Up to 1e5, π/2 is used in three parts (Cody
+    // and Waite, Software Manual for the Elementary Functions, 1980, ch. 8). Above 1e5, the bits of 2/π are used
+    // (Payne and Hanek, SIGNUM Newsletter 18, 1983). Minimax polynomials follow (Remez exchange, minimax.py). The
+    // error is below 0.9 ulp for every finite x (measured: 0.80). NaN and ±∞ give NaN, and sin −0 is −0.
 
-    /// Largest angle of the fast path: `n π/2` is exact in the first two parts up to here.
+    /// Largest angle of the fast path. Up to this angle, `n π/2` is exact in the first two parts.
     const LARGEST_DIRECT_ANGLE: f64 = 1.0e5;
 
-    /// `(sin x, cos x)` with an error below 0.9 ulp each.
+    /// Returns `(sin x, cos x)`, each with an error below 0.9 ulp.
     #[inline(always)]
     pub fn sin_cos(x: f64) -> (f64, f64) {
         if x.abs() <= LARGEST_DIRECT_ANGLE {
@@ -3386,7 +3386,7 @@ mod math {
         }
     }
 
-    /// `|x| ≤ 1e5`. The first difference is exact, the second one keeps its rounding error (Fast2Sum).
+    /// Sine and cosine for `|x| ≤ 1e5`. The first difference is exact. Fast2Sum keeps the error of the second.
     #[inline(always)]
     fn sin_cos_direct(x: f64) -> (f64, f64) {
         const HALF_PI: [f64; 3] = [
@@ -3405,7 +3405,7 @@ mod math {
         sin_cos_quarter(hi, low, shifted.to_bits())
     }
 
-    /// Sine and cosine of `hi − low + quadrant π/2`, where `|hi| ≤ π/4` and `low` is of the size of its rounding error.
+    /// Sine and cosine of `hi − low + quadrant π/2` with `|hi| ≤ π/4`. `low` is a rounding error of `hi`.
     #[inline(always)]
     fn sin_cos_quarter(hi: f64, low: f64, quadrant: u64) -> (f64, f64) {
         let z = hi * hi;
@@ -3424,7 +3424,8 @@ mod math {
         in_quadrant(sin, cos, quadrant)
     }
 
-    /// Sine and cosine of an angle turned by `quadrant` quarters, from those of the angle; the last two bits count.
+    /// Sine and cosine of an angle after a rotation by `quadrant` quarter turns, from the sine and cosine of the
+    /// angle. Only the last two bits of `quadrant` are used.
     #[inline(always)]
     fn in_quadrant(sin: f64, cos: f64, quadrant: u64) -> (f64, f64) {
         let exchange = (sin.to_bits() ^ cos.to_bits()) & (quadrant & 1).wrapping_neg();
@@ -3436,11 +3437,11 @@ mod math {
         )
     }
 
-    /// `|x| > 1e5`, or not a number: `x · 2/π` modulo 4 from the bits of 2/π that matter, in integers.
+    /// Sine and cosine for `|x| > 1e5` or NaN. `x · 2/π` modulo 4 is computed in integers from bits of 2/π.
     #[cold]
     #[inline(never)]
     fn sin_cos_large(x: f64) -> (f64, f64) {
-        // One zero word, then the first 1216 bits of 2/π.
+        // A zero word, then the first 1216 bits of 2/π.
         const TWO_OVER_PI: [u64; 20] = [
             0x0000000000000000,
             0xa2f9836e4e441529,
@@ -3467,7 +3468,7 @@ mod math {
         if !x.is_finite() {
             return (f64::NAN, f64::NAN);
         }
-        // |x| = mantissa · 2^exponent; bits of 2/π before `start` give multiples of 4.
+        // |x| = mantissa · 2^exponent. The bits of 2/π before `start` only add multiples of 4.
         let exponent = (x.abs().to_bits() >> 52).wrapping_sub(1075);
         let mantissa = u128::from(x.to_bits() & ((1 << 52) - 1) | 1 << 52);
         let start = exponent.wrapping_add(62);
@@ -3481,7 +3482,7 @@ mod math {
         let low = mantissa * bits(2);
         let middle = mantissa * bits(1) + (low >> 64);
         let high = mantissa.wrapping_mul(bits(0)).wrapping_add(middle >> 64);
-        // x · 2/π = (turns modulo 4) / 2^126: two bits of quadrant, then the fraction, taken to [−1/2, 1/2).
+        // x · 2/π = (turns modulo 4) / 2^126. Two bits are the quadrant. The others are a fraction in [−1/2, 1/2).
         let turns = high << 64 | middle & u128::from(u64::MAX);
         let quadrant = ((turns >> 126) + (turns >> 125 & 1)) as u64;
         let fraction = (turns << 2) as i128;
@@ -3495,9 +3496,9 @@ mod math {
         (if x < 0.0 { -sin } else { sin }, cos)
     }
 
-    // Sine and cosine of several angles at once (after sin_cos.rs): the loop has no branch, so it becomes SIMD code.
+    // Sine and cosine of several angles at once (after sin_cos.rs): a loop without branches, for SIMD.
 
-    /// `(sin xᵢ, cos xᵢ)`, the same bits as [`sin_cos`] of each.
+    /// Returns all `sin xᵢ`, then all `cos xᵢ`, bit-identical to [`sin_cos`] of each angle.
     #[inline(always)]
     pub fn sin_cos_array<const L: usize>(x: [f64; L]) -> ([f64; L], [f64; L]) {
         let (mut sin, mut cos, mut all_direct) = ([0.0; L], [0.0; L], true);
@@ -3519,19 +3520,17 @@ mod math {
         (pairs.map(|pair| pair.0), pairs.map(|pair| pair.1))
     }
 
-    // Sine and cosine of 2 angles that arrive in registers (after sin_cos_array.rs).
-    // Never inlined: among scalar code the compiler would undo the lanes.
+    // Sine and cosine of 2 angles in registers. If it were inlined, the compiler would undo its SIMD code.
 
-    /// Sines and cosines of 2 angles, the same bits as [`sin_cos`] of each.
+    /// Sines and cosines of 2 angles, bit-identical to [`sin_cos`] of each angle.
     #[inline(never)]
     pub fn sin_cos_2(a: f64, b: f64) -> ([f64; 2], [f64; 2]) {
         sin_cos_array([a, b])
     }
 
-    // Sine and cosine of 4 angles that arrive in registers (after sin_cos_array.rs).
-    // Never inlined: among scalar code the compiler would undo the lanes.
+    // Sine and cosine of 4 angles in registers. If it were inlined, the compiler would undo its SIMD code.
 
-    /// Sines and cosines of 4 angles, the same bits as [`sin_cos`] of each.
+    /// Sines and cosines of 4 angles, bit-identical to [`sin_cos`] of each angle.
     #[inline(never)]
     pub fn sin_cos_4(a: f64, b: f64, c: f64, d: f64) -> ([f64; 4], [f64; 4]) {
         sin_cos_array([a, b, c, d])
@@ -3539,10 +3538,11 @@ mod math {
 
     // Square root, correctly rounded, without branches on the usual path.
     //
-    // `core` has no square root, so that processors' own instruction is out of reach without std. Its result is the same.
-    // Newton's iteration for 1/√x starts from the bits of x; the remainder decides the last digit in whole numbers.
+    // `core` has no square root, so the instruction of the processor is not available without std. The results
+    // are the same. Newton's iteration for 1/√x starts from the bits of x. The remainder, computed in integers,
+    // determines the last digit.
 
-    /// `√x`, correctly rounded; NaN for x < 0 and NaN.
+    /// Square root `√x`, correctly rounded; NaN for x < 0 and NaN.
     #[inline]
     pub fn sqrt(x: f64) -> f64 {
         if !(x > 0.0 && x < f64::INFINITY) {
@@ -3559,14 +3559,15 @@ mod math {
         let odd = (exponent & 1) ^ 1;
         let mantissa = (fraction | 0x0010_0000_0000_0000) << odd;
         let v = mantissa as f64 * 2.220_446_049_250_313e-16;
-        // 1/√v with an error of 3.4e-2, which each step squares and multiplies by 1.5.
+        // The initial value of 1/√v has a relative error of 3.4e-2. Each step squares the error and multiplies it
+        // by 1.5.
         let half = 0.5 * v;
         let y = f64::from_bits(0x5FE6_EB50_C7B5_37A9_u64.wrapping_sub(v.to_bits() >> 1));
         let y = y * (1.5 - half * y * y);
         let y = y * (1.5 - half * y * y);
         let y = y * (1.5 - half * y * y);
         let y = y * (1.5 - half * y * y);
-        // The root as a whole number of 2^-52. Its remainder is so small that 64 bits hold it.
+        // The root in units of 2^-52, as an integer. Its remainder is so small that 64 bits suffice.
         let remainder = |root: u64| {
             (mantissa << 52)
                 .wrapping_sub(root.wrapping_mul(root))
@@ -3577,7 +3578,8 @@ mod math {
         let root = near.wrapping_sub(8).wrapping_add((correction + 8.0) as u64);
         let root = root.wrapping_sub(u64::from(remainder(root) < 0));
         let root = root.wrapping_add(u64::from(remainder(root.wrapping_add(1)) >= 0));
-        // Above the middle between two numbers, (root + 1/2)², it is the larger one. No root lies in the middle.
+        // If v is above (root + 1/2)², the middle between two numbers, the larger number is nearer. The exact
+        // root is never in the middle.
         let root = root.wrapping_add(u64::from(remainder(root) > root.cast_signed()));
         let exponent = exponent.wrapping_add(1023).wrapping_sub(odd) >> 1;
         f64::from_bits((exponent << 52).wrapping_add(root.wrapping_sub(0x0010_0000_0000_0000))) * scale

@@ -21,7 +21,7 @@ pub const JOINT_NAMES: [&str; N] = ["shoulder", "elbow"];
 /// Units of the coordinates: `rad` or `m`.
 pub const JOINT_UNITS: [&str; N] = ["rad", "rad"];
 
-/// Units of the forces at the joints, as those of `inverse_dynamics`: `N m` or `N`.
+/// Units of the forces at the joints, for example of the results of `inverse_dynamics`: `N m` or `N`.
 pub const EFFORT_UNITS: [&str; N] = ["N m", "N m"];
 
 /// Names of the inputs.
@@ -36,34 +36,34 @@ pub const INPUT_JOINTS: [usize; M] = [0, 1];
 /// Names of the frames.
 pub const FRAME_NAMES: [&str; 1] = ["tip"];
 
-/// Lowest and highest position of each joint (rad or m); infinite where not described.
+/// Lowest and highest position of each joint (rad or m); infinite if not described.
 pub const POSITION_LIMITS: [[f64; 2]; N] = [[-2.5, 2.5], [-2.8, 2.8]];
 
-/// Highest speed of each joint (rad/s or m/s); infinite where not described.
+/// Highest speed of each joint (rad/s or m/s); infinite if not described.
 pub const VELOCITY_LIMITS: [f64; N] = [3.0, 4.0];
 
-/// Nominal force at each joint (N m or N); infinite where not described.
+/// Nominal force at each joint (N m or N); infinite if not described.
 pub const EFFORT_LIMITS: [f64; N] = [40.0, 16.0];
 
-/// Peak force at each joint (N m or N); the nominal one where no peak is described.
+/// Peak force at each joint (N m or N); the nominal force if no peak is described.
 pub const PEAK_EFFORT_LIMITS: [f64; N] = [90.0, 32.0];
 
-/// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite where
-/// not described. `EFFORT_LIMITS` at the joint also applies.
+/// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite if not
+/// described. `EFFORT_LIMITS` at the joint also applies.
 pub const INPUT_LIMITS: [f64; M] = [0.4, 0.2];
 
 /// Largest magnitude of each input that its motor bears for a short time, in the unit of the input; the nominal
-/// one where no peak is described.
+/// magnitude if no peak is described.
 pub const PEAK_INPUT_LIMITS: [f64; M] = [0.9, 0.4];
 
-/// Gear ratio of each drive: motor angle over joint angle.
+/// Gear ratio of each drive: motor angle divided by joint angle.
 pub const GEAR_RATIOS: [f64; M] = [100.0, -80.0];
 
-/// Axial inertia of each rotor, on its own side of the gear (kg m²).
+/// Axial inertia of each rotor, on the motor side of the gear (kg m²).
 pub const ROTOR_INERTIAS: [f64; M] = [4e-5, 3e-5];
 
-/// Pairs of coordinates i, j: friction at i may jump where velocity j changes its sign, because a law has an
-/// exact `sign`.
+/// Pairs of coordinates i, j: friction at i may jump if velocity j changes its sign, because a law has an exact
+/// `sign`.
 pub const FRICTION_JUMPS: [[usize; 2]; 0] = [];
 
 /// Gravitational acceleration in the base frame (m/s²).
@@ -101,7 +101,7 @@ pub const FUNCTIONS: [&str; 28] = [
     "step_derivatives",
 ];
 
-/// Structure of `M`: `false` where the entry is zero in every state; 4 of 4 are not.
+/// Structure of `M`: `false` for entries that are zero in every state; 4 of 4 entries are `true`.
 pub const MASS_MATRIX_NONZERO: [[bool; 2]; 2] = [[true, true], [true, true]];
 
 /// Mass matrix `M(y)`.
@@ -134,7 +134,7 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
 ///
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
-/// - returns `k: [N]`: on the left-hand side: without gravity, springs and friction
+/// - returns `k: [N]`: on the left-hand side, without gravity, springs and friction
 ///
 /// Cost: 6 multiplications, 2 additions, 0 divisions, 1 function call (`sin_cos`).
 ///
@@ -157,12 +157,12 @@ pub fn coriolis_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
     [moment_shoulder_z, moment_elbow_z]
 }
 
-/// Gravity's share of the applied forces.
+/// Generalized forces of gravity, a part of the applied forces q.
 ///
 /// `q = gravity_forces + spring_forces − friction_torques`
 ///
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
-/// - returns `q_gravity: [N]`: positive where gravity drives the joint forwards; −∂V/∂y
+/// - returns `q_gravity: [N]`: a positive force acts in the positive direction of the joint; equals −∂V/∂y
 ///
 /// Cost: 2 multiplications, 2 additions, 0 divisions, 2 function calls (`sin_cos`).
 #[inline]
@@ -179,13 +179,13 @@ pub fn gravity_forces(y: &[f64; N]) -> [f64; N] {
     [moment_shoulder_z, moment_elbow_z]
 }
 
-/// Springs' and dampers' share of the applied forces.
+/// Generalized forces of springs and dampers, a part of the applied forces q.
 ///
 /// `q = gravity_forces + spring_forces − friction_torques`
 ///
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
-/// - returns `q_springs: [N]`: positive where a spring drives the joint forwards
+/// - returns `q_springs: [N]`: a positive force acts in the positive direction of the joint
 ///
 /// Cost: 2 multiplications, 2 additions, 0 divisions, 0 function calls.
 #[inline]
@@ -204,11 +204,11 @@ pub fn spring_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
 /// `q = gravity_forces + spring_forces − friction_torques`
 ///
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
-/// - returns `τ: [N]`: positive for positive velocity, at the joint
+/// - returns `τ: [N]`: friction at the joint, positive for positive velocity
 ///
 /// Cost: 5 multiplications, 2 additions, 0 divisions, 2 function calls.
 ///
-/// Friction without its load-dependent part `|τ_l| load_friction`, which depends on the accelerations.
+/// Excludes the load-dependent friction `|τ_l| load_friction`, which depends on the accelerations.
 #[inline]
 #[must_use]
 pub fn friction_torques(v: &[f64; N]) -> [f64; N] {
@@ -234,7 +234,7 @@ pub fn friction_torques(v: &[f64; N]) -> [f64; N] {
 ///
 /// Cost: 9 multiplications, 8 additions, 0 divisions, 4 function calls (2 `sin_cos`, 2 other).
 ///
-/// Friction without its load-dependent part `|τ_l| load_friction`, which depends on the accelerations.
+/// Excludes the load-dependent friction `|τ_l| load_friction`, which depends on the accelerations.
 #[inline]
 #[must_use]
 pub fn applied_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
@@ -308,7 +308,7 @@ pub fn bias_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
 ///
 /// `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u − |τ_l| s₁(y, ẏ)`
 ///
-/// - returns `B: [N × M]`: gear ratios, times motor constants where inputs are currents
+/// - returns `B: [N × M]`: gear ratios, times motor constants for inputs that are currents
 ///
 /// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
 ///
@@ -384,14 +384,14 @@ pub fn equations_of_motion(
     ([[t6, t8], [t8, 0.2868]], [moment_shoulder_z, moment_elbow_z], [t35, t36])
 }
 
-/// Inverse dynamics: the joint forces of a motion.
+/// Inverse dynamics: the drive forces that produce a motion.
 ///
 /// `τ_l + friction_torques + |τ_l| s₁(y, ẏ), τ_l = M ÿ + k − gravity_forces − spring_forces`
 ///
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
 /// - `a: [N]`: accelerations ÿ: `shoulder`, `elbow` in rad/s²
-/// - returns `B u: [N]`: drive forces at the joints; u\_ff = B⁻¹ times these
+/// - returns `B u: [N]`: drive forces at the joints; the feedforward inputs are u\_ff = B⁻¹ (B u)
 ///
 /// Cost: 29 multiplications, 22 additions, 0 divisions, 5 function calls (3 `sin_cos`, 2 other), 2 selections.
 ///
@@ -476,13 +476,13 @@ pub fn inverse_dynamics(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [f64; N] {
 ///
 /// Cost: 32 multiplications, 23 additions, 3 divisions, 5 function calls (3 `sin_cos`, 2 other), 2 selections.
 ///
-/// M = Lᵀ D L along the branches of the tree (Featherstone 2005) was cheaper than articulated bodies.
+/// The factorization M = Lᵀ D L (Featherstone 2005) needed fewer operations than articulated bodies.
 ///
 /// The load `τ_l` is the drive force without friction, `M ÿ + k − gravity_forces − spring_forces`. Friction is
 /// `friction_torques + |τ_l| load_friction` (Hamon, Gautier and Garrec 2010).
 ///
-/// Computed joint by joint: since `|s₁| < 1`, the drive force without `friction_torques`, `w`, has the sign of
-/// the load.
+/// Since `|s₁| < 1`, `w` (the drive force without `friction_torques`) has the sign of the load, so each joint is
+/// solved separately.
 #[must_use]
 pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t0 = y[1] + y[1];
@@ -569,7 +569,7 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
 ///
 /// Cost: 12 multiplications, 7 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
-/// Common terms of both are computed once.
+/// Common terms are computed once.
 ///
 /// The load `τ_l` is the drive force without friction, `M ÿ + k − gravity_forces − spring_forces`. Friction is
 /// `friction_torques + |τ_l| load_friction` (Hamon, Gautier and Garrec 2010).
@@ -614,7 +614,7 @@ pub fn mass_matrix_and_bias_forces(
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
 /// - `a: [N]`: accelerations ÿ: `shoulder`, `elbow` in rad/s²
-/// - returns `B u: [N]`: drive forces at the joints, friction under load included
+/// - returns `B u: [N]`: drive forces at the joints, including load-dependent friction
 /// - returns `∂/∂y: [N × N]`: row i = force i
 /// - returns `∂/∂ẏ: [N × N]`: row i = force i, friction included
 ///
@@ -622,13 +622,13 @@ pub fn mass_matrix_and_bias_forces(
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
-/// Forward differentiation of the inverse dynamics was cheapest.
+/// Forward differentiation of the inverse dynamics needed the fewest operations.
 ///
 /// The load `τ_l` is the drive force without friction, `M ÿ + k − gravity_forces − spring_forces`. Friction is
 /// `friction_torques + |τ_l| load_friction` (Hamon, Gautier and Garrec 2010).
 ///
-/// At a load of 0 the derivatives are discontinuous; they have the values without `load_friction`, between both
-/// one-sided limits.
+/// The derivatives are discontinuous at a load of 0. There they have the values without `load_friction`, which
+/// are between the two one-sided limits.
 #[must_use]
 pub fn inverse_dynamics_derivatives(
     y: &[f64; N],
@@ -757,13 +757,13 @@ pub fn inverse_dynamics_derivatives(
     ([t40, t58], [[t115, t116], [t81, t117]], [[t102, t118], [t104, t114]])
 }
 
-/// Structure of `A_y`: `false` where the entry is zero in every state; 4 of 4 are not.
+/// Structure of `A_y`: `false` for entries that are zero in every state; 4 of 4 entries are `true`.
 pub const A_Y_NONZERO: [[bool; 2]; 2] = [[true, true], [true, true]];
 
-/// Structure of `A_v`: `false` where the entry is zero in every state; 4 of 4 are not.
+/// Structure of `A_v`: `false` for entries that are zero in every state; 4 of 4 entries are `true`.
 pub const A_V_NONZERO: [[bool; 2]; 2] = [[true, true], [true, true]];
 
-/// Structure of `B_x`: `false` where the entry is zero in every state; 4 of 4 are not.
+/// Structure of `B_x`: `false` for entries that are zero in every state; 4 of 4 entries are `true`.
 pub const B_X_NONZERO: [[bool; 2]; 2] = [[true, true], [true, true]];
 
 /// Linearization of the accelerations in continuous time.
@@ -782,13 +782,13 @@ pub const B_X_NONZERO: [[bool; 2]; 2] = [[true, true], [true, true]];
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
-/// Forward differentiation of the inverse dynamics was cheapest.
+/// Forward differentiation of the inverse dynamics needed the fewest operations.
 ///
 /// The load `τ_l` is the drive force without friction, `M ÿ + k − gravity_forces − spring_forces`. Friction is
 /// `friction_torques + |τ_l| load_friction` (Hamon, Gautier and Garrec 2010).
 ///
-/// At a load of 0 the derivatives are discontinuous; they have the values without `load_friction`, between both
-/// one-sided limits.
+/// The derivatives are discontinuous at a load of 0. There they have the values without `load_friction`, which
+/// are between the two one-sided limits.
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -1028,8 +1028,8 @@ pub fn kinetic_energy(y: &[f64; N], v: &[f64; N]) -> f64 {
 /// `V = −g · Σ m c`
 ///
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
-/// - returns `V`: energy (J), of the moving bodies, zero with their masses at the height of the base frame;
-///   springs not included
+/// - returns `V`: energy (J) of the moving bodies without springs, 0 if the centre of mass is at the height of
+///   the base frame's origin
 ///
 /// Cost: 5 multiplications, 2 additions, 0 divisions, 2 function calls (`sin_cos`).
 #[inline]
@@ -1048,10 +1048,10 @@ pub fn potential_energy(y: &[f64; N]) -> f64 {
     9.81 * t9
 }
 
-/// Inertial parameters π, the columns of `inertial_regressor`. For each link, in the order of the coordinates and
-/// in the link's frame of the description, with all that is fixed to it: mass m (kg), first moments mcx, mcy, mcz
-/// (kg m), and Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the frame's origin (kg m²), entries of the matrix (Ixy = −∫ x y
-/// dm). Then J, the axial inertia of the rotor of each drive that has one (kg m²).
+/// Inertial parameters π, the columns of `inertial_regressor`. The parameters of each link, in the order of the
+/// coordinates, include all bodies fixed to the link and are in the link's frame of the description. They are the
+/// mass m (kg), first moments mcx, mcy, mcz (kg m), and the entries Ixx, Ixy, Iyy, Ixz, Iyz, Izz of the inertia
+/// matrix about the frame's origin (kg m²) (Ixy = −∫ x y dm). Axial inertias J of rotors (kg m²) follow.
 pub const INERTIAL_PARAMETER_NAMES: [&str; 22] = [
     "m_shoulder",
     "mcx_shoulder",
@@ -1077,7 +1077,7 @@ pub const INERTIAL_PARAMETER_NAMES: [&str; 22] = [
     "J_elbow",
 ];
 
-/// Inertial parameters `π` of links and rotors as described.
+/// Inertial parameters `π` of links and rotors in the description.
 ///
 /// `W(y, ẏ, ÿ) π = M ÿ + k − q_gravity`
 ///
@@ -1092,7 +1092,7 @@ pub fn inertial_parameters() -> [f64; 22] {
     pi
 }
 
-/// `inertial_parameters` with its results written in place; their previous values are not read.
+/// Computes `inertial_parameters` in place. Previous values of the results are not read.
 pub fn inertial_parameters_into(pi: &mut [f64; 22]) {
     pi[0] = 4.0;
     pi[1] = 0.0;
@@ -1125,15 +1125,15 @@ pub fn inertial_parameters_into(pi: &mut [f64; 22]) {
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
 /// - `a: [N]`: accelerations ÿ: `shoulder`, `elbow` in rad/s²
-/// - returns `W: [N × 22]`: rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; those of
+/// - returns `W: [N × 22]`: rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; columns of
 ///   rotors are last
 ///
 /// Cost: 20 multiplications, 11 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
-/// The inverse dynamics are `W π + τ − springs`, with friction τ and the springs' forces. Independent of the
-/// described inertias (Atkeson, An and Hollerbach 1986).
+/// The inverse dynamics are `W π + τ − springs`, with friction τ and the springs' forces. W does not depend on
+/// the described inertias (Atkeson, An and Hollerbach 1986).
 ///
-/// Here `W π − springs` is the load `τ_l`, and `|τ_l| load_friction` is part of the inverse dynamics too.
+/// `W π − springs` is the load `τ_l`. The inverse dynamics also include `|τ_l| load_friction`.
 #[inline]
 #[must_use]
 pub fn inertial_regressor(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [[f64; 22]; N] {
@@ -1142,7 +1142,7 @@ pub fn inertial_regressor(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [[f64; 22
     w
 }
 
-/// `inertial_regressor` with its results written in place; their previous values are not read.
+/// Computes `inertial_regressor` in place. Previous values of the results are not read.
 pub fn inertial_regressor_into(
     y: &[f64; N],
     v: &[f64; N],
@@ -1237,8 +1237,8 @@ pub fn inertial_regressor_into(
     w[1][13] = minus_acceleration_elbow_y;
 }
 
-/// Base parameters β, the columns of `base_regressor`, each named after the inertial parameter that leads its
-/// group. 15 of 22 parameters enter the motion only in these sums:
+/// Base parameters β, the columns of `base_regressor`. Each base parameter is a sum of inertial parameters and
+/// has the name of the leading one. 15 of 22 parameters enter the motion only in these sums:
 ///
 /// - `mcx_shoulder`
 /// - `mcz_shoulder + 0.45 m_elbow`
@@ -1282,8 +1282,8 @@ pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 10] = [
 ///
 /// Cost: 17 multiplications, 10 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
-/// Dependent columns were found numerically (Gautier 1991). Stacked over exciting states, W\_b has full rank for
-/// almost all values of free parameters.
+/// Dependent columns were found numerically (Gautier 1991). If W\_b is stacked over enough exciting states, it
+/// has full rank for almost all values of free parameters.
 #[inline]
 #[must_use]
 pub fn base_regressor(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [[f64; 7]; N] {
@@ -1338,8 +1338,8 @@ pub fn base_regressor(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [[f64; 7]; N]
     ]
 }
 
-/// Friction parameters, the columns of `friction_regressor`: joint, and the function of its velocity that the
-/// parameter multiplies.
+/// Friction parameters, the columns of `friction_regressor`. A name consists of the joint and the function of its
+/// velocity that the parameter multiplies.
 pub const FRICTION_PARAMETER_NAMES: [&str; 4] = [
     "shoulder: v",
     "shoulder: tanh(20*v)",
@@ -1347,7 +1347,7 @@ pub const FRICTION_PARAMETER_NAMES: [&str; 4] = [
     "elbow: tanh(20*v)",
 ];
 
-/// Friction parameters as described: the coefficients of `friction_regressor`.
+/// Friction parameters `φ` of the description: the factors of `friction_regressor`.
 ///
 /// `τ(ẏ) = friction_regressor(ẏ) · friction_parameters`
 ///
@@ -1355,7 +1355,7 @@ pub const FRICTION_PARAMETER_NAMES: [&str; 4] = [
 ///
 /// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
 ///
-/// Friction without its load-dependent part `|τ_l| load_friction`, which depends on the accelerations.
+/// Excludes the load-dependent friction `|τ_l| load_friction`, which depends on the accelerations.
 #[inline]
 #[must_use]
 pub fn friction_parameters() -> [f64; 4] {
@@ -1371,9 +1371,9 @@ pub fn friction_parameters() -> [f64; 4] {
 ///
 /// Cost: 2 multiplications, 0 additions, 0 divisions, 2 function calls.
 ///
-/// Nonlinear parameters keep their described values: a3 and a5 of the Stribeck law, slopes of tanh.
+/// Nonlinear parameters keep the values of the description: a3 and a5 of the Stribeck law, and slopes of tanh.
 ///
-/// Friction without its load-dependent part `|τ_l| load_friction`, which depends on the accelerations.
+/// Excludes the load-dependent friction `|τ_l| load_friction`, which depends on the accelerations.
 #[inline]
 #[must_use]
 pub fn friction_regressor(v: &[f64; N]) -> [[f64; 4]; N] {
@@ -1384,14 +1384,14 @@ pub fn friction_regressor(v: &[f64; N]) -> [[f64; 4]; N] {
     [[v[0], t1, 0.0, 0.0], [0.0, 0.0, v[1], t3]]
 }
 
-/// Friction under load `s₁(y, ẏ)`: additional friction per unit of load.
+/// Load-dependent friction `s₁(y, ẏ)`: additional friction per unit of load.
 ///
 /// `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u − |τ_l| s₁(y, ẏ)`
 ///
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
-/// - returns `s₁: [N]`: friction over load, without unit; positive for positive velocity, 0 for joints without
-///   such friction
+/// - returns `s₁: [N]`: friction divided by load, without unit; positive for positive velocity, 0 for joints
+///   without load-dependent friction
 ///
 /// Cost: 5 multiplications, 2 additions, 0 divisions, 3 function calls (1 `sin_cos`, 2 other).
 ///
@@ -1522,14 +1522,14 @@ pub const SUBSTEPS: usize = 1;
 ///
 /// `x⁺ = A_d x + B_d u + c_d with x = (y, ẏ), solves ẋ = A x + B_x u + c with u held`
 ///
-/// - `y: [N]`, `v: [N]`, `u: [M]`: coordinates, velocities and inputs, as elsewhere in this module
-/// - `period`: sample time in s, over which u is held
+/// - `y: [N]`, `v: [N]`, `u: [M]`: coordinates, velocities and inputs, as in all functions of this module
+/// - `period`: sample time in s, over which u is constant
 /// - returns `A_d: [2 × 2 × N × N]`: blocks ((∂y⁺/∂y, ∂y⁺/∂ẏ), (∂ẏ⁺/∂y, ∂ẏ⁺/∂ẏ))
 /// - returns `B_d: [2 × N × M]`: blocks (∂y⁺/∂u, ∂ẏ⁺/∂u)
 /// - returns `c_d: [2 × N]`: affine remainders of y⁺ and ẏ⁺
 ///
 /// Cost: 3396 multiplications, 3444 additions, 11 divisions, 5 function calls (3 `sin_cos`, 2 other), 2
-/// selections, one call of `linearize` included. This cost is the largest one, for 24 halvings of the period.
+/// selections, one call of `linearize` included. This is the largest cost, which 24 halvings of the period need.
 /// Without halvings the function needs 468 multiplications and 420 additions.
 ///
 /// Scaling and squaring of the lifted exponential (Higham 2008, section 10.3) in blocks of N × N: a Taylor
@@ -1555,12 +1555,12 @@ pub fn discretize(
     discrete_time::zero_order_hold(&linearize(y, v, u), period)
 }
 
-/// State after one period, by Runge–Kutta steps of order 4 of the nonlinear robot.
+/// State after one period, computed by Runge–Kutta steps of order 4 with the nonlinear dynamics.
 ///
 /// `x⁺ ≈ x + ∫ f(x, u) dt with x = (y, ẏ), f = (ẏ, forward_dynamics(y, ẏ, u)) and u held`
 ///
-/// - `y: [N]`, `v: [N]`, `u: [M]`: coordinates, velocities and inputs, as elsewhere in this module
-/// - `period`: sample time in s, over which u is held
+/// - `y: [N]`, `v: [N]`, `u: [M]`: coordinates, velocities and inputs, as in all functions of this module
+/// - `period`: sample time in s, over which u is constant
 /// - returns `y⁺: [N]`: coordinates after the period
 /// - returns `ẏ⁺: [N]`: velocities after the period
 ///
@@ -1589,8 +1589,8 @@ pub fn step(
 ///
 /// `δx⁺ = ∂x⁺/∂x δx + ∂x⁺/∂u δu with x = (y, ẏ)`
 ///
-/// - `y: [N]`, `v: [N]`, `u: [M]`: coordinates, velocities and inputs, as elsewhere in this module
-/// - `period`: sample time in s, over which u is held
+/// - `y: [N]`, `v: [N]`, `u: [M]`: coordinates, velocities and inputs, as in all functions of this module
+/// - `period`: sample time in s, over which u is constant
 /// - returns `y⁺: [N]`: coordinates after the period
 /// - returns `ẏ⁺: [N]`: velocities after the period
 /// - returns `∂x⁺/∂x: [2 × 2 × N × N]`: blocks ((∂y⁺/∂y, ∂y⁺/∂ẏ), (∂ẏ⁺/∂y, ∂ẏ⁺/∂ẏ))
@@ -1599,7 +1599,8 @@ pub fn step(
 /// Cost: 816 multiplications, 712 additions, 45 divisions, 20 function calls (12 `sin_cos`, 8 other), 8
 /// selections, 4 calls of `linearize` included.
 ///
-/// Chain rule over the stages of each step: exact derivatives of the result of `step`, not of the exact solution.
+/// The chain rule over the stages of each step gives the exact derivatives of the result of `step`, not of the
+/// exact solution.
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -1627,24 +1628,24 @@ fn sign(x: f64) -> f64 {
     if x == 0.0 { 0.0 } else { x.signum() }
 }
 
-/// Elementary functions that give the same bits on every platform.
+/// Elementary functions whose results have the same bits on every platform.
 #[allow(
     clippy::approx_constant,
     clippy::excessive_precision,
     reason = "coefficients and parts of π are not those constants"
 )]
 mod math {
-    // Sine and cosine in one pass, without branches below 1e5, tables or fused operations: the same bits on every platform.
+    // Sine and cosine in one pass, without branches up to 1e5, tables or fused operations. Bits are reproducible.
     //
-    // x = n π/2 + hi − low with |hi| ≤ π/4, π/2 in three parts (Cody and Waite, Software Manual for the Elementary
-    // Functions, 1980, ch. 8); beyond 1e5 by the bits of 2/π (Payne and Hanek, SIGNUM Newsletter 18, 1983). Then minimax
-    // polynomials (Remez exchange, minimax.py). Error below 0.9 ulp for every finite x (0.80 seen); NaN for NaN and ±∞;
-    // sin −0 = −0.
+    // The angle is reduced to x = n π/2 + hi − low with |hi| ≤ π/4. Up to 1e5, π/2 is used in three parts (Cody
+    // and Waite, Software Manual for the Elementary Functions, 1980, ch. 8). Above 1e5, the bits of 2/π are used
+    // (Payne and Hanek, SIGNUM Newsletter 18, 1983). Minimax polynomials follow (Remez exchange, minimax.py). The
+    // error is below 0.9 ulp for every finite x (measured: 0.80). NaN and ±∞ give NaN, and sin −0 is −0.
 
-    /// Largest angle of the fast path: `n π/2` is exact in the first two parts up to here.
+    /// Largest angle of the fast path. Up to this angle, `n π/2` is exact in the first two parts.
     const LARGEST_DIRECT_ANGLE: f64 = 1.0e5;
 
-    /// `(sin x, cos x)` with an error below 0.9 ulp each.
+    /// Returns `(sin x, cos x)`, each with an error below 0.9 ulp.
     #[inline(always)]
     pub fn sin_cos(x: f64) -> (f64, f64) {
         if x.abs() <= LARGEST_DIRECT_ANGLE {
@@ -1654,7 +1655,7 @@ mod math {
         }
     }
 
-    /// `|x| ≤ 1e5`. The first difference is exact, the second one keeps its rounding error (Fast2Sum).
+    /// Sine and cosine for `|x| ≤ 1e5`. The first difference is exact. Fast2Sum keeps the error of the second.
     #[inline(always)]
     fn sin_cos_direct(x: f64) -> (f64, f64) {
         const HALF_PI: [f64; 3] = [
@@ -1673,7 +1674,7 @@ mod math {
         sin_cos_quarter(hi, low, shifted.to_bits())
     }
 
-    /// Sine and cosine of `hi − low + quadrant π/2`, where `|hi| ≤ π/4` and `low` is of the size of its rounding error.
+    /// Sine and cosine of `hi − low + quadrant π/2` with `|hi| ≤ π/4`. `low` is a rounding error of `hi`.
     #[inline(always)]
     fn sin_cos_quarter(hi: f64, low: f64, quadrant: u64) -> (f64, f64) {
         let z = hi * hi;
@@ -1692,7 +1693,8 @@ mod math {
         in_quadrant(sin, cos, quadrant)
     }
 
-    /// Sine and cosine of an angle turned by `quadrant` quarters, from those of the angle; the last two bits count.
+    /// Sine and cosine of an angle after a rotation by `quadrant` quarter turns, from the sine and cosine of the
+    /// angle. Only the last two bits of `quadrant` are used.
     #[inline(always)]
     fn in_quadrant(sin: f64, cos: f64, quadrant: u64) -> (f64, f64) {
         let exchange = (sin.to_bits() ^ cos.to_bits()) & (quadrant & 1).wrapping_neg();
@@ -1704,11 +1706,11 @@ mod math {
         )
     }
 
-    /// `|x| > 1e5`, or not a number: `x · 2/π` modulo 4 from the bits of 2/π that matter, in integers.
+    /// Sine and cosine for `|x| > 1e5` or NaN. `x · 2/π` modulo 4 is computed in integers from bits of 2/π.
     #[cold]
     #[inline(never)]
     fn sin_cos_large(x: f64) -> (f64, f64) {
-        // One zero word, then the first 1216 bits of 2/π.
+        // A zero word, then the first 1216 bits of 2/π.
         const TWO_OVER_PI: [u64; 20] = [
             0x0000000000000000,
             0xa2f9836e4e441529,
@@ -1735,7 +1737,7 @@ mod math {
         if !x.is_finite() {
             return (f64::NAN, f64::NAN);
         }
-        // |x| = mantissa · 2^exponent; bits of 2/π before `start` give multiples of 4.
+        // |x| = mantissa · 2^exponent. The bits of 2/π before `start` only add multiples of 4.
         let exponent = (x.abs().to_bits() >> 52).wrapping_sub(1075);
         let mantissa = u128::from(x.to_bits() & ((1 << 52) - 1) | 1 << 52);
         let start = exponent.wrapping_add(62);
@@ -1749,7 +1751,7 @@ mod math {
         let low = mantissa * bits(2);
         let middle = mantissa * bits(1) + (low >> 64);
         let high = mantissa.wrapping_mul(bits(0)).wrapping_add(middle >> 64);
-        // x · 2/π = (turns modulo 4) / 2^126: two bits of quadrant, then the fraction, taken to [−1/2, 1/2).
+        // x · 2/π = (turns modulo 4) / 2^126. Two bits are the quadrant. The others are a fraction in [−1/2, 1/2).
         let turns = high << 64 | middle & u128::from(u64::MAX);
         let quadrant = ((turns >> 126) + (turns >> 125 & 1)) as u64;
         let fraction = (turns << 2) as i128;
@@ -1763,9 +1765,9 @@ mod math {
         (if x < 0.0 { -sin } else { sin }, cos)
     }
 
-    // Sine and cosine of several angles at once (after sin_cos.rs): the loop has no branch, so it becomes SIMD code.
+    // Sine and cosine of several angles at once (after sin_cos.rs): a loop without branches, for SIMD.
 
-    /// `(sin xᵢ, cos xᵢ)`, the same bits as [`sin_cos`] of each.
+    /// Returns all `sin xᵢ`, then all `cos xᵢ`, bit-identical to [`sin_cos`] of each angle.
     #[inline(always)]
     pub fn sin_cos_array<const L: usize>(x: [f64; L]) -> ([f64; L], [f64; L]) {
         let (mut sin, mut cos, mut all_direct) = ([0.0; L], [0.0; L], true);
@@ -1787,28 +1789,28 @@ mod math {
         (pairs.map(|pair| pair.0), pairs.map(|pair| pair.1))
     }
 
-    // Sine and cosine of 2 angles that arrive in registers (after sin_cos_array.rs).
-    // Never inlined: among scalar code the compiler would undo the lanes.
+    // Sine and cosine of 2 angles in registers. If it were inlined, the compiler would undo its SIMD code.
 
-    /// Sines and cosines of 2 angles, the same bits as [`sin_cos`] of each.
+    /// Sines and cosines of 2 angles, bit-identical to [`sin_cos`] of each angle.
     #[inline(never)]
     pub fn sin_cos_2(a: f64, b: f64) -> ([f64; 2], [f64; 2]) {
         sin_cos_array([a, b])
     }
 
-    // Sine and cosine of 4 angles that arrive in registers (after sin_cos_array.rs).
-    // Never inlined: among scalar code the compiler would undo the lanes.
+    // Sine and cosine of 4 angles in registers. If it were inlined, the compiler would undo its SIMD code.
 
-    /// Sines and cosines of 4 angles, the same bits as [`sin_cos`] of each.
+    /// Sines and cosines of 4 angles, bit-identical to [`sin_cos`] of each angle.
     #[inline(never)]
     pub fn sin_cos_4(a: f64, b: f64, c: f64, d: f64) -> ([f64; 4], [f64; 4]) {
         sin_cos_array([a, b, c, d])
     }
 
-    // What exp.rs and tanh.rs share: x = k ln 2 + r with |r| ≤ ln 2 / 2, ln 2 in two parts (Cody and Waite, Software Manual
-    // for the Elementary Functions, 1980, ch. 6), then a minimax polynomial (Remez exchange, minimax.py).
+    // Common part of exp.rs and tanh.rs. The argument is reduced to x = k ln 2 + r with |r| ≤ ln 2 / 2 and ln 2
+    // in two parts (Cody and Waite, Software Manual for the Elementary Functions, 1980, ch. 6). A minimax
+    // polynomial follows (Remez exchange, minimax.py).
 
-    /// `exp x = (hi + low) 2^k` with `|low| < 0.08`; `k` wraps around zero.
+    /// Returns hi, low and k with `exp x = (hi + low) 2^k` and `|low| < 0.08`. A negative `k` is in two's
+    /// complement.
     #[inline(always)]
     fn exp_reduced(x: f64) -> (f64, f64, u64) {
         const LN_2: [f64; 2] = [0.6931471805598903, 5.497923018708371e-14];
@@ -1836,11 +1838,12 @@ mod math {
 
     // Hyperbolic tangent (after exp_reduced.rs), without branches, tables or fused operations.
     //
-    // |x| < 0.625: x − x³ P(x²)/Q(x²), the eighth convergent of Lambert's continued fraction x/(1 + x²/(3 + x²/(5 + …)))
-    // (Lambert 1761), whose coefficients are integers. Beyond: 1 − 2/(exp 2x + 1). Both share the division.
-    // Error below 1 ulp (0.86 seen); ±1 exactly from |x| = 19.07 on; tanh −0 = −0; NaN for NaN.
+    // For |x| < 0.625 it is x − x³ P(x²)/Q(x²), the eighth convergent of Lambert's continued fraction x/(1 +
+    // x²/(3 + x²/(5 + …))) (Lambert 1761), whose coefficients are integers. For larger |x| it is 1 − 2/(exp 2x +
+    // 1). Both cases share the division. The error is below 1 ulp (measured: 0.86). The result is exactly ±1 from
+    // |x| = 19.07 on, tanh −0 is −0, and tanh NaN is NaN.
 
-    /// `tanh x` with an error below 1 ulp. Its derivative is `1 − tanh² x`.
+    /// Hyperbolic tangent `tanh x` with an error below 1 ulp. Its derivative is `1 − tanh² x`.
     #[inline(always)]
     pub fn tanh(x: f64) -> f64 {
         let size = x.abs();
@@ -1853,7 +1856,7 @@ mod math {
         let power = f64::from_bits(k.wrapping_add(1023) << 52);
         let exp = hi + low;
         let sum = exp * power + 1.0;
-        // What `sum` lacks: the rounding errors of both additions.
+        // The rounding errors of both additions in `sum`.
         let missing = (1.0 - (sum - exp * power)) + ((hi - exp) + low) * power;
         let quotient = (if small { size * z * p } else { 2.0 }) / if small { q } else { sum };
         let correction = if small {
@@ -1867,7 +1870,7 @@ mod math {
     }
 }
 
-/// Discrete time: functions over N coordinates and M inputs.
+/// Functions in discrete time for N coordinates and M inputs.
 #[allow(clippy::needless_range_loop, reason = "index notation reads like the formulas")]
 mod discrete_time {
     /// Adds `factor · a`.
@@ -1878,18 +1881,18 @@ mod discrete_time {
         }
     }
 
-    /// A square matrix, rows first.
+    /// A square matrix as a list of rows.
     pub type Matrix<const N: usize> = [[f64; N]; N];
 
-    /// The upper or lower half of a matrix over the state (y, ẏ): row by row its left and its right block.
+    /// The upper or lower half of a matrix over the state (y, ẏ). Each row has a left and a right block.
     pub type Half<const N: usize> = [[[f64; N]; 2]; N];
 
-    /// The blocks `∂ÿ/∂y`, `∂ÿ/∂ẏ`, `∂ÿ/∂u` and the affine remainder of `ÿ`.
+    /// The derivatives `∂ÿ/∂y`, `∂ÿ/∂ẏ` and `∂ÿ/∂u`, and the affine remainder of `ÿ`.
     pub type Linear<const N: usize, const M: usize> = (Matrix<N>, Matrix<N>, [[f64; M]; N], [f64; N]);
 
-    /// Adds `A B`, where A is a square matrix, given by its rows, and B half a matrix over the state.
+    /// Adds the product `A B` of a square matrix A, given by its rows, and half a matrix B over the state.
     ///
-    /// Two rows at a time read B half as often as one.
+    /// Two rows are computed at a time, so B is read half as often.
     #[inline]
     fn add_product<'a, const N: usize>(
         sum: &mut Half<N>,
@@ -1907,8 +1910,9 @@ mod discrete_time {
         }
     }
 
-    /// Some rows of [`add_product`]. It is not inlined: the compiler would vectorize a loop over all rows across them, and read their
-    /// entries one by one. The registers hold two rows of up to 14 columns; of longer rows they hold one block.
+    /// Computes some rows of [`add_product`]. This function is not inlined, because otherwise the compiler would
+    /// vectorize a loop over all rows across the rows and read their entries one by one. The registers hold two
+    /// rows of up to 14 columns, or one block of longer rows.
     #[inline(never)]
     fn add_rows<const N: usize, const R: usize>(
         sum: &mut [[[f64; N]; 2]; R],
@@ -1956,7 +1960,7 @@ mod discrete_time {
         }
     }
 
-    /// Adds `factor · a`.
+    /// Adds `factor · a` to half a matrix.
     #[inline]
     fn add_scaled_half<const N: usize>(sum: &mut Half<N>, factor: f64, a: &Half<N>) {
         let (sum, a) = (sum.as_flattened_mut(), a.as_flattened());
@@ -1972,23 +1976,24 @@ mod discrete_time {
         sum
     }
 
-    /// The blocks of `A_d`, `B_d` and `c_d` in `x⁺ = A_d x + B_d u + c_d` with `x = (y, ẏ)`.
+    /// The blocks of `A_d`, `B_d` and `c_d` in `x⁺ = A_d x + B_d u + c_d` with the state `x = (y, ẏ)`.
     pub type Discrete<const N: usize, const M: usize> =
         ([[Matrix<N>; 2]; 2], [[[f64; M]; N]; 2], [[f64; N]; 2]);
 
     /// The halves of `A_d − 1`, `B_d` and `c_d`.
     type Held<const N: usize, const M: usize> = ([Half<N>; 2], [[[f64; M]; N]; 2], [[f64; N]; 2]);
 
-    /// Largest number of doublings of Φ. A period that needs more halvings is divided into equal steps.
+    /// Largest number of doublings of the integral Φ. A period that needs more halvings is divided into equal
+    /// steps.
     const MOST_DOUBLINGS: u32 = 6;
 
     /// Largest number of doublings of a step.
     const MOST_REPETITIONS: u32 = 18;
 
-    /// Terms in each of the three parts of the Taylor polynomial.
+    /// Number of terms in each of the three parts of the Taylor polynomial.
     const TERMS: usize = 6;
 
-    /// `1/(k + 1)!`
+    /// Coefficients `1/(k + 1)!` of the Taylor polynomial.
     const COEFFICIENTS: [[f64; TERMS]; 3] = {
         let mut coefficients = [[1.0; TERMS]; 3];
         let (mut k, mut last) = (0, 1.0);
@@ -2000,11 +2005,12 @@ mod discrete_time {
         coefficients
     };
 
-    /// Exact solution of `ẋ = A x + B_x u + c` over a period in which the inputs are held.
+    /// Exact solution of `ẋ = A x + B_x u + c` over a period with constant inputs.
     ///
-    /// Over a part of the period that suits the fastest rate the solution is `held`. Two such steps make one of twice the
-    /// time, `A_d ← A_d A_d`, `B_d ← (A_d + 1) B_d`, `c_d ← (A_d + 1) c_d`, until the period is reached. Every entry is +∞ where
-    /// `MOST_REPETITIONS` do not suffice.
+    /// The solution is first computed over a part of the period that is short enough for an accurate result. Two
+    /// equal steps are combined to one of twice the time by `A_d ← A_d A_d`, `B_d ← (A_d + 1) B_d` and
+    /// `c_d ← (A_d + 1) c_d` until the period is reached. Every entry is +∞ if `MOST_REPETITIONS` doublings of
+    /// the step do not suffice.
     pub fn zero_order_hold<const N: usize, const M: usize>(
         linear: &Linear<N, M>,
         period: f64,
@@ -2036,10 +2042,11 @@ mod discrete_time {
         (state, input, affine)
     }
 
-    /// How often the period is to be halved before `ν t ≤ 5/4`; `None` beyond `MOST_DOUBLINGS + MOST_REPETITIONS`.
+    /// Number of halvings of the period until `ν h ≤ 5/4` for the halved period h. `None` if more than
+    /// `MOST_DOUBLINGS + MOST_REPETITIONS` halvings are needed.
     ///
-    /// No part of the system is faster than the positive root ν of `ν² = b ν + a` with `a = ‖A_y‖`, `b = ‖A_v‖`. So `ν t ≤ 1`
-    /// where `(a t + b) t ≤ 1`; t is the time divided by 5/4.
+    /// ν is a bound for the rates of the system, the positive root of `ν² = b ν + a` with `a = ‖A_y‖` and
+    /// `b = ‖A_v‖`. With `t = h / (5/4)`, the condition is equivalent to `(a t + b) t ≤ 1`.
     fn halvings<const N: usize>(by_y: &Matrix<N>, by_v: &Matrix<N>, period: f64) -> Option<u32> {
         let (a, b) = (norm(by_y), norm(by_v));
         let mut t = period / 1.25;
@@ -2069,7 +2076,7 @@ mod discrete_time {
         largest
     }
 
-    /// `A_d − 1` over twice the time, `2 (A_d − 1) + (A_d − 1)²`, by halves.
+    /// The matrix `A_d − 1` over twice the time, `2 (A_d − 1) + (A_d − 1)²`, as two halves.
     fn twice<const N: usize>(change: &[Half<N>; 2]) -> [Half<N>; 2] {
         let mut next = [[[[0.0; N]; 2]; N]; 2];
         for half in 0..2 {
@@ -2082,7 +2089,7 @@ mod discrete_time {
         next
     }
 
-    /// `B_d` over twice the time, `2 B_d + (A_d − 1) B_d`.
+    /// The matrix `B_d` over twice the time, `2 B_d + (A_d − 1) B_d`.
     fn twice_by<const N: usize, const M: usize>(
         change: &[Half<N>; 2],
         input: &[[[f64; M]; N]; 2],
@@ -2099,7 +2106,7 @@ mod discrete_time {
         next
     }
 
-    /// `c_d` over twice the time, `2 c_d + (A_d − 1) c_d`.
+    /// The vector `c_d` over twice the time, `2 c_d + (A_d − 1) c_d`.
     fn twice_affine<const N: usize>(change: &[Half<N>; 2], affine: &[[f64; N]; 2]) -> [[f64; N]; 2] {
         let mut next = [[0.0; N]; 2];
         for half in 0..2 {
@@ -2113,19 +2120,26 @@ mod discrete_time {
         next
     }
 
-    /// The halves of `A_d − 1`, `B_d` and `c_d` over a time that suits the fastest rate.
+    /// The halves of `A_d − 1`, `B_d` and `c_d` over a time t with `ν t ≤ 80`. ν is a bound for the rates of the
+    /// system.
     ///
-    /// With `A = [0 I; A_y A_v]` the upper half `[C P]` of `Φ = ∫ exp(A s) ds` gives everything:
-    /// `exp(A t) = I + Φ A`, whose upper half is `[I 0] + [C P] A = [I + X, Q]`, the lower one `[0 I] + [X Q] A`, and
-    /// `B_d = [P B_x; Q B_x]`. Φ comes from scaling and squaring (Higham, Functions of Matrices, 2008, section 10.3): from a short
-    /// time h with `ν h ≤ 5/4` by `doublings`. These are cheaper than steps of the whole, but while ν t grows they magnify rounding
-    /// by the ratio of the rates: they serve up to `ν t = 80`.
+    /// With `A = [0 I; A_y A_v]`, all results follow from the upper half `[C P]` of the integral
+    /// `Φ = ∫ exp(A s) ds`:
+    ///
+    /// - `exp(A t) = I + Φ A`; its upper half is `[I 0] + [C P] A = [I + X, Q]`, and its lower half is `[0 I] +
+    ///   [X Q] A`
+    /// - `B_d = [P B_x; Q B_x]`
+    ///
+    /// Φ is computed by scaling and squaring (Higham, Functions of Matrices, 2008, section 10.3): Φ is known for
+    /// a short time h with `ν h ≤ 5/4`, and is doubled `doublings` times. A doubling of Φ needs fewer operations
+    /// than a doubling of the step. However, it multiplies rounding errors by the ratio of the rates, so Φ is
+    /// doubled only up to `ν t = 80`.
     fn held<const N: usize, const M: usize>(
         (by_y, by_v, by_u, remainder): &Linear<N, M>,
         time: f64,
         doublings: u32,
     ) -> Held<N, M> {
-        // In units of the short time h, ẏ counts as h ẏ.
+        // The unit of time is the short time h, so ẏ is scaled to h ẏ.
         let h = time / (1_u32 << doublings) as f64;
         let lower = lower_half(by_y, h * h, by_v, h);
         let mut integral = taylor(&lower);
@@ -2148,10 +2162,11 @@ mod discrete_time {
         (changes, input, affine)
     }
 
-    /// The upper half of Φ over one unit of time, `Σ Aᵏ/(k + 1)!` up to k = 17, in three parts with the common factor A⁶
-    /// (Paterson and Stockmeyer 1973). For `ν ≤ 5/4` the rest of the series is below `(5/4)¹⁸/19! = 5e-16`.
+    /// The upper half of Φ over one unit of time. It is `Σ Aᵏ/(k + 1)!` up to k = 17, in three parts with the
+    /// common factor A⁶ (Paterson and Stockmeyer 1973). If `ν ≤ 5/4`, the remaining terms of the series are below
+    /// `(5/4)¹⁸/19! = 5e-16`.
     fn taylor<const N: usize>(lower: &Half<N>) -> Half<N> {
-        // Upper halves of Aᵏ; that of A⁷ is the lower one of A⁶.
+        // Upper halves of Aᵏ. The upper half of A⁷ is the lower half of A⁶.
         let mut powers = [[[[0.0; N]; 2]; N]; TERMS + 2];
         for i in 0..N {
             powers[0][i][0][i] = 1.0;
@@ -2172,7 +2187,7 @@ mod discrete_time {
         sum
     }
 
-    /// `Σ c_k Aᵏ` over the terms of one part.
+    /// The sum `Σ c_k Aᵏ` of the terms of one part.
     fn combination<const N: usize>(
         coefficients: &[f64; TERMS],
         powers: &[Half<N>; TERMS + 2],
@@ -2190,13 +2205,13 @@ mod discrete_time {
         times_system(integral, lower, &mut change);
         let mut next = [[[0.0; N]; 2]; N];
         add_scaled_half(&mut next, 2.0, integral);
-        // The left block of the lower half of Φ is that of the change, since exp(A t) = I + A Φ as well; so is the right.
+        // The blocks of the lower half of Φ are obtained from the change Φ A, because exp(A t) = I + A Φ.
         add_product(&mut next, left(&change), integral);
         add_product(&mut next, right(&change), &change);
         *integral = next;
     }
 
-    /// `[L R] A = [0 L] + R [A_y A_v]`.
+    /// The product `[L R] A = [0 L] + R [A_y A_v]`.
     fn times_system<const N: usize>(half: &Half<N>, lower: &Half<N>, result: &mut Half<N>) {
         for i in 0..N {
             result[i] = [[0.0; N], half[i][0]];
@@ -2214,7 +2229,7 @@ mod discrete_time {
         half.iter().map(|row| &row[1])
     }
 
-    /// `[A_y A_v]`, the blocks scaled.
+    /// The matrix `[A_y A_v]` with scaled blocks.
     fn lower_half<const N: usize>(
         by_y: &Matrix<N>,
         unit_y: f64,
@@ -2237,9 +2252,9 @@ mod discrete_time {
         result
     }
 
-    /// What a Runge–Kutta step advances: coordinates or velocities, with or without their sensitivities.
+    /// A quantity that a Runge–Kutta step advances: coordinates or velocities, with or without sensitivities.
     pub trait Advance: Copy {
-        /// `self + factor · rate`
+        /// The sum `self + factor · rate`.
         fn advanced(&self, factor: f64, rate: &Self) -> Self;
     }
 
@@ -2252,8 +2267,8 @@ mod discrete_time {
         }
     }
 
-    /// Steps of the classical Runge–Kutta method of order 4 (Hairer, Nørsett and Wanner, Solving Ordinary Differential
-    /// Equations I, 1993, table II.1.2).
+    /// Performs steps of the classical Runge–Kutta method of order 4 (Hairer, Nørsett and Wanner, Solving
+    /// Ordinary Differential Equations I, 1993, table II.1.2).
     pub fn runge_kutta<V: Advance>(
         mut y: V,
         mut v: V,
@@ -2284,18 +2299,20 @@ mod discrete_time {
         (y, v)
     }
 
-    /// Coordinates and velocities after the steps, the blocks of their derivatives by the state and by the inputs.
+    /// Coordinates and velocities after the steps, then the blocks of their derivatives with respect to the
+    /// initial state and to the inputs.
     pub type Stepped<const N: usize, const M: usize> =
         ([f64; N], [f64; N], [[Matrix<N>; 2]; 2], [[[f64; M]; N]; 2]);
 
-    /// Coordinates, velocities or accelerations with their derivatives by the initial state and by the inputs.
+    /// Coordinates, velocities or accelerations, with their derivatives with respect to the initial state and to
+    /// the inputs.
     #[derive(Clone, Copy)]
     pub struct Motion<const N: usize, const M: usize> {
-        /// The quantity itself.
+        /// Value of the quantity.
         pub value: [f64; N],
-        /// By the initial coordinates and velocities.
+        /// Derivatives with respect to the initial coordinates and velocities.
         pub by_state: Half<N>,
-        /// By the inputs.
+        /// Derivatives with respect to the inputs.
         pub by_inputs: [[f64; M]; N],
     }
 
@@ -2314,7 +2331,7 @@ mod discrete_time {
     }
 
     impl<const N: usize, const M: usize> Motion<N, M> {
-        /// A coordinate (block 0) or velocity (block 1) of the initial state.
+        /// Coordinates (block 0) or velocities (block 1) of the initial state.
         fn initial(value: &[f64; N], block: usize) -> Self {
             let mut by_state = [[[0.0; N]; 2]; N];
             for i in 0..N {
@@ -2328,7 +2345,7 @@ mod discrete_time {
             }
         }
 
-        /// The acceleration, by the chain rule.
+        /// Computes the acceleration with its derivatives by the chain rule.
         fn acceleration(linear: &Linear<N, M>, y: &Self, v: &Self, u: &[f64; M]) -> Self {
             let (by_y, by_v, by_u, remainder) = linear;
             let mut a = Self {
@@ -2347,7 +2364,7 @@ mod discrete_time {
         }
     }
 
-    /// Such steps with their exact derivatives.
+    /// Performs the steps of [`runge_kutta`] and computes the exact derivatives of their result.
     pub fn runge_kutta_derivatives<const N: usize, const M: usize>(
         y: &[f64; N],
         v: &[f64; N],

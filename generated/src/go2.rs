@@ -59,9 +59,9 @@ pub const JOINT_KINDS: [&str; JOINTS] = [
     "revolute",
 ];
 
-/// Number of position entries of each joint: 1; 4 for a spherical joint, a quaternion x y z w; 7 for a floating
-/// one, the position of its body's origin in the parent's frame, then the quaternion. They have 1, 3 and 6
-/// velocities.
+/// Number of position entries of each joint: 4 for a spherical joint (quaternion x y z w), 7 for a floating joint
+/// (position of its body's origin in the parent's frame, then the quaternion), otherwise 1. The numbers of
+/// velocities are 3, 6 and 1.
 pub const JOINT_POSITIONS: [usize; JOINTS] = [7, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1];
 
 /// The first position entry of each joint.
@@ -120,8 +120,8 @@ pub const POSITION_UNITS: [&str; NY] = [
     "rad",
 ];
 
-/// Names of the velocities. Those of a floating joint are linear (x, y, z), then angular (rx, ry, rz), those of a
-/// spherical joint angular, in the axes of the body that the joint carries.
+/// Names of the velocities. A floating joint has linear velocities (x, y, z), then angular velocities (rx, ry,
+/// rz). A spherical joint has angular velocities. Both are in the axes of the body that the joint carries.
 pub const VELOCITY_NAMES: [&str; N] = [
     "base_x",
     "base_y",
@@ -188,7 +188,7 @@ pub const NEUTRAL: [f64; NY] = [
     0.0,
 ];
 
-/// Units of the forces at the joints, as those of `inverse_dynamics`: `N m` or `N`.
+/// Units of the forces at the joints, for example of the results of `inverse_dynamics`: `N m` or `N`.
 pub const EFFORT_UNITS: [&str; N] = [
     "N",
     "N",
@@ -260,7 +260,7 @@ pub const WRENCHES: usize = 5;
 /// Names of the wrenches.
 pub const WRENCH_NAMES: [&str; 5] = ["FL_foot", "FR_foot", "RL_foot", "RR_foot", "push"];
 
-/// Lowest and highest position of each joint (rad or m); infinite where not described.
+/// Lowest and highest position of each joint (rad or m); infinite if not described.
 #[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
 pub const POSITION_LIMITS: [[f64; 2]; N] = [
     [f64::NEG_INFINITY, f64::INFINITY],
@@ -283,7 +283,7 @@ pub const POSITION_LIMITS: [[f64; 2]; N] = [
     [-2.7227, -0.83776],
 ];
 
-/// Highest speed of each joint (rad/s or m/s); infinite where not described.
+/// Highest speed of each joint (rad/s or m/s); infinite if not described.
 pub const VELOCITY_LIMITS: [f64; N] = [
     f64::INFINITY,
     f64::INFINITY,
@@ -305,7 +305,7 @@ pub const VELOCITY_LIMITS: [f64; N] = [
     15.7,
 ];
 
-/// Nominal force at each joint (N m or N); infinite where not described.
+/// Nominal force at each joint (N m or N); infinite if not described.
 pub const EFFORT_LIMITS: [f64; N] = [
     f64::INFINITY,
     f64::INFINITY,
@@ -327,7 +327,7 @@ pub const EFFORT_LIMITS: [f64; N] = [
     45.43,
 ];
 
-/// Peak force at each joint (N m or N); the nominal one where no peak is described.
+/// Peak force at each joint (N m or N); the nominal force if no peak is described.
 pub const PEAK_EFFORT_LIMITS: [f64; N] = [
     f64::INFINITY,
     f64::INFINITY,
@@ -349,8 +349,8 @@ pub const PEAK_EFFORT_LIMITS: [f64; N] = [
     45.43,
 ];
 
-/// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite where
-/// not described. `EFFORT_LIMITS` at the joint also applies.
+/// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite if not
+/// described. `EFFORT_LIMITS` at the joint also applies.
 pub const INPUT_LIMITS: [f64; M] = [
     f64::INFINITY,
     f64::INFINITY,
@@ -367,7 +367,7 @@ pub const INPUT_LIMITS: [f64; M] = [
 ];
 
 /// Largest magnitude of each input that its motor bears for a short time, in the unit of the input; the nominal
-/// one where no peak is described.
+/// magnitude if no peak is described.
 pub const PEAK_INPUT_LIMITS: [f64; M] = [
     f64::INFINITY,
     f64::INFINITY,
@@ -383,7 +383,7 @@ pub const PEAK_INPUT_LIMITS: [f64; M] = [
     f64::INFINITY,
 ];
 
-/// Gear ratio of each drive: motor angle over joint angle.
+/// Gear ratio of each drive: motor angle divided by joint angle.
 pub const GEAR_RATIOS: [f64; M] = [
     1.0,
     1.0,
@@ -399,7 +399,7 @@ pub const GEAR_RATIOS: [f64; M] = [
     1.0,
 ];
 
-/// Axial inertia of each rotor, on its own side of the gear (kg m²).
+/// Axial inertia of each rotor, on the motor side of the gear (kg m²).
 pub const ROTOR_INERTIAS: [f64; M] = [
     0.0,
     0.0,
@@ -415,8 +415,8 @@ pub const ROTOR_INERTIAS: [f64; M] = [
     0.0,
 ];
 
-/// Pairs of coordinates i, j: friction at i may jump where velocity j changes its sign, because a law has an
-/// exact `sign`.
+/// Pairs of coordinates i, j: friction at i may jump if velocity j changes its sign, because a law has an exact
+/// `sign`.
 pub const FRICTION_JUMPS: [[usize; 2]; 0] = [];
 
 /// Gravitational acceleration in the base frame (m/s²).
@@ -449,10 +449,10 @@ pub const FUNCTIONS: [&str; 23] = [
     "normalize",
 ];
 
-/// Inertial parameters π, the columns of `inertial_regressor`. For each link, in the order of the coordinates and
-/// in the link's frame of the description, with all that is fixed to it: mass m (kg), first moments mcx, mcy, mcz
-/// (kg m), and Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the frame's origin (kg m²), entries of the matrix (Ixy = −∫ x y
-/// dm). Then J, the axial inertia of the rotor of each drive that has one (kg m²).
+/// Inertial parameters π, the columns of `inertial_regressor`. The parameters of each link, in the order of the
+/// coordinates, include all bodies fixed to the link and are in the link's frame of the description. They are the
+/// mass m (kg), first moments mcx, mcy, mcz (kg m), and the entries Ixx, Ixy, Iyy, Ixz, Iyz, Izz of the inertia
+/// matrix about the frame's origin (kg m²) (Ixy = −∫ x y dm). Axial inertias J of rotors (kg m²) follow.
 pub const INERTIAL_PARAMETER_NAMES: [&str; 130] = [
     "m_base",
     "mcx_base",
@@ -586,7 +586,7 @@ pub const INERTIAL_PARAMETER_NAMES: [&str; 130] = [
     "Izz_RR_calf",
 ];
 
-/// Inertial parameters `π` of links and rotors as described.
+/// Inertial parameters `π` of links and rotors in the description.
 ///
 /// `W(y, ẏ, ÿ) π = M ÿ + k − q_gravity`
 ///
@@ -601,7 +601,7 @@ pub fn inertial_parameters() -> [f64; 130] {
     pi
 }
 
-/// `inertial_parameters` with its results written in place; their previous values are not read.
+/// Computes `inertial_parameters` in place. Previous values of the results are not read.
 pub fn inertial_parameters_into(pi: &mut [f64; 130]) {
     pi[0] = 7.277000000000002;
     pi[1] = 0.146116152;
@@ -735,8 +735,8 @@ pub fn inertial_parameters_into(pi: &mut [f64; 130]) {
     pi[129] = 4.727107784999999e-5;
 }
 
-/// Base parameters β, the columns of `base_regressor`, each named after the inertial parameter that leads its
-/// group. 36 of 130 parameters enter the motion only in these sums:
+/// Base parameters β, the columns of `base_regressor`. Each base parameter is a sum of inertial parameters and
+/// has the name of the leading one. 36 of 130 parameters enter the motion only in these sums:
 ///
 /// - `m_base + m_FL_hip + m_FL_thigh + m_FL_calf + m_FR_hip + m_FR_thigh + m_FR_calf + m_RL_hip + m_RL_thigh + m_RL_calf + m_RR_hip + m_RR_thigh + m_RR_calf`
 /// - `mcx_base + 0.1934 m_FL_hip + mcx_FL_hip + 0.1934 m_FL_thigh + 0.1934 m_FL_calf + 0.1934 m_FR_hip + mcx_FR_hip + 0.1934 m_FR_thigh + 0.1934 m_FR_calf − 0.1934 m_RL_hip + mcx_RL_hip − 0.1934 m_RL_thigh − 0.1934 m_RL_calf − 0.1934 m_RR_hip + mcx_RR_hip − 0.1934 m_RR_thigh − 0.1934 m_RR_calf`
@@ -1263,11 +1263,11 @@ pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 326] = [
 ///
 /// `W_b(y, ẏ, ÿ) β = W π = M ÿ + k − q_gravity`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit, `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`,
 ///   `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`, `RR_thigh`, `RR_calf` in rad
-/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
-///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `FL_hip`,
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion, linear and angular velocity
+///   in the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `FL_hip`,
 ///   `FL_thigh`, `FL_calf`, `FR_hip`, `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`,
 ///   `RR_thigh`, `RR_calf` in rad/s
 /// - `a: [N]`: accelerations v̇, written ÿ in equations: `base_x`, `base_y`, `base_z` in m/s², `base_rx`,
@@ -1277,8 +1277,8 @@ pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 326] = [
 ///
 /// Cost: 1396 multiplications, 1091 additions, 0 divisions, 12 function calls (`sin_cos`).
 ///
-/// Dependent columns were found numerically (Gautier 1991). Stacked over exciting states, W\_b has full rank for
-/// almost all values of free parameters.
+/// Dependent columns were found numerically (Gautier 1991). If W\_b is stacked over enough exciting states, it
+/// has full rank for almost all values of free parameters.
 #[inline]
 #[must_use]
 pub fn base_regressor(y: &[f64; NY], v: &[f64; N], a: &[f64; N]) -> [[f64; 94]; N] {
@@ -1287,7 +1287,7 @@ pub fn base_regressor(y: &[f64; NY], v: &[f64; N], a: &[f64; N]) -> [[f64; 94]; 
     w_b
 }
 
-/// `base_regressor` with its results written in place; their previous values are not read.
+/// Computes `base_regressor` in place. Previous values of the results are not read.
 pub fn base_regressor_into(
     y: &[f64; NY],
     v: &[f64; N],
@@ -3394,7 +3394,7 @@ pub fn base_regressor_into(
     w_b[17][93] = t2770;
 }
 
-/// Part 1 of `base_regressor`: values that later parts read.
+/// Part 1 of `base_regressor`: returns values that later parts read.
 #[inline(always)]
 fn base_regressor_part_1(y: &[f64; NY], v: &[f64; N], a: &[f64; N]) -> [f64; 387] {
     let (
@@ -4796,7 +4796,7 @@ fn base_regressor_part_1(y: &[f64; NY], v: &[f64; N], a: &[f64; N]) -> [f64; 387
     ]
 }
 
-/// Part 2 of `base_regressor`: values that later parts read.
+/// Part 2 of `base_regressor`: returns values that later parts read.
 #[inline(always)]
 fn base_regressor_part_2(
     [sin_fl_hip,
@@ -7275,15 +7275,15 @@ fn base_regressor_part_2(
     ]
 }
 
-/// Inverse dynamics: the joint forces of a motion on which wrenches act.
+/// Inverse dynamics: the drive forces that produce a motion under wrenches.
 ///
 /// `M(y) ÿ + k(y, ẏ) − q(y, ẏ) − wrench_forces(y, w)`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit, `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`,
 ///   `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`, `RR_thigh`, `RR_calf` in rad
-/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
-///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `FL_hip`,
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion, linear and angular velocity
+///   in the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `FL_hip`,
 ///   `FL_thigh`, `FL_calf`, `FR_hip`, `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`,
 ///   `RR_thigh`, `RR_calf` in rad/s
 /// - `a: [N]`: accelerations v̇, written ÿ in equations: `base_x`, `base_y`, `base_z` in m/s², `base_rx`,
@@ -7307,7 +7307,7 @@ pub fn inverse_dynamics_with_wrenches(
     b_u
 }
 
-/// `inverse_dynamics_with_wrenches` with its results written in place; their previous values are not read.
+/// Computes `inverse_dynamics_with_wrenches` in place. Previous values of the results are not read.
 pub fn inverse_dynamics_with_wrenches_into(
     y: &[f64; NY],
     v: &[f64; N],
@@ -9537,11 +9537,11 @@ pub fn inverse_dynamics_with_wrenches_into(
 ///
 /// `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u + wrench_forces(y, w)`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit, `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`,
 ///   `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`, `RR_thigh`, `RR_calf` in rad
-/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
-///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `FL_hip`,
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion, linear and angular velocity
+///   in the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `FL_hip`,
 ///   `FL_thigh`, `FL_calf`, `FR_hip`, `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`,
 ///   `RR_thigh`, `RR_calf` in rad/s
 /// - `u: [M]`: inputs: `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`, `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`,
@@ -9552,7 +9552,7 @@ pub fn inverse_dynamics_with_wrenches_into(
 ///
 /// Cost: 1916 multiplications, 1743 additions, 18 divisions, 16 function calls (`sin_cos`).
 ///
-/// M = Lᵀ D L along the branches of the tree (Featherstone 2005) was cheaper than articulated bodies.
+/// The factorization M = Lᵀ D L (Featherstone 2005) needed fewer operations than articulated bodies.
 #[inline]
 #[must_use]
 pub fn forward_dynamics_with_wrenches(
@@ -9566,7 +9566,7 @@ pub fn forward_dynamics_with_wrenches(
     a
 }
 
-/// `forward_dynamics_with_wrenches` with its results written in place; their previous values are not read.
+/// Computes `forward_dynamics_with_wrenches` in place. Previous values of the results are not read.
 pub fn forward_dynamics_with_wrenches_into(
     y: &[f64; NY],
     v: &[f64; N],
@@ -10026,7 +10026,7 @@ pub fn forward_dynamics_with_wrenches_into(
     a[17] = t3708;
 }
 
-/// Part 1 of `forward_dynamics_with_wrenches`: values that later parts read.
+/// Part 1 of `forward_dynamics_with_wrenches`: returns values that later parts read.
 #[inline(always)]
 fn forward_dynamics_with_wrenches_part_1(y: &[f64; NY]) -> [f64; 155] {
     let angle_fr_calf_offset = y[12] - 0.03216275197584295;
@@ -11220,7 +11220,7 @@ fn forward_dynamics_with_wrenches_part_1(y: &[f64; NY]) -> [f64; 155] {
     ]
 }
 
-/// Part 2 of `forward_dynamics_with_wrenches`: values that later parts read.
+/// Part 2 of `forward_dynamics_with_wrenches`: returns values that later parts read.
 #[inline(always)]
 fn forward_dynamics_with_wrenches_part_2(
     y: &[f64; NY],
@@ -12907,7 +12907,7 @@ fn forward_dynamics_with_wrenches_part_2(
     ]
 }
 
-/// Part 3 of `forward_dynamics_with_wrenches`: values that later parts read.
+/// Part 3 of `forward_dynamics_with_wrenches`: returns values that later parts read.
 #[inline(always)]
 fn forward_dynamics_with_wrenches_part_3(
     y: &[f64; NY],
@@ -14493,7 +14493,7 @@ fn forward_dynamics_with_wrenches_part_3(
 ///
 /// `r_base = p + R r_frame`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit, `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`,
 ///   `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`, `RR_thigh`, `RR_calf` in rad
 /// - returns `p: [3]`: origin in the base frame (m)
@@ -14547,7 +14547,7 @@ pub fn frame_middle_pose(y: &[f64; NY]) -> ([f64; 3], [[f64; 3]; 3]) {
 ///
 /// `(ṗ, ω) = J(y) ẏ`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit, `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`,
 ///   `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`, `RR_thigh`, `RR_calf` in rad
 /// - returns `J: [6 × N]`: rows: velocity of the origin, then angular velocity, in the axes of the base frame
@@ -14561,7 +14561,7 @@ pub fn frame_middle_jacobian(y: &[f64; NY]) -> [[f64; N]; 6] {
     j
 }
 
-/// `frame_middle_jacobian` with its results written in place; their previous values are not read.
+/// Computes `frame_middle_jacobian` in place. Previous values of the results are not read.
 pub fn frame_middle_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
     j[0][3] = 0.0;
     j[0][4] = 0.0;
@@ -14707,11 +14707,11 @@ pub fn frame_middle_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
 ///
 /// `(p̈, ω̇) = J(y) ÿ + J̇ ẏ`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit, `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`,
 ///   `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`, `RR_thigh`, `RR_calf` in rad
-/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
-///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `FL_hip`,
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion, linear and angular velocity
+///   in the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `FL_hip`,
 ///   `FL_thigh`, `FL_calf`, `FR_hip`, `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`,
 ///   `RR_thigh`, `RR_calf` in rad/s
 /// - returns `J̇ẏ: [6]`: acceleration of the origin (m/s²), then angular acceleration (rad/s²), in the axes of
@@ -14784,7 +14784,7 @@ pub fn frame_middle_jacobian_rate_times_velocity(
 ///
 /// `r_base = p + R r_frame`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit, `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`,
 ///   `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`, `RR_thigh`, `RR_calf` in rad
 /// - returns `p: [3]`: origin in the base frame (m)
@@ -14928,7 +14928,7 @@ pub fn frame_fl_foot_pose(y: &[f64; NY]) -> ([f64; 3], [[f64; 3]; 3]) {
 ///
 /// `(ṗ, ω) = J(y) ẏ`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit, `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`,
 ///   `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`, `RR_thigh`, `RR_calf` in rad
 /// - returns `J: [6 × N]`: rows: velocity of the origin, then angular velocity, in the axes of the base frame
@@ -14942,7 +14942,7 @@ pub fn frame_fl_foot_jacobian(y: &[f64; NY]) -> [[f64; N]; 6] {
     j
 }
 
-/// `frame_fl_foot_jacobian` with its results written in place; their previous values are not read.
+/// Computes `frame_fl_foot_jacobian` in place. Previous values of the results are not read.
 pub fn frame_fl_foot_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
     j[0][9] = 0.0;
     j[0][10] = 0.0;
@@ -15242,11 +15242,11 @@ pub fn frame_fl_foot_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
 ///
 /// `(p̈, ω̇) = J(y) ÿ + J̇ ẏ`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit, `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`,
 ///   `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`, `RR_thigh`, `RR_calf` in rad
-/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
-///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `FL_hip`,
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion, linear and angular velocity
+///   in the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `FL_hip`,
 ///   `FL_thigh`, `FL_calf`, `FR_hip`, `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`,
 ///   `RR_thigh`, `RR_calf` in rad/s
 /// - returns `J̇ẏ: [6]`: acceleration of the origin (m/s²), then angular acceleration (rad/s²), in the axes of
@@ -15497,7 +15497,7 @@ pub fn frame_fl_foot_jacobian_rate_times_velocity(
 ///
 /// `r_base = p + R r_frame`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit, `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`,
 ///   `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`, `RR_thigh`, `RR_calf` in rad
 /// - returns `p: [3]`: origin in the base frame (m)
@@ -15641,7 +15641,7 @@ pub fn frame_fr_foot_pose(y: &[f64; NY]) -> ([f64; 3], [[f64; 3]; 3]) {
 ///
 /// `(ṗ, ω) = J(y) ẏ`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit, `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`,
 ///   `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`, `RR_thigh`, `RR_calf` in rad
 /// - returns `J: [6 × N]`: rows: velocity of the origin, then angular velocity, in the axes of the base frame
@@ -15655,7 +15655,7 @@ pub fn frame_fr_foot_jacobian(y: &[f64; NY]) -> [[f64; N]; 6] {
     j
 }
 
-/// `frame_fr_foot_jacobian` with its results written in place; their previous values are not read.
+/// Computes `frame_fr_foot_jacobian` in place. Previous values of the results are not read.
 pub fn frame_fr_foot_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
     j[0][6] = 0.0;
     j[0][7] = 0.0;
@@ -15955,11 +15955,11 @@ pub fn frame_fr_foot_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
 ///
 /// `(p̈, ω̇) = J(y) ÿ + J̇ ẏ`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit, `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`,
 ///   `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`, `RR_thigh`, `RR_calf` in rad
-/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
-///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `FL_hip`,
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion, linear and angular velocity
+///   in the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `FL_hip`,
 ///   `FL_thigh`, `FL_calf`, `FR_hip`, `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`,
 ///   `RR_thigh`, `RR_calf` in rad/s
 /// - returns `J̇ẏ: [6]`: acceleration of the origin (m/s²), then angular acceleration (rad/s²), in the axes of
@@ -16213,7 +16213,7 @@ pub fn frame_fr_foot_jacobian_rate_times_velocity(
 ///
 /// `r_base = p + R r_frame`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit, `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`,
 ///   `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`, `RR_thigh`, `RR_calf` in rad
 /// - returns `p: [3]`: origin in the base frame (m)
@@ -16357,7 +16357,7 @@ pub fn frame_rl_foot_pose(y: &[f64; NY]) -> ([f64; 3], [[f64; 3]; 3]) {
 ///
 /// `(ṗ, ω) = J(y) ẏ`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit, `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`,
 ///   `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`, `RR_thigh`, `RR_calf` in rad
 /// - returns `J: [6 × N]`: rows: velocity of the origin, then angular velocity, in the axes of the base frame
@@ -16371,7 +16371,7 @@ pub fn frame_rl_foot_jacobian(y: &[f64; NY]) -> [[f64; N]; 6] {
     j
 }
 
-/// `frame_rl_foot_jacobian` with its results written in place; their previous values are not read.
+/// Computes `frame_rl_foot_jacobian` in place. Previous values of the results are not read.
 pub fn frame_rl_foot_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
     j[0][6] = 0.0;
     j[0][7] = 0.0;
@@ -16671,11 +16671,11 @@ pub fn frame_rl_foot_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
 ///
 /// `(p̈, ω̇) = J(y) ÿ + J̇ ẏ`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit, `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`,
 ///   `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`, `RR_thigh`, `RR_calf` in rad
-/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
-///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `FL_hip`,
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion, linear and angular velocity
+///   in the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `FL_hip`,
 ///   `FL_thigh`, `FL_calf`, `FR_hip`, `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`,
 ///   `RR_thigh`, `RR_calf` in rad/s
 /// - returns `J̇ẏ: [6]`: acceleration of the origin (m/s²), then angular acceleration (rad/s²), in the axes of
@@ -16926,7 +16926,7 @@ pub fn frame_rl_foot_jacobian_rate_times_velocity(
 ///
 /// `r_base = p + R r_frame`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit, `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`,
 ///   `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`, `RR_thigh`, `RR_calf` in rad
 /// - returns `p: [3]`: origin in the base frame (m)
@@ -17072,7 +17072,7 @@ pub fn frame_rr_foot_pose(y: &[f64; NY]) -> ([f64; 3], [[f64; 3]; 3]) {
 ///
 /// `(ṗ, ω) = J(y) ẏ`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit, `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`,
 ///   `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`, `RR_thigh`, `RR_calf` in rad
 /// - returns `J: [6 × N]`: rows: velocity of the origin, then angular velocity, in the axes of the base frame
@@ -17086,7 +17086,7 @@ pub fn frame_rr_foot_jacobian(y: &[f64; NY]) -> [[f64; N]; 6] {
     j
 }
 
-/// `frame_rr_foot_jacobian` with its results written in place; their previous values are not read.
+/// Computes `frame_rr_foot_jacobian` in place. Previous values of the results are not read.
 pub fn frame_rr_foot_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
     j[0][6] = 0.0;
     j[0][7] = 0.0;
@@ -17383,11 +17383,11 @@ pub fn frame_rr_foot_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
 ///
 /// `(p̈, ω̇) = J(y) ÿ + J̇ ẏ`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit, `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`,
 ///   `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`, `RR_thigh`, `RR_calf` in rad
-/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
-///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `FL_hip`,
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion, linear and angular velocity
+///   in the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `FL_hip`,
 ///   `FL_thigh`, `FL_calf`, `FR_hip`, `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`,
 ///   `RR_thigh`, `RR_calf` in rad/s
 /// - returns `J̇ẏ: [6]`: acceleration of the origin (m/s²), then angular acceleration (rad/s²), in the axes of
@@ -17639,11 +17639,11 @@ pub fn frame_rr_foot_jacobian_rate_times_velocity(
 
 /// Positions `y ⊕ d` after one second with the velocities d.
 ///
-/// `y ⊕ d: y + d, q ⊗ exp(d/2) for a quaternion, X exp(d) on SE(3) for a floating body`
+/// `y ⊕ d: y + d for a joint with one position, q ⊗ exp(d/2) for a quaternion, X exp(d) on SE(3) for a floating body`
 ///
-/// - `y: [NY]`: positions, their quaternions of unit length
-/// - `d: [N]`: velocities times a second, in the bodies' own frames
-/// - returns `y ⊕ d: [NY]`: positions, their quaternions of unit length
+/// - `y: [NY]`: positions with quaternions of unit length
+/// - `d: [N]`: displacement: velocities times one second, in the frames of the bodies
+/// - returns `y ⊕ d: [NY]`: positions with quaternions of unit length
 ///
 /// Quaternions keep their unit length, also after many steps.
 #[must_use]
@@ -17656,8 +17656,8 @@ pub fn integrate(y: &[f64; NY], d: &[f64; N]) -> [f64; NY] {
 /// `from ⊕ (to ⊖ from) = to`
 ///
 /// - `from: [NY]`: positions
-/// - `to: [NY]`: positions to reach
-/// - returns `d: [N]`: the shortest such motion, each rotation at most π
+/// - `to: [NY]`: positions after the displacement
+/// - returns `d: [N]`: the shortest displacement, with rotations of at most π
 ///
 /// The quaternions q and −q are the same attitude.
 #[must_use]
@@ -17669,12 +17669,12 @@ pub fn difference(from: &[f64; NY], to: &[f64; NY]) -> [f64; N] {
 ///
 /// `(y ⊕ δy) ⊕ (d + δd) ≈ (y ⊕ d) ⊕ (∂/∂y δy + ∂/∂d δd)`
 ///
-/// - `y: [NY]`: positions, their quaternions of unit length
-/// - `d: [N]`: velocities times a second, in the bodies' own frames
+/// - `y: [NY]`: positions with quaternions of unit length
+/// - `d: [N]`: displacement: velocities times one second, in the frames of the bodies
 /// - returns `∂/∂y: [N × N]`: the adjoint matrix of exp(−d)
 /// - returns `∂/∂d: [N × N]`: the right Jacobian of exp at d
 ///
-/// Both depend on d alone (Solà, Deray and Atchuthan 2018, sections III and IV).
+/// Both matrices depend only on d (Solà, Deray and Atchuthan 2018, sections III and IV).
 #[must_use]
 pub fn integrate_derivatives(
     y: &[f64; NY],
@@ -17695,24 +17695,24 @@ pub fn normalize(y: &mut [f64; NY]) -> bool {
     manifold::normalize(&JOINT_POSITIONS, y)
 }
 
-/// Elementary functions that give the same bits on every platform.
+/// Elementary functions whose results have the same bits on every platform.
 #[allow(
     clippy::approx_constant,
     clippy::excessive_precision,
     reason = "coefficients and parts of π are not those constants"
 )]
 mod math {
-    // Sine and cosine in one pass, without branches below 1e5, tables or fused operations: the same bits on every platform.
+    // Sine and cosine in one pass, without branches up to 1e5, tables or fused operations. Bits are reproducible.
     //
-    // x = n π/2 + hi − low with |hi| ≤ π/4, π/2 in three parts (Cody and Waite, Software Manual for the Elementary
-    // Functions, 1980, ch. 8); beyond 1e5 by the bits of 2/π (Payne and Hanek, SIGNUM Newsletter 18, 1983). Then minimax
-    // polynomials (Remez exchange, minimax.py). Error below 0.9 ulp for every finite x (0.80 seen); NaN for NaN and ±∞;
-    // sin −0 = −0.
+    // The angle is reduced to x = n π/2 + hi − low with |hi| ≤ π/4. Up to 1e5, π/2 is used in three parts (Cody
+    // and Waite, Software Manual for the Elementary Functions, 1980, ch. 8). Above 1e5, the bits of 2/π are used
+    // (Payne and Hanek, SIGNUM Newsletter 18, 1983). Minimax polynomials follow (Remez exchange, minimax.py). The
+    // error is below 0.9 ulp for every finite x (measured: 0.80). NaN and ±∞ give NaN, and sin −0 is −0.
 
-    /// Largest angle of the fast path: `n π/2` is exact in the first two parts up to here.
+    /// Largest angle of the fast path. Up to this angle, `n π/2` is exact in the first two parts.
     const LARGEST_DIRECT_ANGLE: f64 = 1.0e5;
 
-    /// `(sin x, cos x)` with an error below 0.9 ulp each.
+    /// Returns `(sin x, cos x)`, each with an error below 0.9 ulp.
     #[inline(always)]
     pub fn sin_cos(x: f64) -> (f64, f64) {
         if x.abs() <= LARGEST_DIRECT_ANGLE {
@@ -17722,7 +17722,7 @@ mod math {
         }
     }
 
-    /// `|x| ≤ 1e5`. The first difference is exact, the second one keeps its rounding error (Fast2Sum).
+    /// Sine and cosine for `|x| ≤ 1e5`. The first difference is exact. Fast2Sum keeps the error of the second.
     #[inline(always)]
     fn sin_cos_direct(x: f64) -> (f64, f64) {
         const HALF_PI: [f64; 3] = [
@@ -17741,7 +17741,7 @@ mod math {
         sin_cos_quarter(hi, low, shifted.to_bits())
     }
 
-    /// Sine and cosine of `hi − low + quadrant π/2`, where `|hi| ≤ π/4` and `low` is of the size of its rounding error.
+    /// Sine and cosine of `hi − low + quadrant π/2` with `|hi| ≤ π/4`. `low` is a rounding error of `hi`.
     #[inline(always)]
     fn sin_cos_quarter(hi: f64, low: f64, quadrant: u64) -> (f64, f64) {
         let z = hi * hi;
@@ -17760,7 +17760,8 @@ mod math {
         in_quadrant(sin, cos, quadrant)
     }
 
-    /// Sine and cosine of an angle turned by `quadrant` quarters, from those of the angle; the last two bits count.
+    /// Sine and cosine of an angle after a rotation by `quadrant` quarter turns, from the sine and cosine of the
+    /// angle. Only the last two bits of `quadrant` are used.
     #[inline(always)]
     fn in_quadrant(sin: f64, cos: f64, quadrant: u64) -> (f64, f64) {
         let exchange = (sin.to_bits() ^ cos.to_bits()) & (quadrant & 1).wrapping_neg();
@@ -17772,11 +17773,11 @@ mod math {
         )
     }
 
-    /// `|x| > 1e5`, or not a number: `x · 2/π` modulo 4 from the bits of 2/π that matter, in integers.
+    /// Sine and cosine for `|x| > 1e5` or NaN. `x · 2/π` modulo 4 is computed in integers from bits of 2/π.
     #[cold]
     #[inline(never)]
     fn sin_cos_large(x: f64) -> (f64, f64) {
-        // One zero word, then the first 1216 bits of 2/π.
+        // A zero word, then the first 1216 bits of 2/π.
         const TWO_OVER_PI: [u64; 20] = [
             0x0000000000000000,
             0xa2f9836e4e441529,
@@ -17803,7 +17804,7 @@ mod math {
         if !x.is_finite() {
             return (f64::NAN, f64::NAN);
         }
-        // |x| = mantissa · 2^exponent; bits of 2/π before `start` give multiples of 4.
+        // |x| = mantissa · 2^exponent. The bits of 2/π before `start` only add multiples of 4.
         let exponent = (x.abs().to_bits() >> 52).wrapping_sub(1075);
         let mantissa = u128::from(x.to_bits() & ((1 << 52) - 1) | 1 << 52);
         let start = exponent.wrapping_add(62);
@@ -17817,7 +17818,7 @@ mod math {
         let low = mantissa * bits(2);
         let middle = mantissa * bits(1) + (low >> 64);
         let high = mantissa.wrapping_mul(bits(0)).wrapping_add(middle >> 64);
-        // x · 2/π = (turns modulo 4) / 2^126: two bits of quadrant, then the fraction, taken to [−1/2, 1/2).
+        // x · 2/π = (turns modulo 4) / 2^126. Two bits are the quadrant. The others are a fraction in [−1/2, 1/2).
         let turns = high << 64 | middle & u128::from(u64::MAX);
         let quadrant = ((turns >> 126) + (turns >> 125 & 1)) as u64;
         let fraction = (turns << 2) as i128;
@@ -17831,9 +17832,9 @@ mod math {
         (if x < 0.0 { -sin } else { sin }, cos)
     }
 
-    // Sine and cosine of several angles at once (after sin_cos.rs): the loop has no branch, so it becomes SIMD code.
+    // Sine and cosine of several angles at once (after sin_cos.rs): a loop without branches, for SIMD.
 
-    /// `(sin xᵢ, cos xᵢ)`, the same bits as [`sin_cos`] of each.
+    /// Returns all `sin xᵢ`, then all `cos xᵢ`, bit-identical to [`sin_cos`] of each angle.
     #[inline(always)]
     pub fn sin_cos_array<const L: usize>(x: [f64; L]) -> ([f64; L], [f64; L]) {
         let (mut sin, mut cos, mut all_direct) = ([0.0; L], [0.0; L], true);
@@ -17855,19 +17856,17 @@ mod math {
         (pairs.map(|pair| pair.0), pairs.map(|pair| pair.1))
     }
 
-    // Sine and cosine of 4 angles that arrive in registers (after sin_cos_array.rs).
-    // Never inlined: among scalar code the compiler would undo the lanes.
+    // Sine and cosine of 4 angles in registers. If it were inlined, the compiler would undo its SIMD code.
 
-    /// Sines and cosines of 4 angles, the same bits as [`sin_cos`] of each.
+    /// Sines and cosines of 4 angles, bit-identical to [`sin_cos`] of each angle.
     #[inline(never)]
     pub fn sin_cos_4(a: f64, b: f64, c: f64, d: f64) -> ([f64; 4], [f64; 4]) {
         sin_cos_array([a, b, c, d])
     }
 
-    // Sine and cosine of 8 angles that arrive in registers (after sin_cos_array.rs).
-    // Never inlined: among scalar code the compiler would undo the lanes.
+    // Sine and cosine of 8 angles in registers. If it were inlined, the compiler would undo its SIMD code.
 
-    /// Sines and cosines of 8 angles, the same bits as [`sin_cos`] of each.
+    /// Sines and cosines of 8 angles, bit-identical to [`sin_cos`] of each angle.
     #[allow(
         clippy::too_many_arguments,
         reason = "an array would pass through memory"
@@ -17891,10 +17890,11 @@ mod math {
 
     // Square root, correctly rounded, without branches on the usual path.
     //
-    // `core` has no square root, so that processors' own instruction is out of reach without std. Its result is the same.
-    // Newton's iteration for 1/√x starts from the bits of x; the remainder decides the last digit in whole numbers.
+    // `core` has no square root, so the instruction of the processor is not available without std. The results
+    // are the same. Newton's iteration for 1/√x starts from the bits of x. The remainder, computed in integers,
+    // determines the last digit.
 
-    /// `√x`, correctly rounded; NaN for x < 0 and NaN.
+    /// Square root `√x`, correctly rounded; NaN for x < 0 and NaN.
     #[inline]
     pub fn sqrt(x: f64) -> f64 {
         if !(x > 0.0 && x < f64::INFINITY) {
@@ -17911,14 +17911,15 @@ mod math {
         let odd = (exponent & 1) ^ 1;
         let mantissa = (fraction | 0x0010_0000_0000_0000) << odd;
         let v = mantissa as f64 * 2.220_446_049_250_313e-16;
-        // 1/√v with an error of 3.4e-2, which each step squares and multiplies by 1.5.
+        // The initial value of 1/√v has a relative error of 3.4e-2. Each step squares the error and multiplies it
+        // by 1.5.
         let half = 0.5 * v;
         let y = f64::from_bits(0x5FE6_EB50_C7B5_37A9_u64.wrapping_sub(v.to_bits() >> 1));
         let y = y * (1.5 - half * y * y);
         let y = y * (1.5 - half * y * y);
         let y = y * (1.5 - half * y * y);
         let y = y * (1.5 - half * y * y);
-        // The root as a whole number of 2^-52. Its remainder is so small that 64 bits hold it.
+        // The root in units of 2^-52, as an integer. Its remainder is so small that 64 bits suffice.
         let remainder = |root: u64| {
             (mantissa << 52)
                 .wrapping_sub(root.wrapping_mul(root))
@@ -17929,14 +17930,15 @@ mod math {
         let root = near.wrapping_sub(8).wrapping_add((correction + 8.0) as u64);
         let root = root.wrapping_sub(u64::from(remainder(root) < 0));
         let root = root.wrapping_add(u64::from(remainder(root.wrapping_add(1)) >= 0));
-        // Above the middle between two numbers, (root + 1/2)², it is the larger one. No root lies in the middle.
+        // If v is above (root + 1/2)², the middle between two numbers, the larger number is nearer. The exact
+        // root is never in the middle.
         let root = root.wrapping_add(u64::from(remainder(root) > root.cast_signed()));
         let exponent = exponent.wrapping_add(1023).wrapping_sub(odd) >> 1;
         f64::from_bits((exponent << 52).wrapping_add(root.wrapping_sub(0x0010_0000_0000_0000))) * scale
     }
 }
 
-/// Positions with quaternions: ⊕, ⊖ and their tangents.
+/// Positions with quaternions: the operations ⊕ and ⊖, and their derivatives.
 #[allow(
     dead_code,
     clippy::needless_range_loop,
@@ -17945,7 +17947,8 @@ mod math {
 mod manifold {
     use super::math::{sin_cos, sqrt};
 
-    /// For each joint its number of position entries, its first position entry and its first velocity entry.
+    /// For each joint: its number of position entries, and the indices of its first position entry and first
+    /// velocity.
     pub(super) fn places<const J: usize>(widths: &[usize; J]) -> [(usize, usize, usize); J] {
         let mut places = [(0, 0, 0); J];
         let (mut position, mut velocity) = (0_usize, 0_usize);
@@ -17957,7 +17960,7 @@ mod manifold {
         places
     }
 
-    /// K entries from the first one on; each is `otherwise` where there are fewer.
+    /// Reads K entries from index `first` on. All are NaN if there are fewer than K entries.
     #[inline]
     pub(super) fn read<const K: usize>(entries: &[f64], first: usize) -> [f64; K] {
         match entries.get(first..).and_then(|rest| rest.first_chunk()) {
@@ -17966,7 +17969,7 @@ mod manifold {
         }
     }
 
-    /// Sets K entries from the first one on, where there are so many.
+    /// Writes K entries from index `first` on, if there are at least K entries.
     #[inline]
     pub(super) fn write<const K: usize>(entries: &mut [f64], first: usize, values: &[f64; K]) {
         if let Some(chunk) = entries
@@ -17977,13 +17980,14 @@ mod manifold {
         }
     }
 
-    /// `Σ (−z)ʲ / (2j + k)!` for k = 0 to 5, the functions of Stumpff: cos x, sin x / x, (1 − cos x) / x², … with z = x².
+    /// The Stumpff functions `Σ (−z)ʲ / (2j + k)!` for k = 0 to 5. They are cos x, sin x / x, (1 − cos x) / x², …
+    /// with z = x².
     ///
-    /// Up to x = π/2 by the sums, which lose no digits there; beyond by sine and cosine. Errors are a few units in the last
-    /// place of 1/k!.
+    /// Up to x = π/2 the sums are used, because they lose no digits there. For larger x, sine and cosine are
+    /// used. Errors are a few units in the last place of 1/k!.
     fn stumpff(z: f64) -> [f64; 6] {
         const TERMS: usize = 10;
-        // 1/(2j + 4)! and 1/(2j + 5)!, with alternating signs.
+        // The coefficients 1/(2j + 4)! and 1/(2j + 5)!, with alternating signs.
         const COEFFICIENTS: [[f64; 2]; TERMS] = {
             let mut coefficients = [[0.0; 2]; TERMS];
             let (mut j, mut factorial, mut sign) = (0, 6.0, 1.0);
@@ -18012,7 +18016,7 @@ mod manifold {
         [cos, c1, c2, c3, (0.5 - c2) / z, (1.0 / 6.0 - c3) / z]
     }
 
-    /// The functions for k = 1 to 5 of twice the angle. No difference of near numbers stands in them.
+    /// The Stumpff functions for k = 1 to 5 of twice the angle. No difference of nearly equal numbers occurs.
     fn doubled([c0, c1, c2, c3, c4, c5]: &[f64; 6]) -> [f64; 5] {
         [
             c0 * c1,
@@ -18037,7 +18041,7 @@ mod manifold {
         a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
     }
 
-    /// `a + α w × a + β w × (w × a)`
+    /// The vector `a + α w × a + β w × (w × a)`.
     #[inline]
     fn turned(w: &[f64; 3], a: &[f64; 3], alpha: f64, beta: f64) -> [f64; 3] {
         let once = cross(w, a);
@@ -18045,7 +18049,8 @@ mod manifold {
         core::array::from_fn(|i| a[i] + (alpha * once[i] + beta * twice[i]))
     }
 
-    /// The vector a, given in the body's frame, in the parent's frame; with the conjugate quaternion the inverse.
+    /// Transforms the vector a from the body's frame to the parent's frame. The conjugate quaternion gives the
+    /// inverse transformation.
     #[inline]
     fn rotated(q: &[f64; 4], a: &[f64; 3]) -> [f64; 3] {
         turned(&[q[0], q[1], q[2]], a, 2.0 * q[3], 2.0)
@@ -18069,7 +18074,8 @@ mod manifold {
 
     /// The quaternion divided by its length.
     ///
-    /// Near one, a Newton step does that with an error below 1e-16 and without a root. NaN for the quaternion 0.
+    /// If the length is close to one, a Newton step without a square root is sufficient; its error is below
+    /// 1e-16. The result for the quaternion 0 is NaN.
     #[inline]
     fn of_unit_length(q: &[f64; 4]) -> [f64; 4] {
         let square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
@@ -18081,16 +18087,16 @@ mod manifold {
         [q[0] * factor, q[1] * factor, q[2] * factor, q[3] * factor]
     }
 
-    /// The attitude after a rotation by the vector w in the body's frame, `q exp(w)`; `half` are the functions of Stumpff of
-    /// half the angle.
+    /// The attitude `q exp(w)` after a rotation by the vector w in the body's frame. `half` contains the Stumpff
+    /// functions of half the angle.
     #[inline]
     fn attitude_after(q: &[f64; 4], w: &[f64; 3], half: &[f64; 6]) -> [f64; 4] {
         let s = 0.5 * half[1];
         of_unit_length(&product(q, &[s * w[0], s * w[1], s * w[2], half[0]]))
     }
 
-    /// The shortest rotation vector of an attitude: its length is at most π. Both signs of the quaternion are the same
-    /// attitude.
+    /// The shortest rotation vector of an attitude. Its length is at most π. A quaternion and its negative are
+    /// the same attitude.
     fn rotation_vector(q: &[f64; 4]) -> [f64; 3] {
         let square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2];
         let (sin, cos) = (sqrt(square), q[3].abs());
@@ -18099,10 +18105,11 @@ mod manifold {
         [factor * q[0], factor * q[1], factor * q[2]]
     }
 
-    /// `2 φ / sin` of the angle φ of the point (cos, sin) at the distance `length` from the origin, both ≥ 0; 2 / cos for
-    /// sin = 0, NaN for the origin.
+    /// The value `2 φ / sin`, where φ is the angle of the point (cos, sin) with cos, sin ≥ 0, and `length` is the
+    /// distance of this point from the origin. The result is 2 / cos for sin = 0, and NaN for the origin.
     ///
-    /// φ = 2 atan u with u = tan(φ/2), and atan u is that of the nearest multiple c of π/8 plus atan((u − tan c)/(1 + u tan c)).
+    /// φ is 2 atan u with u = tan(φ/2). atan u is c + atan((u − tan c)/(1 + u tan c)) with the nearest multiple c
+    /// of π/8.
     fn angle_over_sine(sin: f64, cos: f64, length: f64) -> f64 {
         use core::f64::consts::{FRAC_PI_4, FRAC_PI_8, SQRT_2};
         const TAN_FRAC_PI_8: f64 = SQRT_2 - 1.0;
@@ -18119,7 +18126,7 @@ mod manifold {
         4.0 * (center + rest * arctangent_over(rest)) / sin
     }
 
-    /// `atan t / t` for |t| ≤ 0.21 by its Taylor series; what is left out is below 1e-17.
+    /// The value `atan t / t` for |t| ≤ 0.21 by its Taylor series. The remainder is below 1e-17.
     fn arctangent_over(t: f64) -> f64 {
         const TERMS: usize = 12;
         let (z, mut sum) = (t * t, 0.0);
@@ -18129,8 +18136,8 @@ mod manifold {
         sum
     }
 
-    /// `y ⊕ d`: the positions that are reached by moving with the velocities d for one second. Quaternions of the result
-    /// are of unit length to 1e-15, however often this is repeated.
+    /// The sum `y ⊕ d`: the positions after a motion with the velocities d for one second. Quaternions of the
+    /// result have unit length with an error of 1e-15, even after many calls.
     pub fn integrate<const J: usize, const N: usize, const NY: usize>(
         widths: &[usize; J],
         y: &[f64; NY],
@@ -18158,7 +18165,7 @@ mod manifold {
         next
     }
 
-    /// `X exp(d)` on SE(3).
+    /// The pose `X exp(d)` on SE(3): the position, then the attitude.
     fn pose_after([x, y, z, q @ ..]: &[f64; 7], [a, b, c, w @ ..]: &[f64; 6]) -> [f64; 7] {
         let half = stumpff(0.25 * inner(w, w));
         let [_, c2, c3, ..] = doubled(&half);
@@ -18167,8 +18174,9 @@ mod manifold {
         [x + way[0], y + way[1], z + way[2], i, j, k, l]
     }
 
-    /// `to ⊖ from`: the velocities that lead from one to the other within one second, those of the shortest rotation. Both
-    /// signs of a quaternion are the same attitude. Where the rotation is one by π, its sign is arbitrary.
+    /// The difference `to ⊖ from`: the velocities that lead from `from` to `to` in one second, with the shortest
+    /// rotation. A quaternion and its negative are the same attitude. If the angle of the rotation is π, its sign
+    /// is arbitrary.
     pub fn difference<const J: usize, const N: usize, const NY: usize>(
         widths: &[usize; J],
         from: &[f64; NY],
@@ -18205,7 +18213,8 @@ mod manifold {
         [l[0], l[1], l[2], w[0], w[1], w[2]]
     }
 
-    /// `(1 − (θ/2) cot(θ/2)) / θ²` of the length θ < 2π of a rotation vector, and its derivative by θ divided by θ.
+    /// The function `(1 − (θ/2) cot(θ/2)) / θ²` of the length θ < 2π of a rotation vector, and its derivative
+    /// with respect to θ divided by θ.
     fn half_cotangent(w: &[f64; 3]) -> (f64, f64) {
         let [_, c1, c2, c3, c4, c5] = stumpff(0.25 * inner(w, w));
         let square = 0.25 * (c2 - c3) / c1;
@@ -18213,7 +18222,8 @@ mod manifold {
         (square, slopes / (16.0 * c1))
     }
 
-    /// Gives the quaternions unit length. The result is false where one is zero or not finite: it then is the identity.
+    /// Normalizes the quaternions. Returns false if a quaternion is zero or not finite. This quaternion is set to
+    /// the identity.
     #[must_use]
     pub fn normalize<const J: usize, const NY: usize>(widths: &[usize; J], y: &mut [f64; NY]) -> bool {
         let mut are_attitudes = true;
@@ -18228,7 +18238,8 @@ mod manifold {
         are_attitudes
     }
 
-    /// The quaternion with unit length, and true; the identity, and false, where it has no direction.
+    /// Returns the normalized quaternion and true. If the quaternion is zero or not finite, returns the identity
+    /// and false.
     fn normalized(q: &[f64; 4]) -> ([f64; 4], bool) {
         let mut largest = 0.0;
         for entry in q {
@@ -18242,12 +18253,13 @@ mod manifold {
         if largest == 0.0 {
             return ([0.0, 0.0, 0.0, 1.0], false);
         }
-        // Squares of tiny and of huge numbers are out of range; the first division of a subnormal number may be inexact.
+        // The division avoids overflow and underflow of squares. It may be inexact for subnormal numbers, so the
+        // length is corrected once more.
         let scaled = of_unit_length(&q.map(|entry| entry / largest));
         (of_unit_length(&scaled), true)
     }
 
-    /// Positions 0 and attitudes of the parent.
+    /// Neutral positions: position 0 for each joint, and the identity quaternion for each attitude.
     pub fn neutral<const J: usize, const NY: usize>(widths: &[usize; J]) -> [f64; NY] {
         let mut y = [0.0; NY];
         for (width, position, _) in places(widths) {
@@ -18258,10 +18270,11 @@ mod manifold {
         y
     }
 
-    /// The Lie bracket `ad_a b` of each joint; 0 for joints with ẏ = v.
+    /// The Lie bracket `ad_a b` of each joint; 0 for joints without quaternions.
     ///
-    /// `(a_l, a_ω)` and `(b_l, b_ω)` of a floating joint give `(a_ω × b_l + a_l × b_ω, a_ω × b_ω)`. Small deviations
-    /// `δ = y ⊖ ȳ` from a motion with the velocities v̄ move with `δ̇ = v − v̄ − ad_v̄ δ`.
+    /// For a floating joint, the bracket of `(a_l, a_ω)` and `(b_l, b_ω)` (linear, angular) is
+    /// `(a_ω × b_l + a_l × b_ω, a_ω × b_ω)`. Small deviations `δ = y ⊖ ȳ` from a motion with the velocities v̄
+    /// have the rate `δ̇ = v − v̄ − ad_v̄ δ`.
     pub fn bracket<const J: usize, const N: usize>(
         widths: &[usize; J],
         a: &[f64; N],
@@ -18283,7 +18296,7 @@ mod manifold {
         result
     }
 
-    /// The bracket of se(3).
+    /// The Lie bracket of se(3).
     pub(super) fn pose_bracket([a, b, c, w @ ..]: &[f64; 6], [d, e, f, u @ ..]: &[f64; 6]) -> [f64; 6] {
         let (one, other) = (cross(w, &[*d, *e, *f]), cross(&[*a, *b, *c], u));
         let angular = cross(w, u);
@@ -18297,8 +18310,8 @@ mod manifold {
         ]
     }
 
-    /// The function `1 + c₁ ad_d + c₂ ad_d²` of a displacement, and `1/θ` times the derivatives of its coefficients by the
-    /// angle θ.
+    /// The function `1 + c₁ ad_d + c₂ ad_d²` of a displacement d. The slopes are the derivatives of the
+    /// coefficients with respect to the angle θ, divided by θ.
     struct Polynomial {
         linear: f64,
         square: f64,
@@ -18307,7 +18320,7 @@ mod manifold {
     }
 
     impl Polynomial {
-        /// `Ad(exp(−d))`
+        /// The adjoint matrix `Ad(exp(−d))`.
         fn adjoint(w: &[f64; 3]) -> Self {
             let [c1, c2, c3, c4, _] = doubled(&stumpff(0.25 * inner(w, w)));
             Self {
@@ -18318,7 +18331,7 @@ mod manifold {
             }
         }
 
-        /// `J_r(d) = Σ (−ad_d)ᵏ / (k + 1)!`
+        /// The right Jacobian `J_r(d) = Σ (−ad_d)ᵏ / (k + 1)!`.
         fn right(w: &[f64; 3]) -> Self {
             let [_, c2, c3, c4, c5] = doubled(&stumpff(0.25 * inner(w, w)));
             Self {
@@ -18329,7 +18342,8 @@ mod manifold {
             }
         }
 
-        /// `J_r⁻¹(d)`, with −1 in place of 1 `J_l⁻¹(d)`.
+        /// The inverse `J_r⁻¹(d)` of the right Jacobian if `side` is 1, or the inverse `J_l⁻¹(d)` of the left
+        /// Jacobian if `side` is −1.
         fn inverse(w: &[f64; 3], side: f64) -> Self {
             let (square, square_slope) = half_cotangent(w);
             Self {
@@ -18340,7 +18354,7 @@ mod manifold {
             }
         }
 
-        /// On SO(3).
+        /// The function on SO(3).
         fn of_rotation(&self, w: &[f64; 3]) -> [[f64; 3]; 3] {
             let mut matrix = combination(self.linear, self.square, w);
             for i in 0..3 {
@@ -18349,7 +18363,8 @@ mod manifold {
             matrix
         }
 
-        /// On SE(3): since `ad_d = [ω× l×; 0 ω×]`, the upper right block is the derivative of that on SO(3) in the direction l.
+        /// The function on SE(3). Since `ad_d = [ω× l×; 0 ω×]`, the upper right block is the derivative of the
+        /// function on SO(3) in the direction l.
         fn of_pose(&self, [a, b, c, w @ ..]: &[f64; 6]) -> [[f64; 6]; 6] {
             let l = [*a, *b, *c];
             let (diagonal, along) = (self.of_rotation(w), inner(w, &l));
@@ -18369,7 +18384,7 @@ mod manifold {
         }
     }
 
-    /// `α w× + β w× w×`
+    /// The matrix `α w× + β w× w×`.
     #[inline]
     fn combination(alpha: f64, beta: f64, w: &[f64; 3]) -> [[f64; 3]; 3] {
         let (s, t) = (w.map(|w| alpha * w), w.map(|w| beta * w));
@@ -18382,7 +18397,7 @@ mod manifold {
         ]
     }
 
-    /// The derivatives of `X exp(d)` on SE(3) by X and by d.
+    /// The derivatives of `X exp(d)` on SE(3) with respect to X and d.
     pub(super) fn pose_tangents(d: &[f64; 6]) -> [[[f64; 6]; 6]; 2] {
         let [_, _, _, w @ ..] = d;
         [
@@ -18391,7 +18406,7 @@ mod manifold {
         ]
     }
 
-    /// The same on SO(3).
+    /// The derivatives of `X exp(d)` on SO(3) with respect to X and d.
     pub(super) fn rotation_tangents(w: &[f64; 3]) -> [[[f64; 3]; 3]; 2] {
         [
             Polynomial::adjoint(w).of_rotation(w),
@@ -18399,7 +18414,8 @@ mod manifold {
         ]
     }
 
-    /// The derivatives of the logarithm d of a pose by it, and by that which it is counted from.
+    /// The derivatives of the logarithm d of the relative pose, with respect to the pose `to` and to the pose
+    /// `from`.
     fn pose_differences(d: &[f64; 6]) -> [[[f64; 6]; 6]; 2] {
         let [_, _, _, w @ ..] = d;
         let by_from = Polynomial::inverse(w, -1.0).of_pose(d);
@@ -18409,7 +18425,7 @@ mod manifold {
         ]
     }
 
-    /// The same on SO(3).
+    /// The derivatives of the logarithm on SO(3), with respect to the attitudes `to` and `from`.
     fn rotation_differences(w: &[f64; 3]) -> [[[f64; 3]; 3]; 2] {
         let by_from = Polynomial::inverse(w, -1.0).of_rotation(w);
         [
@@ -18418,7 +18434,8 @@ mod manifold {
         ]
     }
 
-    /// The derivatives of `y ⊕ d` by y and by d, both along ⊕ at the result: `Ad(exp(−d))` and the right Jacobian `J_r(d)`.
+    /// The derivatives of `y ⊕ d` with respect to y and d, along ⊕ at the result: `Ad(exp(−d))` and the right
+    /// Jacobian `J_r(d)`.
     pub fn integrate_derivatives<const J: usize, const N: usize>(
         widths: &[usize; J],
         d: &[f64; N],
@@ -18443,9 +18460,10 @@ mod manifold {
         (by_y, by_d)
     }
 
-    /// The derivatives of `d = to ⊖ from` by `to`, `J_r⁻¹(d)`, and by `from`, `−J_l⁻¹(d)`, both along ⊕.
+    /// The derivatives of `d = to ⊖ from` along ⊕: `J_r⁻¹(d)` with respect to `to`, and `−J_l⁻¹(d)` with respect
+    /// to `from`.
     ///
-    /// The rotations in d are at most π; the derivatives jump there, as d does.
+    /// The angles of rotations in d are at most π. At π, d and its derivatives are discontinuous.
     pub fn difference_derivatives<const J: usize, const N: usize>(
         widths: &[usize; J],
         d: &[f64; N],
@@ -18469,7 +18487,7 @@ mod manifold {
         (by_to, by_from)
     }
 
-    /// NaN on the diagonal until the joint's block is written.
+    /// A matrix with NaN on the diagonal, which remains for joints without a block.
     fn unknown<const N: usize>() -> [[f64; N]; N] {
         let mut matrix = [[0.0; N]; N];
         for i in 0..N {

@@ -24,7 +24,7 @@ pub const JOINT_NAMES: [&str; N] = ["wrist", "left_knuckle"];
 /// Units of the coordinates: `rad` or `m`.
 pub const JOINT_UNITS: [&str; N] = ["rad", "rad"];
 
-/// Units of the forces at the joints, as those of `inverse_dynamics`: `N m` or `N`.
+/// Units of the forces at the joints, for example of the results of `inverse_dynamics`: `N m` or `N`.
 pub const EFFORT_UNITS: [&str; N] = ["N m", "N m"];
 
 /// Names of the inputs.
@@ -39,19 +39,19 @@ pub const INPUT_JOINTS: [usize; M] = [0, 1];
 /// Names of the frames.
 pub const FRAME_NAMES: [&str; 1] = ["left_tip"];
 
-/// Lowest and highest position of each joint (rad or m); infinite where not described.
+/// Lowest and highest position of each joint (rad or m); infinite if not described.
 pub const POSITION_LIMITS: [[f64; 2]; N] = [[-3.0, 3.0], [0.0, 0.8]];
 
-/// Highest speed of each joint (rad/s or m/s); infinite where not described.
+/// Highest speed of each joint (rad/s or m/s); infinite if not described.
 pub const VELOCITY_LIMITS: [f64; N] = [3.0, 2.0];
 
-/// Nominal force at each joint (N m or N); infinite where not described.
+/// Nominal force at each joint (N m or N); infinite if not described.
 pub const EFFORT_LIMITS: [f64; N] = [10.0, 5.0];
 
-/// Peak force at each joint (N m or N); the nominal one where no peak is described.
+/// Peak force at each joint (N m or N); the nominal force if no peak is described.
 pub const PEAK_EFFORT_LIMITS: [f64; N] = [10.0, 5.0];
 
-/// Names of the joints that follow others.
+/// Names of the joints that follow other joints.
 pub const DEPENDENT_JOINT_NAMES: [&str; 5] = [
     "left_finger",
     "left_inner_knuckle",
@@ -60,7 +60,7 @@ pub const DEPENDENT_JOINT_NAMES: [&str; 5] = [
     "right_inner_knuckle",
 ];
 
-/// G in `G y + g₀`, the positions of the joints that follow: a row for each of them.
+/// G in `G y + g₀`, the positions of the dependent joints: one row per dependent joint.
 pub const DEPENDENT_JOINT_RATIOS: [[f64; N]; 5] = [
     [0.0, -1.0],
     [0.0, 1.0],
@@ -69,10 +69,10 @@ pub const DEPENDENT_JOINT_RATIOS: [[f64; N]; 5] = [
     [0.0, -1.0],
 ];
 
-/// g₀: position of each joint that follows where all coordinates are 0 (rad or m).
+/// g₀: position of each dependent joint if all coordinates are 0 (rad or m).
 pub const DEPENDENT_JOINT_OFFSETS: [f64; 5] = [0.0, 0.0, 0.0, 0.0, 0.0];
 
-/// Lowest and highest position of each joint that follows (rad or m); infinite where not described.
+/// Lowest and highest position of each dependent joint (rad or m); infinite if not described.
 pub const DEPENDENT_POSITION_LIMITS: [[f64; 2]; 5] = [
     [f64::NEG_INFINITY, f64::INFINITY],
     [f64::NEG_INFINITY, f64::INFINITY],
@@ -81,7 +81,7 @@ pub const DEPENDENT_POSITION_LIMITS: [[f64; 2]; 5] = [
     [f64::NEG_INFINITY, f64::INFINITY],
 ];
 
-/// Highest speed of each joint that follows (rad/s or m/s); infinite where not described.
+/// Highest speed of each dependent joint (rad/s or m/s); infinite if not described.
 pub const DEPENDENT_VELOCITY_LIMITS: [f64; 5] = [
     f64::INFINITY,
     f64::INFINITY,
@@ -90,22 +90,22 @@ pub const DEPENDENT_VELOCITY_LIMITS: [f64; 5] = [
     f64::INFINITY,
 ];
 
-/// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite where
-/// not described. `EFFORT_LIMITS` at the joint also applies.
+/// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite if not
+/// described. `EFFORT_LIMITS` at the joint also applies.
 pub const INPUT_LIMITS: [f64; M] = [f64::INFINITY, f64::INFINITY];
 
 /// Largest magnitude of each input that its motor bears for a short time, in the unit of the input; the nominal
-/// one where no peak is described.
+/// magnitude if no peak is described.
 pub const PEAK_INPUT_LIMITS: [f64; M] = [f64::INFINITY, f64::INFINITY];
 
-/// Gear ratio of each drive: motor angle over joint angle.
+/// Gear ratio of each drive: motor angle divided by joint angle.
 pub const GEAR_RATIOS: [f64; M] = [1.0, 400.0];
 
-/// Axial inertia of each rotor, on its own side of the gear (kg m²).
+/// Axial inertia of each rotor, on the motor side of the gear (kg m²).
 pub const ROTOR_INERTIAS: [f64; M] = [0.0, 1e-7];
 
-/// Pairs of coordinates i, j: friction at i may jump where velocity j changes its sign, because a law has an
-/// exact `sign`.
+/// Pairs of coordinates i, j: friction at i may jump if velocity j changes its sign, because a law has an exact
+/// `sign`.
 pub const FRICTION_JUMPS: [[usize; 2]; 0] = [];
 
 /// Gravitational acceleration in the base frame (m/s²).
@@ -114,14 +114,14 @@ pub const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 /// Names of the functions.
 pub const FUNCTIONS: [&str; 2] = ["inverse_dynamics", "forward_dynamics"];
 
-/// Inverse dynamics: the joint forces of a motion.
+/// Inverse dynamics: the drive forces that produce a motion.
 ///
 /// `M(y) ÿ + k(y, ẏ) − q(y, ẏ)`
 ///
 /// - `y: [N]`: coordinates: `wrist`, `left_knuckle` in rad
 /// - `v: [N]`: velocities ẏ: `wrist`, `left_knuckle` in rad/s
 /// - `a: [N]`: accelerations ÿ: `wrist`, `left_knuckle` in rad/s²
-/// - returns `B u: [N]`: drive forces at the joints; u\_ff = B⁻¹ times these
+/// - returns `B u: [N]`: drive forces at the joints; the feedforward inputs are u\_ff = B⁻¹ (B u)
 ///
 /// Cost: 86 multiplications, 71 additions, 0 divisions, 2 function calls (1 `sin_cos`, 1 other).
 ///
@@ -303,7 +303,7 @@ pub fn inverse_dynamics(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [f64; N] {
 ///
 /// Cost: 104 multiplications, 87 additions, 2 divisions, 2 function calls (1 `sin_cos`, 1 other).
 ///
-/// M = Lᵀ D L along the branches of the tree (Featherstone 2005) was cheaper than articulated bodies.
+/// The factorization M = Lᵀ D L (Featherstone 2005) needed fewer operations than articulated bodies.
 #[must_use]
 pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let (sin_left_knuckle, cos_left_knuckle) = math::sin_cos(y[1]);
@@ -504,24 +504,24 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     [t113, t195]
 }
 
-/// Elementary functions that give the same bits on every platform.
+/// Elementary functions whose results have the same bits on every platform.
 #[allow(
     clippy::approx_constant,
     clippy::excessive_precision,
     reason = "coefficients and parts of π are not those constants"
 )]
 mod math {
-    // Sine and cosine in one pass, without branches below 1e5, tables or fused operations: the same bits on every platform.
+    // Sine and cosine in one pass, without branches up to 1e5, tables or fused operations. Bits are reproducible.
     //
-    // x = n π/2 + hi − low with |hi| ≤ π/4, π/2 in three parts (Cody and Waite, Software Manual for the Elementary
-    // Functions, 1980, ch. 8); beyond 1e5 by the bits of 2/π (Payne and Hanek, SIGNUM Newsletter 18, 1983). Then minimax
-    // polynomials (Remez exchange, minimax.py). Error below 0.9 ulp for every finite x (0.80 seen); NaN for NaN and ±∞;
-    // sin −0 = −0.
+    // The angle is reduced to x = n π/2 + hi − low with |hi| ≤ π/4. Up to 1e5, π/2 is used in three parts (Cody
+    // and Waite, Software Manual for the Elementary Functions, 1980, ch. 8). Above 1e5, the bits of 2/π are used
+    // (Payne and Hanek, SIGNUM Newsletter 18, 1983). Minimax polynomials follow (Remez exchange, minimax.py). The
+    // error is below 0.9 ulp for every finite x (measured: 0.80). NaN and ±∞ give NaN, and sin −0 is −0.
 
-    /// Largest angle of the fast path: `n π/2` is exact in the first two parts up to here.
+    /// Largest angle of the fast path. Up to this angle, `n π/2` is exact in the first two parts.
     const LARGEST_DIRECT_ANGLE: f64 = 1.0e5;
 
-    /// `(sin x, cos x)` with an error below 0.9 ulp each.
+    /// Returns `(sin x, cos x)`, each with an error below 0.9 ulp.
     #[inline(always)]
     pub fn sin_cos(x: f64) -> (f64, f64) {
         if x.abs() <= LARGEST_DIRECT_ANGLE {
@@ -531,7 +531,7 @@ mod math {
         }
     }
 
-    /// `|x| ≤ 1e5`. The first difference is exact, the second one keeps its rounding error (Fast2Sum).
+    /// Sine and cosine for `|x| ≤ 1e5`. The first difference is exact. Fast2Sum keeps the error of the second.
     #[inline(always)]
     fn sin_cos_direct(x: f64) -> (f64, f64) {
         const HALF_PI: [f64; 3] = [
@@ -550,7 +550,7 @@ mod math {
         sin_cos_quarter(hi, low, shifted.to_bits())
     }
 
-    /// Sine and cosine of `hi − low + quadrant π/2`, where `|hi| ≤ π/4` and `low` is of the size of its rounding error.
+    /// Sine and cosine of `hi − low + quadrant π/2` with `|hi| ≤ π/4`. `low` is a rounding error of `hi`.
     #[inline(always)]
     fn sin_cos_quarter(hi: f64, low: f64, quadrant: u64) -> (f64, f64) {
         let z = hi * hi;
@@ -569,7 +569,8 @@ mod math {
         in_quadrant(sin, cos, quadrant)
     }
 
-    /// Sine and cosine of an angle turned by `quadrant` quarters, from those of the angle; the last two bits count.
+    /// Sine and cosine of an angle after a rotation by `quadrant` quarter turns, from the sine and cosine of the
+    /// angle. Only the last two bits of `quadrant` are used.
     #[inline(always)]
     fn in_quadrant(sin: f64, cos: f64, quadrant: u64) -> (f64, f64) {
         let exchange = (sin.to_bits() ^ cos.to_bits()) & (quadrant & 1).wrapping_neg();
@@ -581,11 +582,11 @@ mod math {
         )
     }
 
-    /// `|x| > 1e5`, or not a number: `x · 2/π` modulo 4 from the bits of 2/π that matter, in integers.
+    /// Sine and cosine for `|x| > 1e5` or NaN. `x · 2/π` modulo 4 is computed in integers from bits of 2/π.
     #[cold]
     #[inline(never)]
     fn sin_cos_large(x: f64) -> (f64, f64) {
-        // One zero word, then the first 1216 bits of 2/π.
+        // A zero word, then the first 1216 bits of 2/π.
         const TWO_OVER_PI: [u64; 20] = [
             0x0000000000000000,
             0xa2f9836e4e441529,
@@ -612,7 +613,7 @@ mod math {
         if !x.is_finite() {
             return (f64::NAN, f64::NAN);
         }
-        // |x| = mantissa · 2^exponent; bits of 2/π before `start` give multiples of 4.
+        // |x| = mantissa · 2^exponent. The bits of 2/π before `start` only add multiples of 4.
         let exponent = (x.abs().to_bits() >> 52).wrapping_sub(1075);
         let mantissa = u128::from(x.to_bits() & ((1 << 52) - 1) | 1 << 52);
         let start = exponent.wrapping_add(62);
@@ -626,7 +627,7 @@ mod math {
         let low = mantissa * bits(2);
         let middle = mantissa * bits(1) + (low >> 64);
         let high = mantissa.wrapping_mul(bits(0)).wrapping_add(middle >> 64);
-        // x · 2/π = (turns modulo 4) / 2^126: two bits of quadrant, then the fraction, taken to [−1/2, 1/2).
+        // x · 2/π = (turns modulo 4) / 2^126. Two bits are the quadrant. The others are a fraction in [−1/2, 1/2).
         let turns = high << 64 | middle & u128::from(u64::MAX);
         let quadrant = ((turns >> 126) + (turns >> 125 & 1)) as u64;
         let fraction = (turns << 2) as i128;
@@ -640,10 +641,12 @@ mod math {
         (if x < 0.0 { -sin } else { sin }, cos)
     }
 
-    // What exp.rs and tanh.rs share: x = k ln 2 + r with |r| ≤ ln 2 / 2, ln 2 in two parts (Cody and Waite, Software Manual
-    // for the Elementary Functions, 1980, ch. 6), then a minimax polynomial (Remez exchange, minimax.py).
+    // Common part of exp.rs and tanh.rs. The argument is reduced to x = k ln 2 + r with |r| ≤ ln 2 / 2 and ln 2
+    // in two parts (Cody and Waite, Software Manual for the Elementary Functions, 1980, ch. 6). A minimax
+    // polynomial follows (Remez exchange, minimax.py).
 
-    /// `exp x = (hi + low) 2^k` with `|low| < 0.08`; `k` wraps around zero.
+    /// Returns hi, low and k with `exp x = (hi + low) 2^k` and `|low| < 0.08`. A negative `k` is in two's
+    /// complement.
     #[inline(always)]
     fn exp_reduced(x: f64) -> (f64, f64, u64) {
         const LN_2: [f64; 2] = [0.6931471805598903, 5.497923018708371e-14];
@@ -671,11 +674,12 @@ mod math {
 
     // Hyperbolic tangent (after exp_reduced.rs), without branches, tables or fused operations.
     //
-    // |x| < 0.625: x − x³ P(x²)/Q(x²), the eighth convergent of Lambert's continued fraction x/(1 + x²/(3 + x²/(5 + …)))
-    // (Lambert 1761), whose coefficients are integers. Beyond: 1 − 2/(exp 2x + 1). Both share the division.
-    // Error below 1 ulp (0.86 seen); ±1 exactly from |x| = 19.07 on; tanh −0 = −0; NaN for NaN.
+    // For |x| < 0.625 it is x − x³ P(x²)/Q(x²), the eighth convergent of Lambert's continued fraction x/(1 +
+    // x²/(3 + x²/(5 + …))) (Lambert 1761), whose coefficients are integers. For larger |x| it is 1 − 2/(exp 2x +
+    // 1). Both cases share the division. The error is below 1 ulp (measured: 0.86). The result is exactly ±1 from
+    // |x| = 19.07 on, tanh −0 is −0, and tanh NaN is NaN.
 
-    /// `tanh x` with an error below 1 ulp. Its derivative is `1 − tanh² x`.
+    /// Hyperbolic tangent `tanh x` with an error below 1 ulp. Its derivative is `1 − tanh² x`.
     #[inline(always)]
     pub fn tanh(x: f64) -> f64 {
         let size = x.abs();
@@ -688,7 +692,7 @@ mod math {
         let power = f64::from_bits(k.wrapping_add(1023) << 52);
         let exp = hi + low;
         let sum = exp * power + 1.0;
-        // What `sum` lacks: the rounding errors of both additions.
+        // The rounding errors of both additions in `sum`.
         let missing = (1.0 - (sum - exp * power)) + ((hi - exp) + low) * power;
         let quotient = (if small { size * z * p } else { 2.0 }) / if small { q } else { sum };
         let correction = if small {

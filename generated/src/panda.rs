@@ -29,7 +29,7 @@ pub const JOINT_NAMES: [&str; N] = [
 /// Units of the coordinates: `rad` or `m`.
 pub const JOINT_UNITS: [&str; N] = ["rad", "rad", "rad", "rad", "rad", "rad", "rad"];
 
-/// Units of the forces at the joints, as those of `inverse_dynamics`: `N m` or `N`.
+/// Units of the forces at the joints, for example of the results of `inverse_dynamics`: `N m` or `N`.
 pub const EFFORT_UNITS: [&str; N] = ["N m", "N m", "N m", "N m", "N m", "N m", "N m"];
 
 /// Names of the inputs.
@@ -52,7 +52,7 @@ pub const INPUT_JOINTS: [usize; M] = [0, 1, 2, 3, 4, 5, 6];
 /// Names of the frames.
 pub const FRAME_NAMES: [&str; 1] = ["tool"];
 
-/// Lowest and highest position of each joint (rad or m); infinite where not described.
+/// Lowest and highest position of each joint (rad or m); infinite if not described.
 pub const POSITION_LIMITS: [[f64; 2]; N] = [
     [-2.8973, 2.8973],
     [-1.7628, 1.7628],
@@ -63,17 +63,17 @@ pub const POSITION_LIMITS: [[f64; 2]; N] = [
     [-2.8973, 2.8973],
 ];
 
-/// Highest speed of each joint (rad/s or m/s); infinite where not described.
+/// Highest speed of each joint (rad/s or m/s); infinite if not described.
 pub const VELOCITY_LIMITS: [f64; N] = [2.175, 2.175, 2.175, 2.175, 2.61, 2.61, 2.61];
 
-/// Nominal force at each joint (N m or N); infinite where not described.
+/// Nominal force at each joint (N m or N); infinite if not described.
 pub const EFFORT_LIMITS: [f64; N] = [87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0];
 
-/// Peak force at each joint (N m or N); the nominal one where no peak is described.
+/// Peak force at each joint (N m or N); the nominal force if no peak is described.
 pub const PEAK_EFFORT_LIMITS: [f64; N] = [87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0];
 
-/// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite where
-/// not described. `EFFORT_LIMITS` at the joint also applies.
+/// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite if not
+/// described. `EFFORT_LIMITS` at the joint also applies.
 pub const INPUT_LIMITS: [f64; M] = [
     f64::INFINITY,
     f64::INFINITY,
@@ -85,7 +85,7 @@ pub const INPUT_LIMITS: [f64; M] = [
 ];
 
 /// Largest magnitude of each input that its motor bears for a short time, in the unit of the input; the nominal
-/// one where no peak is described.
+/// magnitude if no peak is described.
 pub const PEAK_INPUT_LIMITS: [f64; M] = [
     f64::INFINITY,
     f64::INFINITY,
@@ -96,14 +96,14 @@ pub const PEAK_INPUT_LIMITS: [f64; M] = [
     f64::INFINITY,
 ];
 
-/// Gear ratio of each drive: motor angle over joint angle.
+/// Gear ratio of each drive: motor angle divided by joint angle.
 pub const GEAR_RATIOS: [f64; M] = [1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0];
 
-/// Axial inertia of each rotor, on its own side of the gear (kg m²).
+/// Axial inertia of each rotor, on the motor side of the gear (kg m²).
 pub const ROTOR_INERTIAS: [f64; M] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
 
-/// Pairs of coordinates i, j: friction at i may jump where velocity j changes its sign, because a law has an
-/// exact `sign`.
+/// Pairs of coordinates i, j: friction at i may jump if velocity j changes its sign, because a law has an exact
+/// `sign`.
 pub const FRICTION_JUMPS: [[usize; 2]; 0] = [];
 
 /// Gravitational acceleration in the base frame (m/s²).
@@ -126,7 +126,7 @@ pub const FUNCTIONS: [&str; 13] = [
     "frame_tool_jacobian",
 ];
 
-/// Structure of `M`: `false` where the entry is zero in every state; 49 of 49 are not.
+/// Structure of `M`: `false` for entries that are zero in every state; 49 of 49 entries are `true`.
 pub const MASS_MATRIX_NONZERO: [[bool; 7]; 7] = [
     [true, true, true, true, true, true, true],
     [true, true, true, true, true, true, true],
@@ -156,7 +156,7 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     m
 }
 
-/// `mass_matrix` with its results written in place; their previous values are not read.
+/// Computes `mass_matrix` in place. Previous values of the results are not read.
 pub fn mass_matrix_into(y: &[f64; N], m: &mut [[f64; N]; N]) {
     m[6][6] = 0.006684151967360947;
     let angle_panda_joint7_offset = y[6] + 0.6689225306301614;
@@ -546,7 +546,7 @@ pub fn mass_matrix_into(y: &[f64; N], m: &mut [[f64; N]; N]) {
 ///   `panda_joint6`, `panda_joint7` in rad
 /// - `v: [N]`: velocities ẏ: `panda_joint1`, `panda_joint2`, `panda_joint3`, `panda_joint4`, `panda_joint5`,
 ///   `panda_joint6`, `panda_joint7` in rad/s
-/// - returns `k: [N]`: on the left-hand side: without gravity, springs and friction
+/// - returns `k: [N]`: on the left-hand side, without gravity, springs and friction
 ///
 /// Cost: 259 multiplications, 240 additions, 0 divisions, 6 function calls (`sin_cos`).
 ///
@@ -1083,13 +1083,13 @@ pub fn coriolis_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
     ]
 }
 
-/// Gravity's share of the applied forces.
+/// Generalized forces of gravity, a part of the applied forces q.
 ///
 /// `q = gravity_forces + spring_forces − friction_torques`
 ///
 /// - `y: [N]`: coordinates: `panda_joint1`, `panda_joint2`, `panda_joint3`, `panda_joint4`, `panda_joint5`,
 ///   `panda_joint6`, `panda_joint7` in rad
-/// - returns `q_gravity: [N]`: positive where gravity drives the joint forwards; −∂V/∂y
+/// - returns `q_gravity: [N]`: a positive force acts in the positive direction of the joint; equals −∂V/∂y
 ///
 /// Cost: 56 multiplications, 35 additions, 0 divisions, 6 function calls (`sin_cos`).
 #[must_use]
@@ -1217,7 +1217,7 @@ pub fn gravity_forces(y: &[f64; N]) -> [f64; N] {
     ]
 }
 
-/// Springs' and dampers' share of the applied forces.
+/// Generalized forces of springs and dampers, a part of the applied forces q.
 ///
 /// `q = gravity_forces + spring_forces − friction_torques`
 ///
@@ -1225,7 +1225,7 @@ pub fn gravity_forces(y: &[f64; N]) -> [f64; N] {
 ///   `panda_joint6`, `panda_joint7` in rad
 /// - `v: [N]`: velocities ẏ: `panda_joint1`, `panda_joint2`, `panda_joint3`, `panda_joint4`, `panda_joint5`,
 ///   `panda_joint6`, `panda_joint7` in rad/s
-/// - returns `q_springs: [N]`: positive where a spring drives the joint forwards
+/// - returns `q_springs: [N]`: a positive force acts in the positive direction of the joint
 ///
 /// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
 #[inline]
@@ -1242,7 +1242,7 @@ pub fn spring_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
 ///
 /// - `v: [N]`: velocities ẏ: `panda_joint1`, `panda_joint2`, `panda_joint3`, `panda_joint4`, `panda_joint5`,
 ///   `panda_joint6`, `panda_joint7` in rad/s
-/// - returns `τ: [N]`: positive for positive velocity, at the joint
+/// - returns `τ: [N]`: friction at the joint, positive for positive velocity
 ///
 /// Cost: 7 multiplications, 0 additions, 0 divisions, 0 function calls.
 #[inline]
@@ -1262,7 +1262,7 @@ pub fn friction_torques(v: &[f64; N]) -> [f64; N] {
 ///
 /// `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u`
 ///
-/// - returns `B: [N × M]`: gear ratios, times motor constants where inputs are currents
+/// - returns `B: [N × M]`: gear ratios, times motor constants for inputs that are currents
 ///
 /// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
 #[inline]
@@ -1273,7 +1273,7 @@ pub fn input_matrix() -> [[f64; M]; N] {
     b
 }
 
-/// `input_matrix` with its results written in place; their previous values are not read.
+/// Computes `input_matrix` in place. Previous values of the results are not read.
 pub fn input_matrix_into(b: &mut [[f64; M]; N]) {
     b[0][0] = 1.0;
     b[0][1] = 0.0;
@@ -1326,7 +1326,7 @@ pub fn input_matrix_into(b: &mut [[f64; M]; N]) {
     b[6][6] = 1.0;
 }
 
-/// Inverse dynamics: the joint forces of a motion.
+/// Inverse dynamics: the drive forces that produce a motion.
 ///
 /// `M(y) ÿ + k(y, ẏ) − q(y, ẏ)`
 ///
@@ -1336,7 +1336,7 @@ pub fn input_matrix_into(b: &mut [[f64; M]; N]) {
 ///   `panda_joint6`, `panda_joint7` in rad/s
 /// - `a: [N]`: accelerations ÿ: `panda_joint1`, `panda_joint2`, `panda_joint3`, `panda_joint4`, `panda_joint5`,
 ///   `panda_joint6`, `panda_joint7` in rad/s²
-/// - returns `B u: [N]`: drive forces at the joints; u\_ff = B⁻¹ times these
+/// - returns `B u: [N]`: drive forces at the joints; the feedforward inputs are u\_ff = B⁻¹ (B u)
 ///
 /// Cost: 283 multiplications, 263 additions, 0 divisions, 6 function calls (`sin_cos`).
 ///
@@ -1922,7 +1922,7 @@ pub fn inverse_dynamics(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [f64; N] {
 ///
 /// Cost: 542 multiplications, 500 additions, 6 divisions, 6 function calls (`sin_cos`).
 ///
-/// M = Lᵀ D L along the branches of the tree (Featherstone 2005) was cheaper than articulated bodies.
+/// The factorization M = Lᵀ D L (Featherstone 2005) needed fewer operations than articulated bodies.
 #[must_use]
 pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let [sin_panda_joint2, cos_panda_joint2, sin_panda_joint3, cos_panda_joint3,
@@ -3073,7 +3073,7 @@ pub fn inverse_dynamics_derivatives(
     (b_u, d_dy, d_dv)
 }
 
-/// `inverse_dynamics_derivatives` with its results written in place; their previous values are not read.
+/// Computes `inverse_dynamics_derivatives` in place. Previous values of the results are not read.
 pub fn inverse_dynamics_derivatives_into(
     y: &[f64; N],
     v: &[f64; N],
@@ -3291,7 +3291,7 @@ pub fn inverse_dynamics_derivatives_into(
     b_u.copy_from_slice(forces.0[0].split_at(7).0);
 }
 
-/// Poses and single joints of `inverse_dynamics_derivatives`; the arrays hold zeros before.
+/// Poses and single joints of `inverse_dynamics_derivatives`; the arrays contain zeros before the call.
 #[allow(
     clippy::too_many_arguments,
     reason = "blocks of fixed size need no type of their own"
@@ -3730,7 +3730,7 @@ pub fn forward_dynamics_derivatives(
     (a, da_dy, da_dv, m_inverse)
 }
 
-/// `forward_dynamics_derivatives` with its results written in place; their previous values are not read.
+/// Computes `forward_dynamics_derivatives` in place. Previous values of the results are not read.
 pub fn forward_dynamics_derivatives_into(
     y: &[f64; N],
     v: &[f64; N],
@@ -3990,7 +3990,7 @@ pub fn forward_dynamics_derivatives_into(
     }
 }
 
-/// Poses and single joints of `forward_dynamics_derivatives`; the arrays hold zeros before.
+/// Poses and single joints of `forward_dynamics_derivatives`; the arrays contain zeros before the call.
 #[allow(
     clippy::too_many_arguments,
     reason = "blocks of fixed size need no type of their own"
@@ -4389,7 +4389,7 @@ fn forward_dynamics_derivatives_setup(
     joint_forces[2][6] = t236;
 }
 
-/// Structure of `A_y`: `false` where the entry is zero in every state; 42 of 49 are not.
+/// Structure of `A_y`: `false` for entries that are zero in every state; 42 of 49 entries are `true`.
 pub const A_Y_NONZERO: [[bool; 7]; 7] = [
     [false, true, true, true, true, true, true],
     [false, true, true, true, true, true, true],
@@ -4400,7 +4400,7 @@ pub const A_Y_NONZERO: [[bool; 7]; 7] = [
     [false, true, true, true, true, true, true],
 ];
 
-/// Structure of `A_v`: `false` where the entry is zero in every state; 49 of 49 are not.
+/// Structure of `A_v`: `false` for entries that are zero in every state; 49 of 49 entries are `true`.
 pub const A_V_NONZERO: [[bool; 7]; 7] = [
     [true, true, true, true, true, true, true],
     [true, true, true, true, true, true, true],
@@ -4411,7 +4411,7 @@ pub const A_V_NONZERO: [[bool; 7]; 7] = [
     [true, true, true, true, true, true, true],
 ];
 
-/// Structure of `B_x`: `false` where the entry is zero in every state; 49 of 49 are not.
+/// Structure of `B_x`: `false` for entries that are zero in every state; 49 of 49 entries are `true`.
 pub const B_X_NONZERO: [[bool; 7]; 7] = [
     [true, true, true, true, true, true, true],
     [true, true, true, true, true, true, true],
@@ -4461,7 +4461,7 @@ pub fn linearize(
     (a_y, a_v, b_x, c)
 }
 
-/// `linearize` with its results written in place; their previous values are not read.
+/// Computes `linearize` in place. Previous values of the results are not read.
 pub fn linearize_into(
     y: &[f64; N],
     v: &[f64; N],
@@ -4706,7 +4706,7 @@ pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     j
 }
 
-/// `frame_tool_jacobian` with its results written in place; their previous values are not read.
+/// Computes `frame_tool_jacobian` in place. Previous values of the results are not read.
 pub fn frame_tool_jacobian_into(y: &[f64; N], j: &mut [[f64; N]; 6]) {
     j[2][0] = 0.0;
     j[3][0] = 0.0;
@@ -6907,20 +6907,22 @@ fn unit_accelerations(
     }
 }
 
-/// Loops over arrays of joints: R rows of N entries, padded to L.
+/// Loops over arrays of R rows. A row has N entries, one per joint, padded to L.
 #[allow(clippy::needless_range_loop, reason = "index notation reads like the formulas")]
 mod arrays {
-    /// R rows of L entries, aligned to cache lines: vectors across two lines cost a tenth of the time.
+    /// R rows of L entries, aligned to cache lines. If vectors crossed cache lines, functions would take a tenth
+    /// more time.
     #[repr(align(64))]
     pub struct Rows<const R: usize, const L: usize>(pub [[f64; L]; R]);
 
-    /// `sum + a b`
+    /// The sum `sum + a b`.
     #[inline(always)]
     fn add_product(sum: f64, a: f64, b: f64) -> f64 {
         sum + a * b
     }
 
-    /// Bits that choose entries of a row: those before joint i, and its own. Compilers make branches of choices by `if`.
+    /// Bit masks that select the entries of a row before joint i, and the entry of joint i. Compilers would turn
+    /// selections by `if` into branches.
     struct Masks<const L: usize>;
 
     impl<const L: usize> Masks<L> {
@@ -6949,14 +6951,14 @@ mod arrays {
         };
     }
 
-    /// `chosen` where the mask has its bits, `other` where not.
+    /// Selects `chosen` for the set bits of the mask, and `other` for all other bits.
     #[inline(always)]
     fn choose(mask: u64, chosen: f64, other: f64) -> f64 {
         f64::from_bits((chosen.to_bits() & mask) | (other.to_bits() & !mask))
     }
 
-    /// A matrix over the pairs of a chain's joints: `Σ before.0[r][i] before.1[r][j]` for j < i, `diagonal[i]`, and
-    /// `Σ beyond.0[r][i] beyond.1[r][j]` for j > i.
+    /// A matrix over the pairs of a chain's joints. Its entries are `Σ before.0[r][i] before.1[r][j]` if j < i,
+    /// `diagonal[i]` if j = i, and `Σ beyond.0[r][i] beyond.1[r][j]` if j > i.
     #[inline]
     pub fn pairs<const N: usize, const L: usize, const W: usize, const A: usize, const B: usize>(
         before: (&[[f64; L]; A], &[[f64; L]; A]),
@@ -6968,7 +6970,7 @@ mod arrays {
             let (is_before, is_own) = (&Masks::<L>::BEFORE[i], &Masks::<L>::OWN[i]);
             let own = diagonal[0][i];
             let mut row = [0.0; L];
-            // The loop over the columns is the outer one: it becomes one run of vector operations.
+            // The loop over the columns is the outer loop, so that it becomes one sequence of vector operations.
             for j in 0..L {
                 let mut lower = before.0[0][i] * before.1[0][j];
                 for r in 1..A {
@@ -6984,11 +6986,11 @@ mod arrays {
         }
     }
 
-    /// Inverse of a symmetric positive definite matrix in place, by Gauss and Jordan without pivots, from the last row to the
-    /// first.
+    /// Inverse of a symmetric positive definite matrix in place, by Gauss–Jordan elimination without pivoting,
+    /// from the last row to the first.
     ///
-    /// Whole rows are combined, and a bit mask selects the new entries of the pivot column. Single entries stored after the rows
-    /// would delay the next step.
+    /// Whole rows are combined, and a bit mask selects the new entries of the pivot column. If these entries were
+    /// stored separately, the next step would have to wait for these stores.
     #[inline]
     pub fn invert<const N: usize, const L: usize>(matrix: &mut [[f64; L]; N]) {
         for k in (0..N).rev() {
@@ -7003,7 +7005,7 @@ mod arrays {
             for j in 0..L {
                 scaled[j] = choose(is_own[j], reciprocal, own[j] * reciprocal);
                 for i in 0..N {
-                    // −0 + x is x, with the sign of zero too.
+                    // −0 + x is x, even for the sign of zero.
                     let old = choose(is_own[j], -0.0, matrix[i][j]);
                     matrix[i][j] = add_product(old, factors[i], scaled[j]);
                 }
@@ -7012,7 +7014,7 @@ mod arrays {
         }
     }
 
-    /// `to = −left right`
+    /// Product `to = −left right`.
     #[inline]
     pub fn negative_product<const N: usize, const L: usize, const W: usize>(
         left: &[[f64; L]; N],
@@ -7021,7 +7023,7 @@ mod arrays {
     ) {
         let factors = left.map(|row| row.map(|factor| -factor));
         let mut rows = [[0.0; L]; N];
-        // The loop over the columns is the outer one: it becomes one run of vector operations.
+        // The loop over the columns is the outer loop, so that it becomes one sequence of vector operations.
         for j in 0..L {
             for i in 0..N {
                 let mut sum = factors[i][0] * right[0][j];
@@ -7036,7 +7038,7 @@ mod arrays {
         }
     }
 
-    /// `to = matrix vector` for a symmetric matrix.
+    /// Product `to = matrix vector` of a symmetric matrix and a vector.
     #[inline]
     pub fn apply<const N: usize, const L: usize>(
         matrix: &[[f64; L]; N],
@@ -7053,7 +7055,7 @@ mod arrays {
         }
     }
 
-    /// `a b` in four partial sums; a single sum would wait for each of its terms.
+    /// Product `a b` in four partial sums, because a single sum would wait for each of its terms.
     #[inline]
     pub fn dot<const R: usize>(a: &[f64; R], b: &[f64; R]) -> f64 {
         let mut sums = [0.0; 4];
@@ -7071,24 +7073,24 @@ mod arrays {
     }
 }
 
-/// Elementary functions that give the same bits on every platform.
+/// Elementary functions whose results have the same bits on every platform.
 #[allow(
     clippy::approx_constant,
     clippy::excessive_precision,
     reason = "coefficients and parts of π are not those constants"
 )]
 mod math {
-    // Sine and cosine in one pass, without branches below 1e5, tables or fused operations: the same bits on every platform.
+    // Sine and cosine in one pass, without branches up to 1e5, tables or fused operations. Bits are reproducible.
     //
-    // x = n π/2 + hi − low with |hi| ≤ π/4, π/2 in three parts (Cody and Waite, Software Manual for the Elementary
-    // Functions, 1980, ch. 8); beyond 1e5 by the bits of 2/π (Payne and Hanek, SIGNUM Newsletter 18, 1983). Then minimax
-    // polynomials (Remez exchange, minimax.py). Error below 0.9 ulp for every finite x (0.80 seen); NaN for NaN and ±∞;
-    // sin −0 = −0.
+    // The angle is reduced to x = n π/2 + hi − low with |hi| ≤ π/4. Up to 1e5, π/2 is used in three parts (Cody
+    // and Waite, Software Manual for the Elementary Functions, 1980, ch. 8). Above 1e5, the bits of 2/π are used
+    // (Payne and Hanek, SIGNUM Newsletter 18, 1983). Minimax polynomials follow (Remez exchange, minimax.py). The
+    // error is below 0.9 ulp for every finite x (measured: 0.80). NaN and ±∞ give NaN, and sin −0 is −0.
 
-    /// Largest angle of the fast path: `n π/2` is exact in the first two parts up to here.
+    /// Largest angle of the fast path. Up to this angle, `n π/2` is exact in the first two parts.
     const LARGEST_DIRECT_ANGLE: f64 = 1.0e5;
 
-    /// `(sin x, cos x)` with an error below 0.9 ulp each.
+    /// Returns `(sin x, cos x)`, each with an error below 0.9 ulp.
     #[inline(always)]
     pub fn sin_cos(x: f64) -> (f64, f64) {
         if x.abs() <= LARGEST_DIRECT_ANGLE {
@@ -7098,7 +7100,7 @@ mod math {
         }
     }
 
-    /// `|x| ≤ 1e5`. The first difference is exact, the second one keeps its rounding error (Fast2Sum).
+    /// Sine and cosine for `|x| ≤ 1e5`. The first difference is exact. Fast2Sum keeps the error of the second.
     #[inline(always)]
     fn sin_cos_direct(x: f64) -> (f64, f64) {
         const HALF_PI: [f64; 3] = [
@@ -7117,7 +7119,7 @@ mod math {
         sin_cos_quarter(hi, low, shifted.to_bits())
     }
 
-    /// Sine and cosine of `hi − low + quadrant π/2`, where `|hi| ≤ π/4` and `low` is of the size of its rounding error.
+    /// Sine and cosine of `hi − low + quadrant π/2` with `|hi| ≤ π/4`. `low` is a rounding error of `hi`.
     #[inline(always)]
     fn sin_cos_quarter(hi: f64, low: f64, quadrant: u64) -> (f64, f64) {
         let z = hi * hi;
@@ -7136,7 +7138,8 @@ mod math {
         in_quadrant(sin, cos, quadrant)
     }
 
-    /// Sine and cosine of an angle turned by `quadrant` quarters, from those of the angle; the last two bits count.
+    /// Sine and cosine of an angle after a rotation by `quadrant` quarter turns, from the sine and cosine of the
+    /// angle. Only the last two bits of `quadrant` are used.
     #[inline(always)]
     fn in_quadrant(sin: f64, cos: f64, quadrant: u64) -> (f64, f64) {
         let exchange = (sin.to_bits() ^ cos.to_bits()) & (quadrant & 1).wrapping_neg();
@@ -7148,11 +7151,11 @@ mod math {
         )
     }
 
-    /// `|x| > 1e5`, or not a number: `x · 2/π` modulo 4 from the bits of 2/π that matter, in integers.
+    /// Sine and cosine for `|x| > 1e5` or NaN. `x · 2/π` modulo 4 is computed in integers from bits of 2/π.
     #[cold]
     #[inline(never)]
     fn sin_cos_large(x: f64) -> (f64, f64) {
-        // One zero word, then the first 1216 bits of 2/π.
+        // A zero word, then the first 1216 bits of 2/π.
         const TWO_OVER_PI: [u64; 20] = [
             0x0000000000000000,
             0xa2f9836e4e441529,
@@ -7179,7 +7182,7 @@ mod math {
         if !x.is_finite() {
             return (f64::NAN, f64::NAN);
         }
-        // |x| = mantissa · 2^exponent; bits of 2/π before `start` give multiples of 4.
+        // |x| = mantissa · 2^exponent. The bits of 2/π before `start` only add multiples of 4.
         let exponent = (x.abs().to_bits() >> 52).wrapping_sub(1075);
         let mantissa = u128::from(x.to_bits() & ((1 << 52) - 1) | 1 << 52);
         let start = exponent.wrapping_add(62);
@@ -7193,7 +7196,7 @@ mod math {
         let low = mantissa * bits(2);
         let middle = mantissa * bits(1) + (low >> 64);
         let high = mantissa.wrapping_mul(bits(0)).wrapping_add(middle >> 64);
-        // x · 2/π = (turns modulo 4) / 2^126: two bits of quadrant, then the fraction, taken to [−1/2, 1/2).
+        // x · 2/π = (turns modulo 4) / 2^126. Two bits are the quadrant. The others are a fraction in [−1/2, 1/2).
         let turns = high << 64 | middle & u128::from(u64::MAX);
         let quadrant = ((turns >> 126) + (turns >> 125 & 1)) as u64;
         let fraction = (turns << 2) as i128;
@@ -7207,9 +7210,9 @@ mod math {
         (if x < 0.0 { -sin } else { sin }, cos)
     }
 
-    // Sine and cosine of several angles at once (after sin_cos.rs): the loop has no branch, so it becomes SIMD code.
+    // Sine and cosine of several angles at once (after sin_cos.rs): a loop without branches, for SIMD.
 
-    /// `(sin xᵢ, cos xᵢ)`, the same bits as [`sin_cos`] of each.
+    /// Returns all `sin xᵢ`, then all `cos xᵢ`, bit-identical to [`sin_cos`] of each angle.
     #[inline(always)]
     pub fn sin_cos_array<const L: usize>(x: [f64; L]) -> ([f64; L], [f64; L]) {
         let (mut sin, mut cos, mut all_direct) = ([0.0; L], [0.0; L], true);
@@ -7231,28 +7234,25 @@ mod math {
         (pairs.map(|pair| pair.0), pairs.map(|pair| pair.1))
     }
 
-    // Sine and cosine of 2 angles that arrive in registers (after sin_cos_array.rs).
-    // Never inlined: among scalar code the compiler would undo the lanes.
+    // Sine and cosine of 2 angles in registers. If it were inlined, the compiler would undo its SIMD code.
 
-    /// Sines and cosines of 2 angles, the same bits as [`sin_cos`] of each.
+    /// Sines and cosines of 2 angles, bit-identical to [`sin_cos`] of each angle.
     #[inline(never)]
     pub fn sin_cos_2(a: f64, b: f64) -> ([f64; 2], [f64; 2]) {
         sin_cos_array([a, b])
     }
 
-    // Sine and cosine of 4 angles that arrive in registers (after sin_cos_array.rs).
-    // Never inlined: among scalar code the compiler would undo the lanes.
+    // Sine and cosine of 4 angles in registers. If it were inlined, the compiler would undo its SIMD code.
 
-    /// Sines and cosines of 4 angles, the same bits as [`sin_cos`] of each.
+    /// Sines and cosines of 4 angles, bit-identical to [`sin_cos`] of each angle.
     #[inline(never)]
     pub fn sin_cos_4(a: f64, b: f64, c: f64, d: f64) -> ([f64; 4], [f64; 4]) {
         sin_cos_array([a, b, c, d])
     }
 
-    // Sine and cosine of 8 angles that arrive in registers (after sin_cos_array.rs).
-    // Never inlined: among scalar code the compiler would undo the lanes.
+    // Sine and cosine of 8 angles in registers. If it were inlined, the compiler would undo its SIMD code.
 
-    /// Sines and cosines of 8 angles, the same bits as [`sin_cos`] of each.
+    /// Sines and cosines of 8 angles, bit-identical to [`sin_cos`] of each angle.
     #[allow(
         clippy::too_many_arguments,
         reason = "an array would pass through memory"

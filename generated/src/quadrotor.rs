@@ -29,9 +29,9 @@ pub const JOINT_NAMES: [&str; JOINTS] = ["base"];
 /// Types of the joints.
 pub const JOINT_KINDS: [&str; JOINTS] = ["floating"];
 
-/// Number of position entries of each joint: 1; 4 for a spherical joint, a quaternion x y z w; 7 for a floating
-/// one, the position of its body's origin in the parent's frame, then the quaternion. They have 1, 3 and 6
-/// velocities.
+/// Number of position entries of each joint: 4 for a spherical joint (quaternion x y z w), 7 for a floating joint
+/// (position of its body's origin in the parent's frame, then the quaternion), otherwise 1. The numbers of
+/// velocities are 3, 6 and 1.
 pub const JOINT_POSITIONS: [usize; JOINTS] = [7];
 
 /// The first position entry of each joint.
@@ -54,8 +54,8 @@ pub const POSITION_NAMES: [&str; NY] = [
 /// Units of the position entries: `rad`, `m`, `1` for quaternions.
 pub const POSITION_UNITS: [&str; NY] = ["m", "m", "m", "1", "1", "1", "1"];
 
-/// Names of the velocities. Those of a floating joint are linear (x, y, z), then angular (rx, ry, rz), those of a
-/// spherical joint angular, in the axes of the body that the joint carries.
+/// Names of the velocities. A floating joint has linear velocities (x, y, z), then angular velocities (rx, ry,
+/// rz). A spherical joint has angular velocities. Both are in the axes of the body that the joint carries.
 pub const VELOCITY_NAMES: [&str; N] = [
     "base_x",
     "base_y",
@@ -71,7 +71,7 @@ pub const VELOCITY_UNITS: [&str; N] = ["m/s", "m/s", "m/s", "rad/s", "rad/s", "r
 /// Positions at which no joint is turned or displaced: 0, and the quaternion 0 0 0 1.
 pub const NEUTRAL: [f64; NY] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
-/// Units of the forces at the joints, as those of `inverse_dynamics`: `N m` or `N`.
+/// Units of the forces at the joints, for example of the results of `inverse_dynamics`: `N m` or `N`.
 pub const EFFORT_UNITS: [&str; N] = ["N", "N", "N", "N m", "N m", "N m"];
 
 /// Names of the inputs.
@@ -93,7 +93,7 @@ pub const FRAME_NAMES: [&str; 4] = [
     "rear_right",
 ];
 
-/// Lowest and highest position of each joint (rad or m); infinite where not described.
+/// Lowest and highest position of each joint (rad or m); infinite if not described.
 pub const POSITION_LIMITS: [[f64; 2]; N] = [
     [f64::NEG_INFINITY, f64::INFINITY],
     [f64::NEG_INFINITY, f64::INFINITY],
@@ -103,7 +103,7 @@ pub const POSITION_LIMITS: [[f64; 2]; N] = [
     [f64::NEG_INFINITY, f64::INFINITY],
 ];
 
-/// Highest speed of each joint (rad/s or m/s); infinite where not described.
+/// Highest speed of each joint (rad/s or m/s); infinite if not described.
 pub const VELOCITY_LIMITS: [f64; N] = [
     f64::INFINITY,
     f64::INFINITY,
@@ -113,7 +113,7 @@ pub const VELOCITY_LIMITS: [f64; N] = [
     f64::INFINITY,
 ];
 
-/// Nominal force at each joint (N m or N); infinite where not described.
+/// Nominal force at each joint (N m or N); infinite if not described.
 pub const EFFORT_LIMITS: [f64; N] = [
     f64::INFINITY,
     f64::INFINITY,
@@ -123,7 +123,7 @@ pub const EFFORT_LIMITS: [f64; N] = [
     f64::INFINITY,
 ];
 
-/// Peak force at each joint (N m or N); the nominal one where no peak is described.
+/// Peak force at each joint (N m or N); the nominal force if no peak is described.
 pub const PEAK_EFFORT_LIMITS: [f64; N] = [
     f64::INFINITY,
     f64::INFINITY,
@@ -133,22 +133,22 @@ pub const PEAK_EFFORT_LIMITS: [f64; N] = [
     f64::INFINITY,
 ];
 
-/// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite where
-/// not described. `EFFORT_LIMITS` at the joint also applies.
+/// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite if not
+/// described. `EFFORT_LIMITS` at the joint also applies.
 pub const INPUT_LIMITS: [f64; M] = [8.0, 8.0, 8.0, 8.0];
 
 /// Largest magnitude of each input that its motor bears for a short time, in the unit of the input; the nominal
-/// one where no peak is described.
+/// magnitude if no peak is described.
 pub const PEAK_INPUT_LIMITS: [f64; M] = [8.0, 8.0, 8.0, 8.0];
 
-/// Lowest and highest value of each input, in its unit; infinite where not described.
+/// Lowest and highest value of each input, in its unit; infinite if not described.
 pub const INPUT_RANGES: [[f64; 2]; M] = [[0.0, 8.0], [0.0, 8.0], [0.0, 8.0], [0.0, 8.0]];
 
-/// Number of inputs that are drives; these are first. The others act at frames.
+/// Number of drives among the inputs. Drives come first; the other inputs act at frames.
 pub const DRIVES: usize = 0;
 
-/// Pairs of coordinates i, j: friction at i may jump where velocity j changes its sign, because a law has an
-/// exact `sign`.
+/// Pairs of coordinates i, j: friction at i may jump if velocity j changes its sign, because a law has an exact
+/// `sign`.
 pub const FRICTION_JUMPS: [[usize; 2]; 0] = [];
 
 /// Gravitational acceleration in the base frame (m/s²).
@@ -201,7 +201,7 @@ pub const FUNCTIONS: [&str; 43] = [
     "normalize",
 ];
 
-/// Structure of `M`: `false` where the entry is zero in every state; 10 of 36 are not.
+/// Structure of `M`: `false` for entries that are zero in every state; 10 of 36 entries are `true`.
 pub const MASS_MATRIX_NONZERO: [[bool; 6]; 6] = [
     [true, false, false, false, true, false],
     [false, true, false, true, false, false],
@@ -215,7 +215,7 @@ pub const MASS_MATRIX_NONZERO: [[bool; 6]; 6] = [
 ///
 /// `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
 /// - returns `M: [N × N]`: symmetric, positive definite, both triangles filled
 ///
@@ -230,7 +230,7 @@ pub fn mass_matrix(y: &[f64; NY]) -> [[f64; N]; N] {
     m
 }
 
-/// `mass_matrix` with its results written in place; their previous values are not read.
+/// Computes `mass_matrix` in place. Previous values of the results are not read.
 pub fn mass_matrix_into(y: &[f64; NY], m: &mut [[f64; N]; N]) {
     let _ = y;
     m[0][0] = 1.52;
@@ -275,11 +275,11 @@ pub fn mass_matrix_into(y: &[f64; NY], m: &mut [[f64; N]; N]) {
 ///
 /// `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
-///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
-/// - returns `k: [N]`: on the left-hand side: without gravity, springs and friction
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion, linear and angular velocity
+///   in the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
+/// - returns `k: [N]`: on the left-hand side, without gravity, springs and friction
 ///
 /// Cost: 22 multiplications, 9 additions, 0 divisions, 0 function calls.
 ///
@@ -331,13 +331,13 @@ pub fn coriolis_forces(y: &[f64; NY], v: &[f64; N]) -> [f64; N] {
     ]
 }
 
-/// Gravity's share of the applied forces.
+/// Generalized forces of gravity, a part of the applied forces q.
 ///
 /// `q = gravity_forces + spring_forces − friction_torques`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - returns `q_gravity: [N]`: positive where gravity drives the joint forwards; −∂V/∂y
+/// - returns `q_gravity: [N]`: a positive force acts in the positive direction of the joint; equals −∂V/∂y
 ///
 /// Cost: 12 multiplications, 4 additions, 0 divisions, 0 function calls.
 #[inline]
@@ -373,15 +373,15 @@ pub fn gravity_forces(y: &[f64; NY]) -> [f64; N] {
     ]
 }
 
-/// Springs' and dampers' share of the applied forces.
+/// Generalized forces of springs and dampers, a part of the applied forces q.
 ///
 /// `q = gravity_forces + spring_forces − friction_torques`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
-///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
-/// - returns `q_springs: [N]`: positive where a spring drives the joint forwards
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion, linear and angular velocity
+///   in the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
+/// - returns `q_springs: [N]`: a positive force acts in the positive direction of the joint
 ///
 /// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
 #[inline]
@@ -396,9 +396,9 @@ pub fn spring_forces(y: &[f64; NY], v: &[f64; N]) -> [f64; N] {
 ///
 /// `q = gravity_forces + spring_forces − friction_torques`
 ///
-/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
-///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
-/// - returns `τ: [N]`: positive for positive velocity, at the joint
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion, linear and angular velocity
+///   in the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
+/// - returns `τ: [N]`: friction at the joint, positive for positive velocity
 ///
 /// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
 #[inline]
@@ -412,10 +412,10 @@ pub fn friction_torques(v: &[f64; N]) -> [f64; N] {
 ///
 /// `q = gravity_forces + spring_forces − friction_torques`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
-///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion, linear and angular velocity
+///   in the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - returns `q: [N]`: on the right-hand side, without the inputs
 ///
 /// Cost: 12 multiplications, 4 additions, 0 divisions, 0 function calls.
@@ -457,10 +457,10 @@ pub fn applied_forces(y: &[f64; NY], v: &[f64; N]) -> [f64; N] {
 ///
 /// `k − gravity_forces`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
-///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion, linear and angular velocity
+///   in the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - returns `b: [N]`: forces that hold the accelerations at zero, without springs and friction
 ///
 /// Cost: 32 multiplications, 16 additions, 0 divisions, 0 function calls.
@@ -532,11 +532,11 @@ pub fn bias_forces(y: &[f64; NY], v: &[f64; N]) -> [f64; N] {
 ///
 /// `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B(y) u`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - returns `B: [N × M]`: generalized forces of a unit of each input: for drives gear ratios, times motor
-///   constants where inputs are currents; for inputs at frames `Jᵀ` times the wrench, or `−∂l/∂y` of the distance
-///   that they pull together
+/// - returns `B: [N × M]`: generalized forces of one unit of each input: gear ratios for drives, times motor
+///   constants for currents; for inputs at frames `Jᵀ` times the wrench, or `−∂l/∂y` for inputs that shorten the
+///   distance l
 ///
 /// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
 #[inline]
@@ -547,7 +547,7 @@ pub fn input_matrix(y: &[f64; NY]) -> [[f64; M]; N] {
     b
 }
 
-/// `input_matrix` with its results written in place; their previous values are not read.
+/// Computes `input_matrix` in place. Previous values of the results are not read.
 pub fn input_matrix_into(y: &[f64; NY], b: &mut [[f64; M]; N]) {
     let _ = y;
     b[0][0] = 0.0;
@@ -580,10 +580,10 @@ pub fn input_matrix_into(y: &[f64; NY], b: &mut [[f64; M]; N]) {
 ///
 /// `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
-///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion, linear and angular velocity
+///   in the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - returns `M: [N × N]`: symmetric, positive definite, both triangles filled
 /// - returns `k: [N]`: Coriolis, centrifugal and gyroscopic forces
 /// - returns `q: [N]`: gravity, springs and friction
@@ -604,7 +604,7 @@ pub fn equations_of_motion(
     (m, k, q)
 }
 
-/// `equations_of_motion` with its results written in place; their previous values are not read.
+/// Computes `equations_of_motion` in place. Previous values of the results are not read.
 pub fn equations_of_motion_into(
     y: &[f64; NY],
     v: &[f64; N],
@@ -715,17 +715,17 @@ pub fn equations_of_motion_into(
     q[4] = minus_moment_base_y;
 }
 
-/// Inverse dynamics: the joint forces of a motion.
+/// Inverse dynamics: the drive forces that produce a motion.
 ///
 /// `M(y) ÿ + k(y, ẏ) − q(y, ẏ)`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
-///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion, linear and angular velocity
+///   in the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - `a: [N]`: accelerations v̇, written ÿ in equations: `base_x`, `base_y`, `base_z` in m/s², `base_rx`,
 ///   `base_ry`, `base_rz` in rad/s²
-/// - returns `B u: [N]`: drive forces at the joints; u\_ff = B⁻¹ times these
+/// - returns `B u: [N]`: drive forces at the joints; the feedforward inputs are u\_ff = B⁻¹ (B u)
 ///
 /// Cost: 35 multiplications, 28 additions, 0 divisions, 0 function calls.
 ///
@@ -811,16 +811,16 @@ pub fn inverse_dynamics(y: &[f64; NY], v: &[f64; N], a: &[f64; N]) -> [f64; N] {
 ///
 /// `ÿ = M⁻¹ (q + B u − k)`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
-///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion, linear and angular velocity
+///   in the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - `u: [M]`: inputs: `front_right`, `rear_left`, `front_left`, `rear_right` in N
 /// - returns `ÿ: [N]`: accelerations
 ///
 /// Cost: 54 multiplications, 36 additions, 0 divisions, 0 function calls.
 ///
-/// M = Lᵀ D L along the branches of the tree (Featherstone 2005) was cheaper than articulated bodies.
+/// The factorization M = Lᵀ D L (Featherstone 2005) needed fewer operations than articulated bodies.
 #[must_use]
 pub fn forward_dynamics(y: &[f64; NY], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t0 = y[4] * y[6];
@@ -924,17 +924,17 @@ pub fn forward_dynamics(y: &[f64; NY], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
 ///
 /// `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
-///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion, linear and angular velocity
+///   in the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - returns `M: [N × N]`: symmetric, positive definite, both triangles filled
 /// - returns `b: [N]`: k − gravity\_forces: forces that hold the accelerations at zero, without springs and
 ///   friction
 ///
 /// Cost: 32 multiplications, 16 additions, 0 divisions, 0 function calls.
 ///
-/// Common terms of both are computed once.
+/// Common terms are computed once.
 #[inline]
 #[must_use]
 pub fn mass_matrix_and_bias_forces(
@@ -947,7 +947,7 @@ pub fn mass_matrix_and_bias_forces(
     (m, b)
 }
 
-/// `mass_matrix_and_bias_forces` with its results written in place; their previous values are not read.
+/// Computes `mass_matrix_and_bias_forces` in place. Previous values of the results are not read.
 pub fn mass_matrix_and_bias_forces_into(
     y: &[f64; NY],
     v: &[f64; N],
@@ -1052,10 +1052,10 @@ pub fn mass_matrix_and_bias_forces_into(
 ///
 /// `δ(M ÿ + k − q) = ∂/∂y δy + ∂/∂ẏ δẏ + M δÿ`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
-///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion, linear and angular velocity
+///   in the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - `a: [N]`: accelerations v̇, written ÿ in equations: `base_x`, `base_y`, `base_z` in m/s², `base_rx`,
 ///   `base_ry`, `base_rz` in rad/s²
 /// - returns `B u: [N]`: the forces M ÿ + k − q, on the joint side
@@ -1066,10 +1066,10 @@ pub fn mass_matrix_and_bias_forces_into(
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
-/// Composite bodies with pairs of joints in link frames were cheapest.
+/// Composite bodies with pairs of joints in link frames needed the fewest operations.
 ///
-/// Column j of ∂/∂y is the derivative along ⊕: of `δ ↦ f(integrate(y, δ))` by δ\_j at 0, with the velocities held
-/// in the frames of their bodies.
+/// Column j of ∂/∂y is the derivative along ⊕: the derivative of `f(integrate(y, δ))` by δ\_j at δ = 0.
+/// Velocities are constant in the frames of their bodies.
 #[inline]
 #[must_use]
 pub fn inverse_dynamics_derivatives(
@@ -1084,7 +1084,7 @@ pub fn inverse_dynamics_derivatives(
     (b_u, d_dy, d_dv)
 }
 
-/// `inverse_dynamics_derivatives` with its results written in place; their previous values are not read.
+/// Computes `inverse_dynamics_derivatives` in place. Previous values of the results are not read.
 pub fn inverse_dynamics_derivatives_into(
     y: &[f64; NY],
     v: &[f64; N],
@@ -1295,10 +1295,10 @@ pub fn inverse_dynamics_derivatives_into(
 ///
 /// `δ(M ÿ + k − q) = ∂/∂y δy + ∂/∂ẏ δẏ + M δÿ`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
-///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion, linear and angular velocity
+///   in the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - `a: [N]`: accelerations v̇, written ÿ in equations: `base_x`, `base_y`, `base_z` in m/s², `base_rx`,
 ///   `base_ry`, `base_rz` in rad/s²
 /// - returns `B u: [N]`: the forces M ÿ + k − q, on the joint side
@@ -1310,10 +1310,10 @@ pub fn inverse_dynamics_derivatives_into(
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
-/// Composite bodies with pairs of joints in link frames were cheapest.
+/// Composite bodies with pairs of joints in link frames needed the fewest operations.
 ///
-/// Column j of ∂/∂y is the derivative along ⊕: of `δ ↦ f(integrate(y, δ))` by δ\_j at 0, with the velocities held
-/// in the frames of their bodies.
+/// Column j of ∂/∂y is the derivative along ⊕: the derivative of `f(integrate(y, δ))` by δ\_j at δ = 0.
+/// Velocities are constant in the frames of their bodies.
 #[inline]
 #[must_use]
 #[allow(
@@ -1341,8 +1341,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     (b_u, d_dy, d_dv, m)
 }
 
-/// `inverse_dynamics_derivatives_and_mass_matrix` with its results written in place; their previous values are
-/// not read.
+/// Computes `inverse_dynamics_derivatives_and_mass_matrix` in place. Previous values of the results are not read.
 pub fn inverse_dynamics_derivatives_and_mass_matrix_into(
     y: &[f64; NY],
     v: &[f64; N],
@@ -1590,10 +1589,10 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix_into(
 ///
 /// `∂ÿ = −M⁻¹ ∂(M ÿ + k − q − B(y) u), ∂ÿ/∂(B u) = M⁻¹`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
-///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion, linear and angular velocity
+///   in the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - `u: [M]`: inputs: `front_right`, `rear_left`, `front_left`, `rear_right` in N
 /// - returns `ÿ: [N]`: accelerations
 /// - returns `∂ÿ/∂y: [N × N]`: row i = acceleration i
@@ -1604,10 +1603,10 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix_into(
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
-/// Composite bodies with pairs of joints in link frames were cheapest.
+/// Composite bodies with pairs of joints in link frames needed the fewest operations.
 ///
-/// Column j of ∂/∂y is the derivative along ⊕: of `δ ↦ f(integrate(y, δ))` by δ\_j at 0, with the velocities held
-/// in the frames of their bodies.
+/// Column j of ∂/∂y is the derivative along ⊕: the derivative of `f(integrate(y, δ))` by δ\_j at δ = 0.
+/// Velocities are constant in the frames of their bodies.
 #[inline]
 #[must_use]
 #[allow(
@@ -1635,7 +1634,7 @@ pub fn forward_dynamics_derivatives(
     (a, da_dy, da_dv, m_inverse)
 }
 
-/// `forward_dynamics_derivatives` with its results written in place; their previous values are not read.
+/// Computes `forward_dynamics_derivatives` in place. Previous values of the results are not read.
 pub fn forward_dynamics_derivatives_into(
     y: &[f64; NY],
     v: &[f64; N],
@@ -1917,7 +1916,7 @@ pub fn forward_dynamics_derivatives_into(
     da_dv[4][4] = t155;
 }
 
-/// Structure of `A_y`: `false` where the entry is zero in every state; 6 of 36 are not.
+/// Structure of `A_y`: `false` for entries that are zero in every state; 6 of 36 entries are `true`.
 pub const A_Y_NONZERO: [[bool; 6]; 6] = [
     [false, false, false, false, true, true],
     [false, false, false, true, false, true],
@@ -1927,7 +1926,7 @@ pub const A_Y_NONZERO: [[bool; 6]; 6] = [
     [false, false, false, false, false, false],
 ];
 
-/// Structure of `A_v`: `false` where the entry is zero in every state; 26 of 36 are not.
+/// Structure of `A_v`: `false` for entries that are zero in every state; 26 of 36 entries are `true`.
 pub const A_V_NONZERO: [[bool; 6]; 6] = [
     [false, true, true, true, true, true],
     [true, false, true, true, true, true],
@@ -1937,7 +1936,7 @@ pub const A_V_NONZERO: [[bool; 6]; 6] = [
     [false, false, false, true, true, false],
 ];
 
-/// Structure of `B_x`: `false` where the entry is zero in every state; 24 of 24 are not.
+/// Structure of `B_x`: `false` for entries that are zero in every state; 24 of 24 entries are `true`.
 pub const B_X_NONZERO: [[bool; 4]; 6] = [
     [true, true, true, true],
     [true, true, true, true],
@@ -1951,25 +1950,25 @@ pub const B_X_NONZERO: [[bool; 4]; 6] = [
 ///
 /// `with δ from y: δ̇ ≈ D δ + v − v̄ and v̇ ≈ A_y δ + A_v v + B_x u + c`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
-///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion, linear and angular velocity
+///   in the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - `u: [M]`: inputs: `front_right`, `rear_left`, `front_left`, `rear_right` in N
 /// - returns `A_y: [N × N]`: ∂v̇/∂δ, row i = acceleration i
 /// - returns `A_v: [N × N]`: ∂v̇/∂v, row i = acceleration i
 /// - returns `B_x: [N × M]`: ∂v̇/∂u, row i = acceleration i
-/// - returns `c: [N]`: affine remainder v̇ − A\_v v̄ − B\_x u: y itself counts as δ = 0
-/// - returns `D: [N × N]`: −ad\_v̄ in the rows of a spherical or floating joint, else 0
+/// - returns `c: [N]`: affine remainder v̇ − A\_v v̄ − B\_x u at δ = 0
+/// - returns `D: [N × N]`: −ad\_v̄ in the rows of a spherical or floating joint, 0 in all other rows
 ///
 /// Cost: 128 multiplications, 97 additions, 0 divisions, 0 function calls.
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
-/// δ is a small motion: the positions are `integrate(y, δ)`. v̄ are the velocities of the linearization, the
-/// argument `v`. For joints without quaternions δ is the difference of the positions.
+/// δ is a small displacement: the positions are `integrate(y, δ)`. v̄ is the argument `v`, the velocities of the
+/// linearization. For joints without quaternions δ is the difference of the positions.
 ///
-/// Composite bodies with pairs of joints in link frames were cheapest.
+/// Composite bodies with pairs of joints in link frames needed the fewest operations.
 #[inline]
 #[must_use]
 #[allow(
@@ -1990,7 +1989,7 @@ pub fn linearize(
     (a_y, a_v, b_x, c, d)
 }
 
-/// `linearize` with its results written in place; their previous values are not read.
+/// Computes `linearize` in place. Previous values of the results are not read.
 #[allow(
     clippy::too_many_arguments,
     reason = "blocks of fixed size need no type of their own"
@@ -2394,10 +2393,10 @@ pub fn linearize_into(
 ///
 /// `T = ½ ẏᵀ M ẏ`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
-///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion, linear and angular velocity
+///   in the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - returns `T`: energy (J)
 ///
 /// Cost: 17 multiplications, 9 additions, 0 divisions, 0 function calls.
@@ -2437,10 +2436,10 @@ pub fn kinetic_energy(y: &[f64; NY], v: &[f64; N]) -> f64 {
 ///
 /// `V = −g · Σ m c`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - returns `V`: energy (J), of the moving bodies, zero with their masses at the height of the base frame;
-///   springs not included
+/// - returns `V`: energy (J) of the moving bodies without springs, 0 if the centre of mass is at the height of
+///   the base frame's origin
 ///
 /// Cost: 6 multiplications, 3 additions, 0 divisions, 0 function calls.
 #[inline]
@@ -2457,10 +2456,10 @@ pub fn potential_energy(y: &[f64; NY]) -> f64 {
     9.81 * t7
 }
 
-/// Inertial parameters π, the columns of `inertial_regressor`. For each link, in the order of the coordinates and
-/// in the link's frame of the description, with all that is fixed to it: mass m (kg), first moments mcx, mcy, mcz
-/// (kg m), and Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the frame's origin (kg m²), entries of the matrix (Ixy = −∫ x y
-/// dm). Then J, the axial inertia of the rotor of each drive that has one (kg m²).
+/// Inertial parameters π, the columns of `inertial_regressor`. The parameters of each link, in the order of the
+/// coordinates, include all bodies fixed to the link and are in the link's frame of the description. They are the
+/// mass m (kg), first moments mcx, mcy, mcz (kg m), and the entries Ixx, Ixy, Iyy, Ixz, Iyz, Izz of the inertia
+/// matrix about the frame's origin (kg m²) (Ixy = −∫ x y dm). Axial inertias J of rotors (kg m²) follow.
 pub const INERTIAL_PARAMETER_NAMES: [&str; 10] = [
     "m_base",
     "mcx_base",
@@ -2474,7 +2473,7 @@ pub const INERTIAL_PARAMETER_NAMES: [&str; 10] = [
     "Izz_base",
 ];
 
-/// Inertial parameters `π` of links and rotors as described.
+/// Inertial parameters `π` of links and rotors in the description.
 ///
 /// `W(y, ẏ, ÿ) π = M ÿ + k − q_gravity`
 ///
@@ -2502,19 +2501,19 @@ pub fn inertial_parameters() -> [f64; 10] {
 ///
 /// `W(y, ẏ, ÿ) π = M ÿ + k − q_gravity`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
-///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion, linear and angular velocity
+///   in the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - `a: [N]`: accelerations v̇, written ÿ in equations: `base_x`, `base_y`, `base_z` in m/s², `base_rx`,
 ///   `base_ry`, `base_rz` in rad/s²
-/// - returns `W: [N × 10]`: rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; those of
+/// - returns `W: [N × 10]`: rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; columns of
 ///   rotors are last
 ///
 /// Cost: 22 multiplications, 25 additions, 0 divisions, 0 function calls.
 ///
-/// The inverse dynamics are `W π + τ − springs`, with friction τ and the springs' forces. Independent of the
-/// described inertias (Atkeson, An and Hollerbach 1986).
+/// The inverse dynamics are `W π + τ − springs`, with friction τ and the springs' forces. W does not depend on
+/// the described inertias (Atkeson, An and Hollerbach 1986).
 #[inline]
 #[must_use]
 pub fn inertial_regressor(y: &[f64; NY], v: &[f64; N], a: &[f64; N]) -> [[f64; 10]; N] {
@@ -2523,7 +2522,7 @@ pub fn inertial_regressor(y: &[f64; NY], v: &[f64; N], a: &[f64; N]) -> [[f64; 1
     w
 }
 
-/// `inertial_regressor` with its results written in place; their previous values are not read.
+/// Computes `inertial_regressor` in place. Previous values of the results are not read.
 pub fn inertial_regressor_into(
     y: &[f64; NY],
     v: &[f64; N],
@@ -2653,8 +2652,8 @@ pub fn inertial_regressor_into(
     w[5][5] = t60;
 }
 
-/// Base parameters β, the columns of `base_regressor`, each named after the inertial parameter that leads its
-/// group. 0 of 10 parameters enter the motion only in these sums:
+/// Base parameters β, the columns of `base_regressor`. Each base parameter is a sum of inertial parameters and
+/// has the name of the leading one. 0 of 10 parameters enter the motion only in these sums:
 ///
 /// - `m_base`
 /// - `mcx_base`
@@ -2697,18 +2696,18 @@ pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 10] = [
 ///
 /// `W_b(y, ẏ, ÿ) β = W π = M ÿ + k − q_gravity`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
-///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion, linear and angular velocity
+///   in the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - `a: [N]`: accelerations v̇, written ÿ in equations: `base_x`, `base_y`, `base_z` in m/s², `base_rx`,
 ///   `base_ry`, `base_rz` in rad/s²
 /// - returns `W_b: [N × 10]`: rows by coordinate, columns in the order of `BASE_PARAMETER_NAMES`
 ///
 /// Cost: 22 multiplications, 25 additions, 0 divisions, 0 function calls.
 ///
-/// Dependent columns were found numerically (Gautier 1991). Stacked over exciting states, W\_b has full rank for
-/// almost all values of free parameters.
+/// Dependent columns were found numerically (Gautier 1991). If W\_b is stacked over enough exciting states, it
+/// has full rank for almost all values of free parameters.
 #[inline]
 #[must_use]
 pub fn base_regressor(y: &[f64; NY], v: &[f64; N], a: &[f64; N]) -> [[f64; 10]; N] {
@@ -2717,7 +2716,7 @@ pub fn base_regressor(y: &[f64; NY], v: &[f64; N], a: &[f64; N]) -> [[f64; 10]; 
     w_b
 }
 
-/// `base_regressor` with its results written in place; their previous values are not read.
+/// Computes `base_regressor` in place. Previous values of the results are not read.
 pub fn base_regressor_into(
     y: &[f64; NY],
     v: &[f64; N],
@@ -2847,11 +2846,11 @@ pub fn base_regressor_into(
     w_b[5][5] = t60;
 }
 
-/// Friction parameters, the columns of `friction_regressor`: joint, and the function of its velocity that the
-/// parameter multiplies.
+/// Friction parameters, the columns of `friction_regressor`. A name consists of the joint and the function of its
+/// velocity that the parameter multiplies.
 pub const FRICTION_PARAMETER_NAMES: [&str; 0] = [];
 
-/// Friction parameters as described: the coefficients of `friction_regressor`.
+/// Friction parameters `φ` of the description: the factors of `friction_regressor`.
 ///
 /// `τ(ẏ) = friction_regressor(ẏ) · friction_parameters`
 ///
@@ -2868,13 +2867,13 @@ pub fn friction_parameters() -> [f64; 0] {
 ///
 /// `τ(ẏ) = friction_regressor(ẏ) · friction_parameters`
 ///
-/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
-///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion, linear and angular velocity
+///   in the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - returns `R: [N × 0]`: rows by coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`
 ///
 /// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
 ///
-/// Nonlinear parameters keep their described values: a3 and a5 of the Stribeck law, slopes of tanh.
+/// Nonlinear parameters keep the values of the description: a3 and a5 of the Stribeck law, and slopes of tanh.
 #[inline]
 #[must_use]
 pub fn friction_regressor(v: &[f64; N]) -> [[f64; 0]; N] {
@@ -2886,7 +2885,7 @@ pub fn friction_regressor(v: &[f64; N]) -> [[f64; 0]; N] {
 ///
 /// `δ(B(y) u) = ∂/∂y δy + B δu`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
 /// - `u: [M]`: inputs: `front_right`, `rear_left`, `front_left`, `rear_right` in N
 /// - returns `B u: [N]`: on the joint side
@@ -2894,8 +2893,8 @@ pub fn friction_regressor(v: &[f64; N]) -> [[f64; 0]; N] {
 ///
 /// Cost: 12 multiplications, 12 additions, 0 divisions, 0 function calls.
 ///
-/// Column j of ∂/∂y is the derivative along ⊕: of `δ ↦ f(integrate(y, δ))` by δ\_j at 0, with the velocities held
-/// in the frames of their bodies.
+/// Column j of ∂/∂y is the derivative along ⊕: the derivative of `f(integrate(y, δ))` by δ\_j at δ = 0.
+/// Velocities are constant in the frames of their bodies.
 #[inline]
 #[must_use]
 pub fn input_forces_derivatives(
@@ -2908,7 +2907,7 @@ pub fn input_forces_derivatives(
     (b_u, d_dy)
 }
 
-/// `input_forces_derivatives` with its results written in place; their previous values are not read.
+/// Computes `input_forces_derivatives` in place. Previous values of the results are not read.
 pub fn input_forces_derivatives_into(
     y: &[f64; NY],
     u: &[f64; M],
@@ -2990,7 +2989,7 @@ pub fn input_forces_derivatives_into(
 ///
 /// `r_base = p + R r_frame`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
 /// - returns `p: [3]`: origin in the base frame (m)
 /// - returns `R: [3 × 3]`: rotation matrix, columns are the frame's axes
@@ -3061,7 +3060,7 @@ pub fn frame_front_right_pose(y: &[f64; NY]) -> ([f64; 3], [[f64; 3]; 3]) {
 ///
 /// `(ṗ, ω) = J(y) ẏ`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
 /// - returns `J: [6 × N]`: rows: velocity of the origin, then angular velocity, in the axes of the base frame
 ///
@@ -3074,7 +3073,7 @@ pub fn frame_front_right_jacobian(y: &[f64; NY]) -> [[f64; N]; 6] {
     j
 }
 
-/// `frame_front_right_jacobian` with its results written in place; their previous values are not read.
+/// Computes `frame_front_right_jacobian` in place. Previous values of the results are not read.
 pub fn frame_front_right_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
     j[3][0] = 0.0;
     j[3][1] = 0.0;
@@ -3193,10 +3192,10 @@ pub fn frame_front_right_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
 ///
 /// `(p̈, ω̇) = J(y) ÿ + J̇ ẏ`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
-///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion, linear and angular velocity
+///   in the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - returns `J̇ẏ: [6]`: acceleration of the origin (m/s²), then angular acceleration (rad/s²), in the axes of
 ///   the base frame
 ///
@@ -3297,7 +3296,7 @@ pub fn frame_front_right_jacobian_rate_times_velocity(
 ///
 /// `r_base = p + R r_frame`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
 /// - returns `p: [3]`: origin in the base frame (m)
 /// - returns `R: [3 × 3]`: rotation matrix, columns are the frame's axes
@@ -3368,7 +3367,7 @@ pub fn frame_rear_left_pose(y: &[f64; NY]) -> ([f64; 3], [[f64; 3]; 3]) {
 ///
 /// `(ṗ, ω) = J(y) ẏ`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
 /// - returns `J: [6 × N]`: rows: velocity of the origin, then angular velocity, in the axes of the base frame
 ///
@@ -3381,7 +3380,7 @@ pub fn frame_rear_left_jacobian(y: &[f64; NY]) -> [[f64; N]; 6] {
     j
 }
 
-/// `frame_rear_left_jacobian` with its results written in place; their previous values are not read.
+/// Computes `frame_rear_left_jacobian` in place. Previous values of the results are not read.
 pub fn frame_rear_left_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
     j[3][0] = 0.0;
     j[3][1] = 0.0;
@@ -3503,10 +3502,10 @@ pub fn frame_rear_left_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
 ///
 /// `(p̈, ω̇) = J(y) ÿ + J̇ ẏ`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
-///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion, linear and angular velocity
+///   in the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - returns `J̇ẏ: [6]`: acceleration of the origin (m/s²), then angular acceleration (rad/s²), in the axes of
 ///   the base frame
 ///
@@ -3604,7 +3603,7 @@ pub fn frame_rear_left_jacobian_rate_times_velocity(
 ///
 /// `r_base = p + R r_frame`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
 /// - returns `p: [3]`: origin in the base frame (m)
 /// - returns `R: [3 × 3]`: rotation matrix, columns are the frame's axes
@@ -3674,7 +3673,7 @@ pub fn frame_front_left_pose(y: &[f64; NY]) -> ([f64; 3], [[f64; 3]; 3]) {
 ///
 /// `(ṗ, ω) = J(y) ẏ`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
 /// - returns `J: [6 × N]`: rows: velocity of the origin, then angular velocity, in the axes of the base frame
 ///
@@ -3687,7 +3686,7 @@ pub fn frame_front_left_jacobian(y: &[f64; NY]) -> [[f64; N]; 6] {
     j
 }
 
-/// `frame_front_left_jacobian` with its results written in place; their previous values are not read.
+/// Computes `frame_front_left_jacobian` in place. Previous values of the results are not read.
 pub fn frame_front_left_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
     j[3][0] = 0.0;
     j[3][1] = 0.0;
@@ -3803,10 +3802,10 @@ pub fn frame_front_left_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
 ///
 /// `(p̈, ω̇) = J(y) ÿ + J̇ ẏ`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
-///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion, linear and angular velocity
+///   in the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - returns `J̇ẏ: [6]`: acceleration of the origin (m/s²), then angular acceleration (rad/s²), in the axes of
 ///   the base frame
 ///
@@ -3907,7 +3906,7 @@ pub fn frame_front_left_jacobian_rate_times_velocity(
 ///
 /// `r_base = p + R r_frame`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
 /// - returns `p: [3]`: origin in the base frame (m)
 /// - returns `R: [3 × 3]`: rotation matrix, columns are the frame's axes
@@ -3979,7 +3978,7 @@ pub fn frame_rear_right_pose(y: &[f64; NY]) -> ([f64; 3], [[f64; 3]; 3]) {
 ///
 /// `(ṗ, ω) = J(y) ẏ`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
 /// - returns `J: [6 × N]`: rows: velocity of the origin, then angular velocity, in the axes of the base frame
 ///
@@ -3992,7 +3991,7 @@ pub fn frame_rear_right_jacobian(y: &[f64; NY]) -> [[f64; N]; 6] {
     j
 }
 
-/// `frame_rear_right_jacobian` with its results written in place; their previous values are not read.
+/// Computes `frame_rear_right_jacobian` in place. Previous values of the results are not read.
 pub fn frame_rear_right_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
     j[3][0] = 0.0;
     j[3][1] = 0.0;
@@ -4117,10 +4116,10 @@ pub fn frame_rear_right_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
 ///
 /// `(p̈, ω̇) = J(y) ÿ + J̇ ẏ`
 ///
-/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+/// - `y: [NY]`: positions; quaternions are x y z w with unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
-///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion, linear and angular velocity
+///   in the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - returns `J̇ẏ: [6]`: acceleration of the origin (m/s²), then angular acceleration (rad/s²), in the axes of
 ///   the base frame
 ///
@@ -4221,13 +4220,13 @@ pub const SUBSTEPS: usize = 1;
 ///
 /// `x⁺ = A_d x + B_d u + c_d with x = (δ, v), solves δ̇ = D δ + v, v̇ = A_y δ + A_v v + B_x u + c with u held`
 ///
-/// - `y: [NY]`, `v: [N]`, `u: [M]`: coordinates, velocities and inputs, as elsewhere in this module
-/// - `period`: sample time in s, over which u is held
+/// - `y: [NY]`, `v: [N]`, `u: [M]`: coordinates, velocities and inputs, as in all functions of this module
+/// - `period`: sample time in s, over which u is constant
 /// - returns `A_d: [2 × 2 × N × N]`: blocks ((∂y⁺/∂y, ∂y⁺/∂ẏ), (∂ẏ⁺/∂y, ∂ẏ⁺/∂ẏ))
 /// - returns `B_d: [2 × N × M]`: blocks (∂y⁺/∂u, ∂ẏ⁺/∂u)
 /// - returns `c_d: [2 × N]`: affine remainders of y⁺ and ẏ⁺
 ///
-/// Cost: one call of `linearize`, and its own operations.
+/// Cost: one call of `linearize`, and operations that are not counted.
 ///
 /// δ is the displacement from y, 0 at the start of the period. v̄ is the argument `v`. Since D v̄ = 0, δ − v̄ t
 /// is the deviation from the motion with the velocities v̄; it satisfies δ̇ = D δ + v − v̄. Derivatives of δ⁺ are
@@ -4250,16 +4249,16 @@ pub fn discretize(
     discrete_time::zero_order_hold_on_manifold(&linearize(y, v, u), period)
 }
 
-/// State after one period, by Runge–Kutta steps of order 4 of the nonlinear robot.
+/// State after one period, computed by Runge–Kutta steps of order 4 with the nonlinear dynamics.
 ///
 /// `(y⁺, ẏ⁺) ≈ the motion with ÿ = forward_dynamics(y, ẏ, u) after the period, u held`
 ///
-/// - `y: [NY]`, `v: [N]`, `u: [M]`: coordinates, velocities and inputs, as elsewhere in this module
-/// - `period`: sample time in s, over which u is held
+/// - `y: [NY]`, `v: [N]`, `u: [M]`: coordinates, velocities and inputs, as in all functions of this module
+/// - `period`: sample time in s, over which u is constant
 /// - returns `y⁺: [NY]`: coordinates after the period
 /// - returns `ẏ⁺: [N]`: velocities after the period
 ///
-/// Cost: 4 calls of `forward_dynamics`, and its own operations.
+/// Cost: 4 calls of `forward_dynamics`, and operations that are not counted.
 ///
 /// `SUBSTEPS` Runge–Kutta–Munthe-Kaas steps of order 4 (Munthe-Kaas 1999): the classical method for δ in y ⊕ δ
 /// keeps the unit length of quaternions. The error is proportional to the fourth power of the step length.
@@ -4284,16 +4283,17 @@ pub fn step(
 ///
 /// `(y⁺ ⊕ δy⁺, ẏ⁺ + δẏ⁺) = step(y ⊕ δy, ẏ + δẏ, u + δu) to first order`
 ///
-/// - `y: [NY]`, `v: [N]`, `u: [M]`: coordinates, velocities and inputs, as elsewhere in this module
-/// - `period`: sample time in s, over which u is held
+/// - `y: [NY]`, `v: [N]`, `u: [M]`: coordinates, velocities and inputs, as in all functions of this module
+/// - `period`: sample time in s, over which u is constant
 /// - returns `y⁺: [NY]`: coordinates after the period
 /// - returns `ẏ⁺: [N]`: velocities after the period
 /// - returns `∂x⁺/∂x: [2 × 2 × N × N]`: blocks ((∂y⁺/∂y, ∂y⁺/∂ẏ), (∂ẏ⁺/∂y, ∂ẏ⁺/∂ẏ))
 /// - returns `∂x⁺/∂u: [2 × N × M]`: blocks (∂y⁺/∂u, ∂ẏ⁺/∂u)
 ///
-/// Cost: 4 calls of `linearize`, and its own operations.
+/// Cost: 4 calls of `linearize`, and operations that are not counted.
 ///
-/// Chain rule over the stages of each step: exact derivatives of the result of `step`, not of the exact solution.
+/// The chain rule over the stages of each step gives the exact derivatives of the result of `step`, not of the
+/// exact solution.
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -4321,11 +4321,11 @@ pub fn step_derivatives(
 
 /// Positions `y ⊕ d` after one second with the velocities d.
 ///
-/// `y ⊕ d: y + d, q ⊗ exp(d/2) for a quaternion, X exp(d) on SE(3) for a floating body`
+/// `y ⊕ d: y + d for a joint with one position, q ⊗ exp(d/2) for a quaternion, X exp(d) on SE(3) for a floating body`
 ///
-/// - `y: [NY]`: positions, their quaternions of unit length
-/// - `d: [N]`: velocities times a second, in the bodies' own frames
-/// - returns `y ⊕ d: [NY]`: positions, their quaternions of unit length
+/// - `y: [NY]`: positions with quaternions of unit length
+/// - `d: [N]`: displacement: velocities times one second, in the frames of the bodies
+/// - returns `y ⊕ d: [NY]`: positions with quaternions of unit length
 ///
 /// Quaternions keep their unit length, also after many steps.
 #[must_use]
@@ -4338,8 +4338,8 @@ pub fn integrate(y: &[f64; NY], d: &[f64; N]) -> [f64; NY] {
 /// `from ⊕ (to ⊖ from) = to`
 ///
 /// - `from: [NY]`: positions
-/// - `to: [NY]`: positions to reach
-/// - returns `d: [N]`: the shortest such motion, each rotation at most π
+/// - `to: [NY]`: positions after the displacement
+/// - returns `d: [N]`: the shortest displacement, with rotations of at most π
 ///
 /// The quaternions q and −q are the same attitude.
 #[must_use]
@@ -4351,12 +4351,12 @@ pub fn difference(from: &[f64; NY], to: &[f64; NY]) -> [f64; N] {
 ///
 /// `(y ⊕ δy) ⊕ (d + δd) ≈ (y ⊕ d) ⊕ (∂/∂y δy + ∂/∂d δd)`
 ///
-/// - `y: [NY]`: positions, their quaternions of unit length
-/// - `d: [N]`: velocities times a second, in the bodies' own frames
+/// - `y: [NY]`: positions with quaternions of unit length
+/// - `d: [N]`: displacement: velocities times one second, in the frames of the bodies
 /// - returns `∂/∂y: [N × N]`: the adjoint matrix of exp(−d)
 /// - returns `∂/∂d: [N × N]`: the right Jacobian of exp at d
 ///
-/// Both depend on d alone (Solà, Deray and Atchuthan 2018, sections III and IV).
+/// Both matrices depend only on d (Solà, Deray and Atchuthan 2018, sections III and IV).
 #[must_use]
 pub fn integrate_derivatives(
     y: &[f64; NY],
@@ -4377,24 +4377,24 @@ pub fn normalize(y: &mut [f64; NY]) -> bool {
     manifold::normalize(&JOINT_POSITIONS, y)
 }
 
-/// Elementary functions that give the same bits on every platform.
+/// Elementary functions whose results have the same bits on every platform.
 #[allow(
     clippy::approx_constant,
     clippy::excessive_precision,
     reason = "coefficients and parts of π are not those constants"
 )]
 mod math {
-    // Sine and cosine in one pass, without branches below 1e5, tables or fused operations: the same bits on every platform.
+    // Sine and cosine in one pass, without branches up to 1e5, tables or fused operations. Bits are reproducible.
     //
-    // x = n π/2 + hi − low with |hi| ≤ π/4, π/2 in three parts (Cody and Waite, Software Manual for the Elementary
-    // Functions, 1980, ch. 8); beyond 1e5 by the bits of 2/π (Payne and Hanek, SIGNUM Newsletter 18, 1983). Then minimax
-    // polynomials (Remez exchange, minimax.py). Error below 0.9 ulp for every finite x (0.80 seen); NaN for NaN and ±∞;
-    // sin −0 = −0.
+    // The angle is reduced to x = n π/2 + hi − low with |hi| ≤ π/4. Up to 1e5, π/2 is used in three parts (Cody
+    // and Waite, Software Manual for the Elementary Functions, 1980, ch. 8). Above 1e5, the bits of 2/π are used
+    // (Payne and Hanek, SIGNUM Newsletter 18, 1983). Minimax polynomials follow (Remez exchange, minimax.py). The
+    // error is below 0.9 ulp for every finite x (measured: 0.80). NaN and ±∞ give NaN, and sin −0 is −0.
 
-    /// Largest angle of the fast path: `n π/2` is exact in the first two parts up to here.
+    /// Largest angle of the fast path. Up to this angle, `n π/2` is exact in the first two parts.
     const LARGEST_DIRECT_ANGLE: f64 = 1.0e5;
 
-    /// `(sin x, cos x)` with an error below 0.9 ulp each.
+    /// Returns `(sin x, cos x)`, each with an error below 0.9 ulp.
     #[inline(always)]
     pub fn sin_cos(x: f64) -> (f64, f64) {
         if x.abs() <= LARGEST_DIRECT_ANGLE {
@@ -4404,7 +4404,7 @@ mod math {
         }
     }
 
-    /// `|x| ≤ 1e5`. The first difference is exact, the second one keeps its rounding error (Fast2Sum).
+    /// Sine and cosine for `|x| ≤ 1e5`. The first difference is exact. Fast2Sum keeps the error of the second.
     #[inline(always)]
     fn sin_cos_direct(x: f64) -> (f64, f64) {
         const HALF_PI: [f64; 3] = [
@@ -4423,7 +4423,7 @@ mod math {
         sin_cos_quarter(hi, low, shifted.to_bits())
     }
 
-    /// Sine and cosine of `hi − low + quadrant π/2`, where `|hi| ≤ π/4` and `low` is of the size of its rounding error.
+    /// Sine and cosine of `hi − low + quadrant π/2` with `|hi| ≤ π/4`. `low` is a rounding error of `hi`.
     #[inline(always)]
     fn sin_cos_quarter(hi: f64, low: f64, quadrant: u64) -> (f64, f64) {
         let z = hi * hi;
@@ -4442,7 +4442,8 @@ mod math {
         in_quadrant(sin, cos, quadrant)
     }
 
-    /// Sine and cosine of an angle turned by `quadrant` quarters, from those of the angle; the last two bits count.
+    /// Sine and cosine of an angle after a rotation by `quadrant` quarter turns, from the sine and cosine of the
+    /// angle. Only the last two bits of `quadrant` are used.
     #[inline(always)]
     fn in_quadrant(sin: f64, cos: f64, quadrant: u64) -> (f64, f64) {
         let exchange = (sin.to_bits() ^ cos.to_bits()) & (quadrant & 1).wrapping_neg();
@@ -4454,11 +4455,11 @@ mod math {
         )
     }
 
-    /// `|x| > 1e5`, or not a number: `x · 2/π` modulo 4 from the bits of 2/π that matter, in integers.
+    /// Sine and cosine for `|x| > 1e5` or NaN. `x · 2/π` modulo 4 is computed in integers from bits of 2/π.
     #[cold]
     #[inline(never)]
     fn sin_cos_large(x: f64) -> (f64, f64) {
-        // One zero word, then the first 1216 bits of 2/π.
+        // A zero word, then the first 1216 bits of 2/π.
         const TWO_OVER_PI: [u64; 20] = [
             0x0000000000000000,
             0xa2f9836e4e441529,
@@ -4485,7 +4486,7 @@ mod math {
         if !x.is_finite() {
             return (f64::NAN, f64::NAN);
         }
-        // |x| = mantissa · 2^exponent; bits of 2/π before `start` give multiples of 4.
+        // |x| = mantissa · 2^exponent. The bits of 2/π before `start` only add multiples of 4.
         let exponent = (x.abs().to_bits() >> 52).wrapping_sub(1075);
         let mantissa = u128::from(x.to_bits() & ((1 << 52) - 1) | 1 << 52);
         let start = exponent.wrapping_add(62);
@@ -4499,7 +4500,7 @@ mod math {
         let low = mantissa * bits(2);
         let middle = mantissa * bits(1) + (low >> 64);
         let high = mantissa.wrapping_mul(bits(0)).wrapping_add(middle >> 64);
-        // x · 2/π = (turns modulo 4) / 2^126: two bits of quadrant, then the fraction, taken to [−1/2, 1/2).
+        // x · 2/π = (turns modulo 4) / 2^126. Two bits are the quadrant. The others are a fraction in [−1/2, 1/2).
         let turns = high << 64 | middle & u128::from(u64::MAX);
         let quadrant = ((turns >> 126) + (turns >> 125 & 1)) as u64;
         let fraction = (turns << 2) as i128;
@@ -4515,10 +4516,11 @@ mod math {
 
     // Square root, correctly rounded, without branches on the usual path.
     //
-    // `core` has no square root, so that processors' own instruction is out of reach without std. Its result is the same.
-    // Newton's iteration for 1/√x starts from the bits of x; the remainder decides the last digit in whole numbers.
+    // `core` has no square root, so the instruction of the processor is not available without std. The results
+    // are the same. Newton's iteration for 1/√x starts from the bits of x. The remainder, computed in integers,
+    // determines the last digit.
 
-    /// `√x`, correctly rounded; NaN for x < 0 and NaN.
+    /// Square root `√x`, correctly rounded; NaN for x < 0 and NaN.
     #[inline]
     pub fn sqrt(x: f64) -> f64 {
         if !(x > 0.0 && x < f64::INFINITY) {
@@ -4535,14 +4537,15 @@ mod math {
         let odd = (exponent & 1) ^ 1;
         let mantissa = (fraction | 0x0010_0000_0000_0000) << odd;
         let v = mantissa as f64 * 2.220_446_049_250_313e-16;
-        // 1/√v with an error of 3.4e-2, which each step squares and multiplies by 1.5.
+        // The initial value of 1/√v has a relative error of 3.4e-2. Each step squares the error and multiplies it
+        // by 1.5.
         let half = 0.5 * v;
         let y = f64::from_bits(0x5FE6_EB50_C7B5_37A9_u64.wrapping_sub(v.to_bits() >> 1));
         let y = y * (1.5 - half * y * y);
         let y = y * (1.5 - half * y * y);
         let y = y * (1.5 - half * y * y);
         let y = y * (1.5 - half * y * y);
-        // The root as a whole number of 2^-52. Its remainder is so small that 64 bits hold it.
+        // The root in units of 2^-52, as an integer. Its remainder is so small that 64 bits suffice.
         let remainder = |root: u64| {
             (mantissa << 52)
                 .wrapping_sub(root.wrapping_mul(root))
@@ -4553,14 +4556,15 @@ mod math {
         let root = near.wrapping_sub(8).wrapping_add((correction + 8.0) as u64);
         let root = root.wrapping_sub(u64::from(remainder(root) < 0));
         let root = root.wrapping_add(u64::from(remainder(root.wrapping_add(1)) >= 0));
-        // Above the middle between two numbers, (root + 1/2)², it is the larger one. No root lies in the middle.
+        // If v is above (root + 1/2)², the middle between two numbers, the larger number is nearer. The exact
+        // root is never in the middle.
         let root = root.wrapping_add(u64::from(remainder(root) > root.cast_signed()));
         let exponent = exponent.wrapping_add(1023).wrapping_sub(odd) >> 1;
         f64::from_bits((exponent << 52).wrapping_add(root.wrapping_sub(0x0010_0000_0000_0000))) * scale
     }
 }
 
-/// Positions with quaternions: ⊕, ⊖ and their tangents.
+/// Positions with quaternions: the operations ⊕ and ⊖, and their derivatives.
 #[allow(
     dead_code,
     clippy::needless_range_loop,
@@ -4569,7 +4573,8 @@ mod math {
 mod manifold {
     use super::math::{sin_cos, sqrt};
 
-    /// For each joint its number of position entries, its first position entry and its first velocity entry.
+    /// For each joint: its number of position entries, and the indices of its first position entry and first
+    /// velocity.
     pub(super) fn places<const J: usize>(widths: &[usize; J]) -> [(usize, usize, usize); J] {
         let mut places = [(0, 0, 0); J];
         let (mut position, mut velocity) = (0_usize, 0_usize);
@@ -4581,7 +4586,7 @@ mod manifold {
         places
     }
 
-    /// K entries from the first one on; each is `otherwise` where there are fewer.
+    /// Reads K entries from index `first` on. All are NaN if there are fewer than K entries.
     #[inline]
     pub(super) fn read<const K: usize>(entries: &[f64], first: usize) -> [f64; K] {
         match entries.get(first..).and_then(|rest| rest.first_chunk()) {
@@ -4590,7 +4595,7 @@ mod manifold {
         }
     }
 
-    /// Sets K entries from the first one on, where there are so many.
+    /// Writes K entries from index `first` on, if there are at least K entries.
     #[inline]
     pub(super) fn write<const K: usize>(entries: &mut [f64], first: usize, values: &[f64; K]) {
         if let Some(chunk) = entries
@@ -4601,13 +4606,14 @@ mod manifold {
         }
     }
 
-    /// `Σ (−z)ʲ / (2j + k)!` for k = 0 to 5, the functions of Stumpff: cos x, sin x / x, (1 − cos x) / x², … with z = x².
+    /// The Stumpff functions `Σ (−z)ʲ / (2j + k)!` for k = 0 to 5. They are cos x, sin x / x, (1 − cos x) / x², …
+    /// with z = x².
     ///
-    /// Up to x = π/2 by the sums, which lose no digits there; beyond by sine and cosine. Errors are a few units in the last
-    /// place of 1/k!.
+    /// Up to x = π/2 the sums are used, because they lose no digits there. For larger x, sine and cosine are
+    /// used. Errors are a few units in the last place of 1/k!.
     fn stumpff(z: f64) -> [f64; 6] {
         const TERMS: usize = 10;
-        // 1/(2j + 4)! and 1/(2j + 5)!, with alternating signs.
+        // The coefficients 1/(2j + 4)! and 1/(2j + 5)!, with alternating signs.
         const COEFFICIENTS: [[f64; 2]; TERMS] = {
             let mut coefficients = [[0.0; 2]; TERMS];
             let (mut j, mut factorial, mut sign) = (0, 6.0, 1.0);
@@ -4636,7 +4642,7 @@ mod manifold {
         [cos, c1, c2, c3, (0.5 - c2) / z, (1.0 / 6.0 - c3) / z]
     }
 
-    /// The functions for k = 1 to 5 of twice the angle. No difference of near numbers stands in them.
+    /// The Stumpff functions for k = 1 to 5 of twice the angle. No difference of nearly equal numbers occurs.
     fn doubled([c0, c1, c2, c3, c4, c5]: &[f64; 6]) -> [f64; 5] {
         [
             c0 * c1,
@@ -4661,7 +4667,7 @@ mod manifold {
         a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
     }
 
-    /// `a + α w × a + β w × (w × a)`
+    /// The vector `a + α w × a + β w × (w × a)`.
     #[inline]
     fn turned(w: &[f64; 3], a: &[f64; 3], alpha: f64, beta: f64) -> [f64; 3] {
         let once = cross(w, a);
@@ -4669,7 +4675,8 @@ mod manifold {
         core::array::from_fn(|i| a[i] + (alpha * once[i] + beta * twice[i]))
     }
 
-    /// The vector a, given in the body's frame, in the parent's frame; with the conjugate quaternion the inverse.
+    /// Transforms the vector a from the body's frame to the parent's frame. The conjugate quaternion gives the
+    /// inverse transformation.
     #[inline]
     fn rotated(q: &[f64; 4], a: &[f64; 3]) -> [f64; 3] {
         turned(&[q[0], q[1], q[2]], a, 2.0 * q[3], 2.0)
@@ -4693,7 +4700,8 @@ mod manifold {
 
     /// The quaternion divided by its length.
     ///
-    /// Near one, a Newton step does that with an error below 1e-16 and without a root. NaN for the quaternion 0.
+    /// If the length is close to one, a Newton step without a square root is sufficient; its error is below
+    /// 1e-16. The result for the quaternion 0 is NaN.
     #[inline]
     fn of_unit_length(q: &[f64; 4]) -> [f64; 4] {
         let square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
@@ -4705,16 +4713,16 @@ mod manifold {
         [q[0] * factor, q[1] * factor, q[2] * factor, q[3] * factor]
     }
 
-    /// The attitude after a rotation by the vector w in the body's frame, `q exp(w)`; `half` are the functions of Stumpff of
-    /// half the angle.
+    /// The attitude `q exp(w)` after a rotation by the vector w in the body's frame. `half` contains the Stumpff
+    /// functions of half the angle.
     #[inline]
     fn attitude_after(q: &[f64; 4], w: &[f64; 3], half: &[f64; 6]) -> [f64; 4] {
         let s = 0.5 * half[1];
         of_unit_length(&product(q, &[s * w[0], s * w[1], s * w[2], half[0]]))
     }
 
-    /// The shortest rotation vector of an attitude: its length is at most π. Both signs of the quaternion are the same
-    /// attitude.
+    /// The shortest rotation vector of an attitude. Its length is at most π. A quaternion and its negative are
+    /// the same attitude.
     fn rotation_vector(q: &[f64; 4]) -> [f64; 3] {
         let square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2];
         let (sin, cos) = (sqrt(square), q[3].abs());
@@ -4723,10 +4731,11 @@ mod manifold {
         [factor * q[0], factor * q[1], factor * q[2]]
     }
 
-    /// `2 φ / sin` of the angle φ of the point (cos, sin) at the distance `length` from the origin, both ≥ 0; 2 / cos for
-    /// sin = 0, NaN for the origin.
+    /// The value `2 φ / sin`, where φ is the angle of the point (cos, sin) with cos, sin ≥ 0, and `length` is the
+    /// distance of this point from the origin. The result is 2 / cos for sin = 0, and NaN for the origin.
     ///
-    /// φ = 2 atan u with u = tan(φ/2), and atan u is that of the nearest multiple c of π/8 plus atan((u − tan c)/(1 + u tan c)).
+    /// φ is 2 atan u with u = tan(φ/2). atan u is c + atan((u − tan c)/(1 + u tan c)) with the nearest multiple c
+    /// of π/8.
     fn angle_over_sine(sin: f64, cos: f64, length: f64) -> f64 {
         use core::f64::consts::{FRAC_PI_4, FRAC_PI_8, SQRT_2};
         const TAN_FRAC_PI_8: f64 = SQRT_2 - 1.0;
@@ -4743,7 +4752,7 @@ mod manifold {
         4.0 * (center + rest * arctangent_over(rest)) / sin
     }
 
-    /// `atan t / t` for |t| ≤ 0.21 by its Taylor series; what is left out is below 1e-17.
+    /// The value `atan t / t` for |t| ≤ 0.21 by its Taylor series. The remainder is below 1e-17.
     fn arctangent_over(t: f64) -> f64 {
         const TERMS: usize = 12;
         let (z, mut sum) = (t * t, 0.0);
@@ -4753,8 +4762,8 @@ mod manifold {
         sum
     }
 
-    /// `y ⊕ d`: the positions that are reached by moving with the velocities d for one second. Quaternions of the result
-    /// are of unit length to 1e-15, however often this is repeated.
+    /// The sum `y ⊕ d`: the positions after a motion with the velocities d for one second. Quaternions of the
+    /// result have unit length with an error of 1e-15, even after many calls.
     pub fn integrate<const J: usize, const N: usize, const NY: usize>(
         widths: &[usize; J],
         y: &[f64; NY],
@@ -4782,7 +4791,7 @@ mod manifold {
         next
     }
 
-    /// `X exp(d)` on SE(3).
+    /// The pose `X exp(d)` on SE(3): the position, then the attitude.
     fn pose_after([x, y, z, q @ ..]: &[f64; 7], [a, b, c, w @ ..]: &[f64; 6]) -> [f64; 7] {
         let half = stumpff(0.25 * inner(w, w));
         let [_, c2, c3, ..] = doubled(&half);
@@ -4791,8 +4800,9 @@ mod manifold {
         [x + way[0], y + way[1], z + way[2], i, j, k, l]
     }
 
-    /// `to ⊖ from`: the velocities that lead from one to the other within one second, those of the shortest rotation. Both
-    /// signs of a quaternion are the same attitude. Where the rotation is one by π, its sign is arbitrary.
+    /// The difference `to ⊖ from`: the velocities that lead from `from` to `to` in one second, with the shortest
+    /// rotation. A quaternion and its negative are the same attitude. If the angle of the rotation is π, its sign
+    /// is arbitrary.
     pub fn difference<const J: usize, const N: usize, const NY: usize>(
         widths: &[usize; J],
         from: &[f64; NY],
@@ -4829,7 +4839,8 @@ mod manifold {
         [l[0], l[1], l[2], w[0], w[1], w[2]]
     }
 
-    /// `(1 − (θ/2) cot(θ/2)) / θ²` of the length θ < 2π of a rotation vector, and its derivative by θ divided by θ.
+    /// The function `(1 − (θ/2) cot(θ/2)) / θ²` of the length θ < 2π of a rotation vector, and its derivative
+    /// with respect to θ divided by θ.
     fn half_cotangent(w: &[f64; 3]) -> (f64, f64) {
         let [_, c1, c2, c3, c4, c5] = stumpff(0.25 * inner(w, w));
         let square = 0.25 * (c2 - c3) / c1;
@@ -4837,7 +4848,8 @@ mod manifold {
         (square, slopes / (16.0 * c1))
     }
 
-    /// Gives the quaternions unit length. The result is false where one is zero or not finite: it then is the identity.
+    /// Normalizes the quaternions. Returns false if a quaternion is zero or not finite. This quaternion is set to
+    /// the identity.
     #[must_use]
     pub fn normalize<const J: usize, const NY: usize>(widths: &[usize; J], y: &mut [f64; NY]) -> bool {
         let mut are_attitudes = true;
@@ -4852,7 +4864,8 @@ mod manifold {
         are_attitudes
     }
 
-    /// The quaternion with unit length, and true; the identity, and false, where it has no direction.
+    /// Returns the normalized quaternion and true. If the quaternion is zero or not finite, returns the identity
+    /// and false.
     fn normalized(q: &[f64; 4]) -> ([f64; 4], bool) {
         let mut largest = 0.0;
         for entry in q {
@@ -4866,12 +4879,13 @@ mod manifold {
         if largest == 0.0 {
             return ([0.0, 0.0, 0.0, 1.0], false);
         }
-        // Squares of tiny and of huge numbers are out of range; the first division of a subnormal number may be inexact.
+        // The division avoids overflow and underflow of squares. It may be inexact for subnormal numbers, so the
+        // length is corrected once more.
         let scaled = of_unit_length(&q.map(|entry| entry / largest));
         (of_unit_length(&scaled), true)
     }
 
-    /// Positions 0 and attitudes of the parent.
+    /// Neutral positions: position 0 for each joint, and the identity quaternion for each attitude.
     pub fn neutral<const J: usize, const NY: usize>(widths: &[usize; J]) -> [f64; NY] {
         let mut y = [0.0; NY];
         for (width, position, _) in places(widths) {
@@ -4882,10 +4896,11 @@ mod manifold {
         y
     }
 
-    /// The Lie bracket `ad_a b` of each joint; 0 for joints with ẏ = v.
+    /// The Lie bracket `ad_a b` of each joint; 0 for joints without quaternions.
     ///
-    /// `(a_l, a_ω)` and `(b_l, b_ω)` of a floating joint give `(a_ω × b_l + a_l × b_ω, a_ω × b_ω)`. Small deviations
-    /// `δ = y ⊖ ȳ` from a motion with the velocities v̄ move with `δ̇ = v − v̄ − ad_v̄ δ`.
+    /// For a floating joint, the bracket of `(a_l, a_ω)` and `(b_l, b_ω)` (linear, angular) is
+    /// `(a_ω × b_l + a_l × b_ω, a_ω × b_ω)`. Small deviations `δ = y ⊖ ȳ` from a motion with the velocities v̄
+    /// have the rate `δ̇ = v − v̄ − ad_v̄ δ`.
     pub fn bracket<const J: usize, const N: usize>(
         widths: &[usize; J],
         a: &[f64; N],
@@ -4907,7 +4922,7 @@ mod manifold {
         result
     }
 
-    /// The bracket of se(3).
+    /// The Lie bracket of se(3).
     pub(super) fn pose_bracket([a, b, c, w @ ..]: &[f64; 6], [d, e, f, u @ ..]: &[f64; 6]) -> [f64; 6] {
         let (one, other) = (cross(w, &[*d, *e, *f]), cross(&[*a, *b, *c], u));
         let angular = cross(w, u);
@@ -4921,8 +4936,8 @@ mod manifold {
         ]
     }
 
-    /// The function `1 + c₁ ad_d + c₂ ad_d²` of a displacement, and `1/θ` times the derivatives of its coefficients by the
-    /// angle θ.
+    /// The function `1 + c₁ ad_d + c₂ ad_d²` of a displacement d. The slopes are the derivatives of the
+    /// coefficients with respect to the angle θ, divided by θ.
     struct Polynomial {
         linear: f64,
         square: f64,
@@ -4931,7 +4946,7 @@ mod manifold {
     }
 
     impl Polynomial {
-        /// `Ad(exp(−d))`
+        /// The adjoint matrix `Ad(exp(−d))`.
         fn adjoint(w: &[f64; 3]) -> Self {
             let [c1, c2, c3, c4, _] = doubled(&stumpff(0.25 * inner(w, w)));
             Self {
@@ -4942,7 +4957,7 @@ mod manifold {
             }
         }
 
-        /// `J_r(d) = Σ (−ad_d)ᵏ / (k + 1)!`
+        /// The right Jacobian `J_r(d) = Σ (−ad_d)ᵏ / (k + 1)!`.
         fn right(w: &[f64; 3]) -> Self {
             let [_, c2, c3, c4, c5] = doubled(&stumpff(0.25 * inner(w, w)));
             Self {
@@ -4953,7 +4968,8 @@ mod manifold {
             }
         }
 
-        /// `J_r⁻¹(d)`, with −1 in place of 1 `J_l⁻¹(d)`.
+        /// The inverse `J_r⁻¹(d)` of the right Jacobian if `side` is 1, or the inverse `J_l⁻¹(d)` of the left
+        /// Jacobian if `side` is −1.
         fn inverse(w: &[f64; 3], side: f64) -> Self {
             let (square, square_slope) = half_cotangent(w);
             Self {
@@ -4964,7 +4980,7 @@ mod manifold {
             }
         }
 
-        /// On SO(3).
+        /// The function on SO(3).
         fn of_rotation(&self, w: &[f64; 3]) -> [[f64; 3]; 3] {
             let mut matrix = combination(self.linear, self.square, w);
             for i in 0..3 {
@@ -4973,7 +4989,8 @@ mod manifold {
             matrix
         }
 
-        /// On SE(3): since `ad_d = [ω× l×; 0 ω×]`, the upper right block is the derivative of that on SO(3) in the direction l.
+        /// The function on SE(3). Since `ad_d = [ω× l×; 0 ω×]`, the upper right block is the derivative of the
+        /// function on SO(3) in the direction l.
         fn of_pose(&self, [a, b, c, w @ ..]: &[f64; 6]) -> [[f64; 6]; 6] {
             let l = [*a, *b, *c];
             let (diagonal, along) = (self.of_rotation(w), inner(w, &l));
@@ -4993,7 +5010,7 @@ mod manifold {
         }
     }
 
-    /// `α w× + β w× w×`
+    /// The matrix `α w× + β w× w×`.
     #[inline]
     fn combination(alpha: f64, beta: f64, w: &[f64; 3]) -> [[f64; 3]; 3] {
         let (s, t) = (w.map(|w| alpha * w), w.map(|w| beta * w));
@@ -5006,7 +5023,7 @@ mod manifold {
         ]
     }
 
-    /// The derivatives of `X exp(d)` on SE(3) by X and by d.
+    /// The derivatives of `X exp(d)` on SE(3) with respect to X and d.
     pub(super) fn pose_tangents(d: &[f64; 6]) -> [[[f64; 6]; 6]; 2] {
         let [_, _, _, w @ ..] = d;
         [
@@ -5015,7 +5032,7 @@ mod manifold {
         ]
     }
 
-    /// The same on SO(3).
+    /// The derivatives of `X exp(d)` on SO(3) with respect to X and d.
     pub(super) fn rotation_tangents(w: &[f64; 3]) -> [[[f64; 3]; 3]; 2] {
         [
             Polynomial::adjoint(w).of_rotation(w),
@@ -5023,7 +5040,8 @@ mod manifold {
         ]
     }
 
-    /// The derivatives of the logarithm d of a pose by it, and by that which it is counted from.
+    /// The derivatives of the logarithm d of the relative pose, with respect to the pose `to` and to the pose
+    /// `from`.
     fn pose_differences(d: &[f64; 6]) -> [[[f64; 6]; 6]; 2] {
         let [_, _, _, w @ ..] = d;
         let by_from = Polynomial::inverse(w, -1.0).of_pose(d);
@@ -5033,7 +5051,7 @@ mod manifold {
         ]
     }
 
-    /// The same on SO(3).
+    /// The derivatives of the logarithm on SO(3), with respect to the attitudes `to` and `from`.
     fn rotation_differences(w: &[f64; 3]) -> [[[f64; 3]; 3]; 2] {
         let by_from = Polynomial::inverse(w, -1.0).of_rotation(w);
         [
@@ -5042,7 +5060,8 @@ mod manifold {
         ]
     }
 
-    /// The derivatives of `y ⊕ d` by y and by d, both along ⊕ at the result: `Ad(exp(−d))` and the right Jacobian `J_r(d)`.
+    /// The derivatives of `y ⊕ d` with respect to y and d, along ⊕ at the result: `Ad(exp(−d))` and the right
+    /// Jacobian `J_r(d)`.
     pub fn integrate_derivatives<const J: usize, const N: usize>(
         widths: &[usize; J],
         d: &[f64; N],
@@ -5067,9 +5086,10 @@ mod manifold {
         (by_y, by_d)
     }
 
-    /// The derivatives of `d = to ⊖ from` by `to`, `J_r⁻¹(d)`, and by `from`, `−J_l⁻¹(d)`, both along ⊕.
+    /// The derivatives of `d = to ⊖ from` along ⊕: `J_r⁻¹(d)` with respect to `to`, and `−J_l⁻¹(d)` with respect
+    /// to `from`.
     ///
-    /// The rotations in d are at most π; the derivatives jump there, as d does.
+    /// The angles of rotations in d are at most π. At π, d and its derivatives are discontinuous.
     pub fn difference_derivatives<const J: usize, const N: usize>(
         widths: &[usize; J],
         d: &[f64; N],
@@ -5093,7 +5113,7 @@ mod manifold {
         (by_to, by_from)
     }
 
-    /// NaN on the diagonal until the joint's block is written.
+    /// A matrix with NaN on the diagonal, which remains for joints without a block.
     fn unknown<const N: usize>() -> [[f64; N]; N] {
         let mut matrix = [[0.0; N]; N];
         for i in 0..N {
@@ -5117,7 +5137,7 @@ mod manifold {
     }
 }
 
-/// Discrete time: functions over N coordinates and M inputs.
+/// Functions in discrete time for N coordinates and M inputs.
 #[allow(
     dead_code,
     clippy::needless_range_loop,
@@ -5134,18 +5154,18 @@ mod discrete_time {
         }
     }
 
-    /// A square matrix, rows first.
+    /// A square matrix as a list of rows.
     pub type Matrix<const N: usize> = [[f64; N]; N];
 
-    /// The upper or lower half of a matrix over the state (y, ẏ): row by row its left and its right block.
+    /// The upper or lower half of a matrix over the state (y, ẏ). Each row has a left and a right block.
     pub type Half<const N: usize> = [[[f64; N]; 2]; N];
 
-    /// The blocks `∂ÿ/∂y`, `∂ÿ/∂ẏ`, `∂ÿ/∂u` and the affine remainder of `ÿ`.
+    /// The derivatives `∂ÿ/∂y`, `∂ÿ/∂ẏ` and `∂ÿ/∂u`, and the affine remainder of `ÿ`.
     pub type Linear<const N: usize, const M: usize> = (Matrix<N>, Matrix<N>, [[f64; M]; N], [f64; N]);
 
-    /// Adds `A B`, where A is a square matrix, given by its rows, and B half a matrix over the state.
+    /// Adds the product `A B` of a square matrix A, given by its rows, and half a matrix B over the state.
     ///
-    /// Two rows at a time read B half as often as one.
+    /// Two rows are computed at a time, so B is read half as often.
     #[inline]
     fn add_product<'a, const N: usize>(
         sum: &mut Half<N>,
@@ -5163,8 +5183,9 @@ mod discrete_time {
         }
     }
 
-    /// Some rows of [`add_product`]. It is not inlined: the compiler would vectorize a loop over all rows across them, and read their
-    /// entries one by one. The registers hold two rows of up to 14 columns; of longer rows they hold one block.
+    /// Computes some rows of [`add_product`]. This function is not inlined, because otherwise the compiler would
+    /// vectorize a loop over all rows across the rows and read their entries one by one. The registers hold two
+    /// rows of up to 14 columns, or one block of longer rows.
     #[inline(never)]
     fn add_rows<const N: usize, const R: usize>(
         sum: &mut [[[f64; N]; 2]; R],
@@ -5212,7 +5233,7 @@ mod discrete_time {
         }
     }
 
-    /// Adds `factor · a`.
+    /// Adds `factor · a` to half a matrix.
     #[inline]
     fn add_scaled_half<const N: usize>(sum: &mut Half<N>, factor: f64, a: &Half<N>) {
         let (sum, a) = (sum.as_flattened_mut(), a.as_flattened());
@@ -5228,23 +5249,24 @@ mod discrete_time {
         sum
     }
 
-    /// The blocks of `A_d`, `B_d` and `c_d` in `x⁺ = A_d x + B_d u + c_d` with `x = (y, ẏ)`.
+    /// The blocks of `A_d`, `B_d` and `c_d` in `x⁺ = A_d x + B_d u + c_d` with the state `x = (y, ẏ)`.
     pub type Discrete<const N: usize, const M: usize> =
         ([[Matrix<N>; 2]; 2], [[[f64; M]; N]; 2], [[f64; N]; 2]);
 
     /// The halves of `A_d − 1`, `B_d` and `c_d`.
     type Held<const N: usize, const M: usize> = ([Half<N>; 2], [[[f64; M]; N]; 2], [[f64; N]; 2]);
 
-    /// Largest number of doublings of Φ. A period that needs more halvings is divided into equal steps.
+    /// Largest number of doublings of the integral Φ. A period that needs more halvings is divided into equal
+    /// steps.
     const MOST_DOUBLINGS: u32 = 6;
 
     /// Largest number of doublings of a step.
     const MOST_REPETITIONS: u32 = 18;
 
-    /// Terms in each of the three parts of the Taylor polynomial.
+    /// Number of terms in each of the three parts of the Taylor polynomial.
     const TERMS: usize = 6;
 
-    /// `1/(k + 1)!`
+    /// Coefficients `1/(k + 1)!` of the Taylor polynomial.
     const COEFFICIENTS: [[f64; TERMS]; 3] = {
         let mut coefficients = [[1.0; TERMS]; 3];
         let (mut k, mut last) = (0, 1.0);
@@ -5256,11 +5278,12 @@ mod discrete_time {
         coefficients
     };
 
-    /// Exact solution of `ẋ = A x + B_x u + c` over a period in which the inputs are held.
+    /// Exact solution of `ẋ = A x + B_x u + c` over a period with constant inputs.
     ///
-    /// Over a part of the period that suits the fastest rate the solution is `held`. Two such steps make one of twice the
-    /// time, `A_d ← A_d A_d`, `B_d ← (A_d + 1) B_d`, `c_d ← (A_d + 1) c_d`, until the period is reached. Every entry is +∞ where
-    /// `MOST_REPETITIONS` do not suffice.
+    /// The solution is first computed over a part of the period that is short enough for an accurate result. Two
+    /// equal steps are combined to one of twice the time by `A_d ← A_d A_d`, `B_d ← (A_d + 1) B_d` and
+    /// `c_d ← (A_d + 1) c_d` until the period is reached. Every entry is +∞ if `MOST_REPETITIONS` doublings of
+    /// the step do not suffice.
     pub fn zero_order_hold<const N: usize, const M: usize>(
         linear: &Linear<N, M>,
         period: f64,
@@ -5292,10 +5315,11 @@ mod discrete_time {
         (state, input, affine)
     }
 
-    /// How often the period is to be halved before `ν t ≤ 5/4`; `None` beyond `MOST_DOUBLINGS + MOST_REPETITIONS`.
+    /// Number of halvings of the period until `ν h ≤ 5/4` for the halved period h. `None` if more than
+    /// `MOST_DOUBLINGS + MOST_REPETITIONS` halvings are needed.
     ///
-    /// No part of the system is faster than the positive root ν of `ν² = b ν + a` with `a = ‖A_y‖`, `b = ‖A_v‖`. So `ν t ≤ 1`
-    /// where `(a t + b) t ≤ 1`; t is the time divided by 5/4.
+    /// ν is a bound for the rates of the system, the positive root of `ν² = b ν + a` with `a = ‖A_y‖` and
+    /// `b = ‖A_v‖`. With `t = h / (5/4)`, the condition is equivalent to `(a t + b) t ≤ 1`.
     fn halvings<const N: usize>(by_y: &Matrix<N>, by_v: &Matrix<N>, period: f64) -> Option<u32> {
         let (a, b) = (norm(by_y), norm(by_v));
         let mut t = period / 1.25;
@@ -5325,7 +5349,7 @@ mod discrete_time {
         largest
     }
 
-    /// `A_d − 1` over twice the time, `2 (A_d − 1) + (A_d − 1)²`, by halves.
+    /// The matrix `A_d − 1` over twice the time, `2 (A_d − 1) + (A_d − 1)²`, as two halves.
     fn twice<const N: usize>(change: &[Half<N>; 2]) -> [Half<N>; 2] {
         let mut next = [[[[0.0; N]; 2]; N]; 2];
         for half in 0..2 {
@@ -5338,7 +5362,7 @@ mod discrete_time {
         next
     }
 
-    /// `B_d` over twice the time, `2 B_d + (A_d − 1) B_d`.
+    /// The matrix `B_d` over twice the time, `2 B_d + (A_d − 1) B_d`.
     fn twice_by<const N: usize, const M: usize>(
         change: &[Half<N>; 2],
         input: &[[[f64; M]; N]; 2],
@@ -5355,7 +5379,7 @@ mod discrete_time {
         next
     }
 
-    /// `c_d` over twice the time, `2 c_d + (A_d − 1) c_d`.
+    /// The vector `c_d` over twice the time, `2 c_d + (A_d − 1) c_d`.
     fn twice_affine<const N: usize>(change: &[Half<N>; 2], affine: &[[f64; N]; 2]) -> [[f64; N]; 2] {
         let mut next = [[0.0; N]; 2];
         for half in 0..2 {
@@ -5369,19 +5393,26 @@ mod discrete_time {
         next
     }
 
-    /// The halves of `A_d − 1`, `B_d` and `c_d` over a time that suits the fastest rate.
+    /// The halves of `A_d − 1`, `B_d` and `c_d` over a time t with `ν t ≤ 80`. ν is a bound for the rates of the
+    /// system.
     ///
-    /// With `A = [0 I; A_y A_v]` the upper half `[C P]` of `Φ = ∫ exp(A s) ds` gives everything:
-    /// `exp(A t) = I + Φ A`, whose upper half is `[I 0] + [C P] A = [I + X, Q]`, the lower one `[0 I] + [X Q] A`, and
-    /// `B_d = [P B_x; Q B_x]`. Φ comes from scaling and squaring (Higham, Functions of Matrices, 2008, section 10.3): from a short
-    /// time h with `ν h ≤ 5/4` by `doublings`. These are cheaper than steps of the whole, but while ν t grows they magnify rounding
-    /// by the ratio of the rates: they serve up to `ν t = 80`.
+    /// With `A = [0 I; A_y A_v]`, all results follow from the upper half `[C P]` of the integral
+    /// `Φ = ∫ exp(A s) ds`:
+    ///
+    /// - `exp(A t) = I + Φ A`; its upper half is `[I 0] + [C P] A = [I + X, Q]`, and its lower half is `[0 I] +
+    ///   [X Q] A`
+    /// - `B_d = [P B_x; Q B_x]`
+    ///
+    /// Φ is computed by scaling and squaring (Higham, Functions of Matrices, 2008, section 10.3): Φ is known for
+    /// a short time h with `ν h ≤ 5/4`, and is doubled `doublings` times. A doubling of Φ needs fewer operations
+    /// than a doubling of the step. However, it multiplies rounding errors by the ratio of the rates, so Φ is
+    /// doubled only up to `ν t = 80`.
     fn held<const N: usize, const M: usize>(
         (by_y, by_v, by_u, remainder): &Linear<N, M>,
         time: f64,
         doublings: u32,
     ) -> Held<N, M> {
-        // In units of the short time h, ẏ counts as h ẏ.
+        // The unit of time is the short time h, so ẏ is scaled to h ẏ.
         let h = time / (1_u32 << doublings) as f64;
         let lower = lower_half(by_y, h * h, by_v, h);
         let mut integral = taylor(&lower);
@@ -5404,10 +5435,11 @@ mod discrete_time {
         (changes, input, affine)
     }
 
-    /// The upper half of Φ over one unit of time, `Σ Aᵏ/(k + 1)!` up to k = 17, in three parts with the common factor A⁶
-    /// (Paterson and Stockmeyer 1973). For `ν ≤ 5/4` the rest of the series is below `(5/4)¹⁸/19! = 5e-16`.
+    /// The upper half of Φ over one unit of time. It is `Σ Aᵏ/(k + 1)!` up to k = 17, in three parts with the
+    /// common factor A⁶ (Paterson and Stockmeyer 1973). If `ν ≤ 5/4`, the remaining terms of the series are below
+    /// `(5/4)¹⁸/19! = 5e-16`.
     fn taylor<const N: usize>(lower: &Half<N>) -> Half<N> {
-        // Upper halves of Aᵏ; that of A⁷ is the lower one of A⁶.
+        // Upper halves of Aᵏ. The upper half of A⁷ is the lower half of A⁶.
         let mut powers = [[[[0.0; N]; 2]; N]; TERMS + 2];
         for i in 0..N {
             powers[0][i][0][i] = 1.0;
@@ -5428,7 +5460,7 @@ mod discrete_time {
         sum
     }
 
-    /// `Σ c_k Aᵏ` over the terms of one part.
+    /// The sum `Σ c_k Aᵏ` of the terms of one part.
     fn combination<const N: usize>(
         coefficients: &[f64; TERMS],
         powers: &[Half<N>; TERMS + 2],
@@ -5446,13 +5478,13 @@ mod discrete_time {
         times_system(integral, lower, &mut change);
         let mut next = [[[0.0; N]; 2]; N];
         add_scaled_half(&mut next, 2.0, integral);
-        // The left block of the lower half of Φ is that of the change, since exp(A t) = I + A Φ as well; so is the right.
+        // The blocks of the lower half of Φ are obtained from the change Φ A, because exp(A t) = I + A Φ.
         add_product(&mut next, left(&change), integral);
         add_product(&mut next, right(&change), &change);
         *integral = next;
     }
 
-    /// `[L R] A = [0 L] + R [A_y A_v]`.
+    /// The product `[L R] A = [0 L] + R [A_y A_v]`.
     fn times_system<const N: usize>(half: &Half<N>, lower: &Half<N>, result: &mut Half<N>) {
         for i in 0..N {
             result[i] = [[0.0; N], half[i][0]];
@@ -5470,7 +5502,7 @@ mod discrete_time {
         half.iter().map(|row| &row[1])
     }
 
-    /// `[A_y A_v]`, the blocks scaled.
+    /// The matrix `[A_y A_v]` with scaled blocks.
     fn lower_half<const N: usize>(
         by_y: &Matrix<N>,
         unit_y: f64,
@@ -5493,9 +5525,9 @@ mod discrete_time {
         result
     }
 
-    /// What a Runge–Kutta step advances: coordinates or velocities, with or without their sensitivities.
+    /// A quantity that a Runge–Kutta step advances: coordinates or velocities, with or without sensitivities.
     pub trait Advance: Copy {
-        /// `self + factor · rate`
+        /// The sum `self + factor · rate`.
         fn advanced(&self, factor: f64, rate: &Self) -> Self;
     }
 
@@ -5508,8 +5540,8 @@ mod discrete_time {
         }
     }
 
-    /// Steps of the classical Runge–Kutta method of order 4 (Hairer, Nørsett and Wanner, Solving Ordinary Differential
-    /// Equations I, 1993, table II.1.2).
+    /// Performs steps of the classical Runge–Kutta method of order 4 (Hairer, Nørsett and Wanner, Solving
+    /// Ordinary Differential Equations I, 1993, table II.1.2).
     pub fn runge_kutta<V: Advance>(
         mut y: V,
         mut v: V,
@@ -5540,18 +5572,20 @@ mod discrete_time {
         (y, v)
     }
 
-    /// Coordinates and velocities after the steps, the blocks of their derivatives by the state and by the inputs.
+    /// Coordinates and velocities after the steps, then the blocks of their derivatives with respect to the
+    /// initial state and to the inputs.
     pub type Stepped<const N: usize, const M: usize> =
         ([f64; N], [f64; N], [[Matrix<N>; 2]; 2], [[[f64; M]; N]; 2]);
 
-    /// Coordinates, velocities or accelerations with their derivatives by the initial state and by the inputs.
+    /// Coordinates, velocities or accelerations, with their derivatives with respect to the initial state and to
+    /// the inputs.
     #[derive(Clone, Copy)]
     pub struct Motion<const N: usize, const M: usize> {
-        /// The quantity itself.
+        /// Value of the quantity.
         pub value: [f64; N],
-        /// By the initial coordinates and velocities.
+        /// Derivatives with respect to the initial coordinates and velocities.
         pub by_state: Half<N>,
-        /// By the inputs.
+        /// Derivatives with respect to the inputs.
         pub by_inputs: [[f64; M]; N],
     }
 
@@ -5570,7 +5604,7 @@ mod discrete_time {
     }
 
     impl<const N: usize, const M: usize> Motion<N, M> {
-        /// A coordinate (block 0) or velocity (block 1) of the initial state.
+        /// Coordinates (block 0) or velocities (block 1) of the initial state.
         fn initial(value: &[f64; N], block: usize) -> Self {
             let mut by_state = [[[0.0; N]; 2]; N];
             for i in 0..N {
@@ -5584,7 +5618,7 @@ mod discrete_time {
             }
         }
 
-        /// The acceleration, by the chain rule.
+        /// Computes the acceleration with its derivatives by the chain rule.
         fn acceleration(linear: &Linear<N, M>, y: &Self, v: &Self, u: &[f64; M]) -> Self {
             let (by_y, by_v, by_u, remainder) = linear;
             let mut a = Self {
@@ -5603,7 +5637,7 @@ mod discrete_time {
         }
     }
 
-    /// Such steps with their exact derivatives.
+    /// Performs the steps of [`runge_kutta`] and computes the exact derivatives of their result.
     pub fn runge_kutta_derivatives<const N: usize, const M: usize>(
         y: &[f64; N],
         v: &[f64; N],
@@ -5627,9 +5661,10 @@ mod discrete_time {
         (y.value, v.value, state, [y.by_inputs, v.by_inputs])
     }
 
-    /// Steps of order 4 for positions on a manifold (Munthe-Kaas, High order Runge–Kutta methods on manifolds, 1999): the
-    /// classical Runge–Kutta method for δ in `y ⊕ δ`, with `δ̇ = v + ½ [δ, v] + 1/12 [δ, [δ, v]]`. The terms left out are of
-    /// order 5 in a step.
+    /// Performs steps of order 4 for positions on a manifold (Munthe-Kaas, High order Runge–Kutta methods on
+    /// manifolds, 1999). They apply the classical Runge–Kutta method to δ in `y ⊕ δ`, with the rate `δ̇ = v + ½
+    /// [δ, v] + 1/12 [δ, [δ, v]]`. `[δ, v]` is the Lie bracket. The neglected terms have order 5 in the step
+    /// length.
     pub fn runge_kutta_on_manifold<const J: usize, const N: usize, const NY: usize>(
         widths: &[usize; J],
         y: &[f64; NY],
@@ -5654,7 +5689,8 @@ mod discrete_time {
         (y, v)
     }
 
-    /// A classical Runge–Kutta step of displacement and velocity from the displacement 0, where its rate is the velocity.
+    /// A classical Runge–Kutta step of displacement and velocity. It starts at the displacement 0, at which the
+    /// rate of the displacement is the velocity.
     fn step_in_chart<V: Advance>(
         zero: V,
         v: V,
@@ -5705,7 +5741,7 @@ mod discrete_time {
         rate
     }
 
-    /// `v + ½ [δ, v] + 1/12 [δ, [δ, v]]`
+    /// The rate `v + ½ [δ, v] + 1/12 [δ, [δ, v]]`.
     #[inline]
     fn chart_rate<const K: usize>(
         bracket: impl Fn(&[f64; K], &[f64; K]) -> [f64; K],
@@ -5717,14 +5753,16 @@ mod discrete_time {
         core::array::from_fn(|i| v[i] + (once[i] / 2.0 + twice[i] / 12.0))
     }
 
-    /// Positions and velocities after the steps, the blocks of their derivatives by the state and by the inputs; those of
-    /// positions, and by positions, are taken along ⊕.
+    /// Positions and velocities after the steps, then the blocks of their derivatives with respect to the initial
+    /// state and to the inputs. Derivatives of positions, and with respect to positions, are taken along ⊕.
     pub type SteppedOnManifold<const N: usize, const M: usize, const NY: usize> =
         ([f64; NY], [f64; N], [[Matrix<N>; 2]; 2], [[[f64; M]; N]; 2]);
 
-    /// Such steps with their exact derivatives: of the method's result, by the chain rule over its stages.
+    /// Performs the steps of [`runge_kutta_on_manifold`], and computes the exact derivatives of their result by
+    /// the chain rule over the stages.
     ///
-    /// `linearize` gives `∂v̇/∂y` along ⊕, `∂v̇/∂v`, `∂v̇/∂u` and the affine remainder `v̇ − ∂v̇/∂v v − ∂v̇/∂u u`.
+    /// `linearize` returns `∂v̇/∂y` along ⊕, `∂v̇/∂v`, `∂v̇/∂u`, and the affine remainder
+    /// `v̇ − ∂v̇/∂v v − ∂v̇/∂u u`.
     pub fn runge_kutta_on_manifold_derivatives<
         const J: usize,
         const N: usize,
@@ -5740,7 +5778,8 @@ mod discrete_time {
         linearize: impl Fn(&[f64; NY], &[f64; N]) -> Linear<N, M>,
     ) -> SteppedOnManifold<N, M, NY> {
         let h = period / substeps as f64;
-        // Of the position only the derivatives count, its value stands in y: the affine remainder knows of none.
+        // `moved` has only derivatives, and y has the values of the positions, because the affine remainder
+        // refers to the displacement 0.
         let (mut y, mut moved, mut v) = (*y, Motion::initial(&[0.0; N], 0), Motion::initial(v, 1));
         let zero = Motion {
             value: [0.0; N],
@@ -5771,7 +5810,7 @@ mod discrete_time {
         (y, v.value, state, [moved.by_inputs, v.by_inputs])
     }
 
-    /// The derivatives of `y ⊕ d` from those of y and of d.
+    /// The derivatives of `y ⊕ d` from the derivatives of y and d.
     fn moved_on<const J: usize, const N: usize, const M: usize>(
         widths: &[usize; J],
         y: &Motion<N, M>,
@@ -5840,7 +5879,7 @@ mod discrete_time {
         rate
     }
 
-    /// The derivatives of `v + ½ [δ, v] + 1/12 [δ, [δ, v]]` by δ and by v.
+    /// The derivatives of `v + ½ [δ, v] + 1/12 [δ, [δ, v]]` with respect to δ and v.
     fn chart_rates<const K: usize>(
         bracket: impl Fn(&[f64; K], &[f64; K]) -> [f64; K],
         d: &[f64; K],
@@ -5886,14 +5925,16 @@ mod discrete_time {
         }
     }
 
-    /// The blocks of [`Linear`], and D in `δ̇ = D δ + v`.
+    /// The blocks of [`Linear`], and the matrix D in `δ̇ = D δ + v`. δ is the displacement from the positions of
+    /// the linearization.
     pub type LinearOnManifold<const N: usize, const M: usize> =
         (Matrix<N>, Matrix<N>, [[f64; M]; N], [f64; N], Matrix<N>);
 
-    /// Exact solution of `δ̇ = D δ + v`, `v̇ = A_y δ + A_v v + B_x u + c` over a period in which the inputs are held, with
-    /// `x = (δ, v)`.
+    /// Exact solution of `δ̇ = D δ + v`, `v̇ = A_y δ + A_v v + B_x u + c` over a period with constant inputs, for
+    /// the state `x = (δ, v)`. δ is the displacement from the positions of the linearization.
     ///
-    /// With `w = D δ + v` this is `δ̇ = w`, `ẇ = (A_y − A_v D) δ + (A_v + D) w + B_x u + c`, what [`zero_order_hold`] solves.
+    /// With `w = D δ + v`, the system is `δ̇ = w`, `ẇ = (A_y − A_v D) δ + (A_v + D) w + B_x u + c`, which
+    /// [`zero_order_hold`] solves.
     pub fn zero_order_hold_on_manifold<const N: usize, const M: usize>(
         (by_y, by_v, by_u, remainder, drift): &LinearOnManifold<N, M>,
         period: f64,
@@ -5905,7 +5946,7 @@ mod discrete_time {
         }
         let (mut state, mut input, mut affine) =
             zero_order_hold(&(by_d, by_w, *by_u, *remainder), period);
-        // The rate w counts as velocity v and D δ: first in the state before, then in the one after.
+        // The rate w is replaced by v + D δ, first in the initial state, then in the final state.
         for [by_d, by_w] in &mut state {
             for (by_d, by_w) in by_d.iter_mut().zip(by_w) {
                 add_combination(by_d, by_w, drift);

@@ -24,7 +24,7 @@ pub const JOINT_NAMES: [&str; N] = ["shoulder", "elbow"];
 /// Units of the coordinates: `rad` or `m`.
 pub const JOINT_UNITS: [&str; N] = ["rad", "rad"];
 
-/// Units of the forces at the joints, as those of `inverse_dynamics`: `N m` or `N`.
+/// Units of the forces at the joints, for example of the results of `inverse_dynamics`: `N m` or `N`.
 pub const EFFORT_UNITS: [&str; N] = ["N m", "N m"];
 
 /// Names of the inputs.
@@ -45,34 +45,34 @@ pub const DRIVEN: usize = 1;
 /// Names of the driven joints.
 pub const DRIVEN_NAMES: [&str; 1] = ["rail"];
 
-/// Lowest and highest position of each joint (rad or m); infinite where not described.
+/// Lowest and highest position of each joint (rad or m); infinite if not described.
 pub const POSITION_LIMITS: [[f64; 2]; N] = [[-2.6, 2.6], [-2.4, 2.4]];
 
-/// Highest speed of each joint (rad/s or m/s); infinite where not described.
+/// Highest speed of each joint (rad/s or m/s); infinite if not described.
 pub const VELOCITY_LIMITS: [f64; N] = [4.0, 5.0];
 
-/// Nominal force at each joint (N m or N); infinite where not described.
+/// Nominal force at each joint (N m or N); infinite if not described.
 pub const EFFORT_LIMITS: [f64; N] = [90.0, 40.0];
 
-/// Peak force at each joint (N m or N); the nominal one where no peak is described.
+/// Peak force at each joint (N m or N); the nominal force if no peak is described.
 pub const PEAK_EFFORT_LIMITS: [f64; N] = [90.0, 40.0];
 
-/// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite where
-/// not described. `EFFORT_LIMITS` at the joint also applies.
+/// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite if not
+/// described. `EFFORT_LIMITS` at the joint also applies.
 pub const INPUT_LIMITS: [f64; M] = [0.6, 0.35];
 
 /// Largest magnitude of each input that its motor bears for a short time, in the unit of the input; the nominal
-/// one where no peak is described.
+/// magnitude if no peak is described.
 pub const PEAK_INPUT_LIMITS: [f64; M] = [1.2, 0.7];
 
-/// Gear ratio of each drive: motor angle over joint angle.
+/// Gear ratio of each drive: motor angle divided by joint angle.
 pub const GEAR_RATIOS: [f64; M] = [80.0, 60.0];
 
-/// Axial inertia of each rotor, on its own side of the gear (kg m²).
+/// Axial inertia of each rotor, on the motor side of the gear (kg m²).
 pub const ROTOR_INERTIAS: [f64; M] = [4e-5, 2e-5];
 
-/// Pairs of coordinates i, j: friction at i may jump where velocity j changes its sign, because a law has an
-/// exact `sign`.
+/// Pairs of coordinates i, j: friction at i may jump if velocity j changes its sign, because a law has an exact
+/// `sign`.
 pub const FRICTION_JUMPS: [[usize; 2]; 0] = [];
 
 /// Gravitational acceleration in the base frame (m/s²).
@@ -108,10 +108,10 @@ pub const FUNCTIONS: [&str; 26] = [
     "frame_flange_jacobian_rate_times_velocity",
 ];
 
-/// Driven coordinates: position, velocity and acceleration of each, in the order of `DRIVEN_NAMES`.
+/// Driven motion: position, velocity and acceleration of each driven joint, in the order of `DRIVEN_NAMES`.
 pub type Driven = [[f64; 3]; DRIVEN];
 
-/// Structure of `M`: `false` where the entry is zero in every state; 4 of 4 are not.
+/// Structure of `M`: `false` for entries that are zero in every state; 4 of 4 entries are `true`.
 pub const MASS_MATRIX_NONZERO: [[bool; 2]; 2] = [[true, true], [true, true]];
 
 /// Mass matrix `M(y)`.
@@ -119,7 +119,8 @@ pub const MASS_MATRIX_NONZERO: [[bool; 2]; 2] = [[true, true], [true, true]];
 /// `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u`
 ///
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
-/// - `d: [DRIVEN × 3]`: driven coordinates, each its position, velocity and acceleration: `rail` in m, m/s, m/s²
+/// - `d: [DRIVEN × 3]`: driven motion: position, velocity and acceleration of each driven joint: `rail` in m,
+///   m/s, m/s²
 /// - returns `M: [N × N]`: symmetric, positive definite, both triangles filled
 ///
 /// Cost: 2 multiplications, 2 additions, 0 divisions, 1 function call (`sin_cos`).
@@ -143,15 +144,16 @@ pub fn mass_matrix(y: &[f64; N], d: &[[f64; 3]; DRIVEN]) -> [[f64; N]; N] {
 ///
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
-/// - `d: [DRIVEN × 3]`: driven coordinates, each its position, velocity and acceleration: `rail` in m, m/s, m/s²
-/// - returns `k: [N]`: on the left-hand side: without gravity, springs and friction
+/// - `d: [DRIVEN × 3]`: driven motion: position, velocity and acceleration of each driven joint: `rail` in m,
+///   m/s, m/s²
+/// - returns `k: [N]`: on the left-hand side, without gravity, springs and friction
 ///
 /// Cost: 13 multiplications, 6 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
 /// Recursive Newton–Euler equations without gravity and accelerations.
 ///
-/// It contains M\_d d̈, the inertial forces of the driven joints' accelerations, so that M ÿ + k = q + B u holds
-/// for the other joints.
+/// The forces include M\_d d̈, the inertial forces of the driven joints' accelerations d̈, so that M ÿ + k = q +
+/// B u holds for the other joints.
 #[inline]
 #[must_use]
 pub fn coriolis_forces(y: &[f64; N], v: &[f64; N], d: &[[f64; 3]; DRIVEN]) -> [f64; N] {
@@ -183,13 +185,14 @@ pub fn coriolis_forces(y: &[f64; N], v: &[f64; N], d: &[[f64; 3]; DRIVEN]) -> [f
     [minus_moment_shoulder_z, minus_moment_elbow_z]
 }
 
-/// Gravity's share of the applied forces.
+/// Generalized forces of gravity, a part of the applied forces q.
 ///
 /// `q = gravity_forces + spring_forces − friction_torques`
 ///
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
-/// - `d: [DRIVEN × 3]`: driven coordinates, each its position, velocity and acceleration: `rail` in m, m/s, m/s²
-/// - returns `q_gravity: [N]`: positive where gravity drives the joint forwards; −∂V/∂y
+/// - `d: [DRIVEN × 3]`: driven motion: position, velocity and acceleration of each driven joint: `rail` in m,
+///   m/s, m/s²
+/// - returns `q_gravity: [N]`: a positive force acts in the positive direction of the joint; equals −∂V/∂y
 ///
 /// Cost: 4 multiplications, 3 additions, 0 divisions, 2 function calls (`sin_cos`).
 #[inline]
@@ -210,14 +213,15 @@ pub fn gravity_forces(y: &[f64; N], d: &[[f64; 3]; DRIVEN]) -> [f64; N] {
     [moment_shoulder_z, moment_elbow_z]
 }
 
-/// Springs' and dampers' share of the applied forces.
+/// Generalized forces of springs and dampers, a part of the applied forces q.
 ///
 /// `q = gravity_forces + spring_forces − friction_torques`
 ///
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
-/// - `d: [DRIVEN × 3]`: driven coordinates, each its position, velocity and acceleration: `rail` in m, m/s, m/s²
-/// - returns `q_springs: [N]`: positive where a spring drives the joint forwards
+/// - `d: [DRIVEN × 3]`: driven motion: position, velocity and acceleration of each driven joint: `rail` in m,
+///   m/s, m/s²
+/// - returns `q_springs: [N]`: a positive force acts in the positive direction of the joint
 ///
 /// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
 #[inline]
@@ -234,8 +238,9 @@ pub fn spring_forces(y: &[f64; N], v: &[f64; N], d: &[[f64; 3]; DRIVEN]) -> [f64
 /// `q = gravity_forces + spring_forces − friction_torques`
 ///
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
-/// - `d: [DRIVEN × 3]`: driven coordinates, each its position, velocity and acceleration: `rail` in m, m/s, m/s²
-/// - returns `τ: [N]`: positive for positive velocity, at the joint
+/// - `d: [DRIVEN × 3]`: driven motion: position, velocity and acceleration of each driven joint: `rail` in m,
+///   m/s, m/s²
+/// - returns `τ: [N]`: friction at the joint, positive for positive velocity
 ///
 /// Cost: 5 multiplications, 2 additions, 0 divisions, 2 function calls.
 #[inline]
@@ -260,7 +265,8 @@ pub fn friction_torques(v: &[f64; N], d: &[[f64; 3]; DRIVEN]) -> [f64; N] {
 ///
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
-/// - `d: [DRIVEN × 3]`: driven coordinates, each its position, velocity and acceleration: `rail` in m, m/s, m/s²
+/// - `d: [DRIVEN × 3]`: driven motion: position, velocity and acceleration of each driven joint: `rail` in m,
+///   m/s, m/s²
 /// - returns `q: [N]`: on the right-hand side, without the inputs
 ///
 /// Cost: 9 multiplications, 7 additions, 0 divisions, 4 function calls (2 `sin_cos`, 2 other).
@@ -301,15 +307,16 @@ pub fn applied_forces(y: &[f64; N], v: &[f64; N], d: &[[f64; 3]; DRIVEN]) -> [f6
 ///
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
-/// - `d: [DRIVEN × 3]`: driven coordinates, each its position, velocity and acceleration: `rail` in m, m/s, m/s²
+/// - `d: [DRIVEN × 3]`: driven motion: position, velocity and acceleration of each driven joint: `rail` in m,
+///   m/s, m/s²
 /// - returns `b: [N]`: forces that hold the accelerations at zero, without springs and friction
 ///
 /// Cost: 15 multiplications, 8 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
 /// Recursive Newton–Euler equations at ÿ = 0. Pinocchio calls this `nle`.
 ///
-/// It contains M\_d d̈, the inertial forces of the driven joints' accelerations, so that M ÿ + k = q + B u holds
-/// for the other joints.
+/// The forces include M\_d d̈, the inertial forces of the driven joints' accelerations d̈, so that M ÿ + k = q +
+/// B u holds for the other joints.
 #[inline]
 #[must_use]
 pub fn bias_forces(y: &[f64; N], v: &[f64; N], d: &[[f64; 3]; DRIVEN]) -> [f64; N] {
@@ -349,7 +356,7 @@ pub fn bias_forces(y: &[f64; N], v: &[f64; N], d: &[[f64; 3]; DRIVEN]) -> [f64; 
 ///
 /// `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u`
 ///
-/// - returns `B: [N × M]`: gear ratios, times motor constants where inputs are currents
+/// - returns `B: [N × M]`: gear ratios, times motor constants for inputs that are currents
 ///
 /// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
 #[inline]
@@ -364,7 +371,8 @@ pub fn input_matrix() -> [[f64; M]; N] {
 ///
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
-/// - `d: [DRIVEN × 3]`: driven coordinates, each its position, velocity and acceleration: `rail` in m, m/s, m/s²
+/// - `d: [DRIVEN × 3]`: driven motion: position, velocity and acceleration of each driven joint: `rail` in m,
+///   m/s, m/s²
 /// - returns `M: [N × N]`: symmetric, positive definite, both triangles filled
 /// - returns `k: [N]`: Coriolis, centrifugal and gyroscopic forces
 /// - returns `q: [N]`: gravity, springs and friction
@@ -373,8 +381,8 @@ pub fn input_matrix() -> [[f64; M]; N] {
 ///
 /// Common terms are computed once.
 ///
-/// It contains M\_d d̈, the inertial forces of the driven joints' accelerations, so that M ÿ + k = q + B u holds
-/// for the other joints.
+/// The forces include M\_d d̈, the inertial forces of the driven joints' accelerations d̈, so that M ÿ + k = q +
+/// B u holds for the other joints.
 #[must_use]
 pub fn equations_of_motion(
     y: &[f64; N],
@@ -444,15 +452,16 @@ pub fn equations_of_motion(
     )
 }
 
-/// Inverse dynamics: the joint forces of a motion.
+/// Inverse dynamics: the drive forces that produce a motion.
 ///
 /// `M(y) ÿ + k(y, ẏ) − q(y, ẏ)`
 ///
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
 /// - `a: [N]`: accelerations ÿ: `shoulder`, `elbow` in rad/s²
-/// - `d: [DRIVEN × 3]`: driven coordinates, each its position, velocity and acceleration: `rail` in m, m/s, m/s²
-/// - returns `B u: [N]`: drive forces at the joints; u\_ff = B⁻¹ times these
+/// - `d: [DRIVEN × 3]`: driven motion: position, velocity and acceleration of each driven joint: `rail` in m,
+///   m/s, m/s²
+/// - returns `B u: [N]`: drive forces at the joints; the feedforward inputs are u\_ff = B⁻¹ (B u)
 ///
 /// Cost: 29 multiplications, 21 additions, 0 divisions, 4 function calls (2 `sin_cos`, 2 other).
 ///
@@ -532,12 +541,13 @@ pub fn inverse_dynamics(
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
 /// - `u: [M]`: inputs: `shoulder`, `elbow` in N m
-/// - `d: [DRIVEN × 3]`: driven coordinates, each its position, velocity and acceleration: `rail` in m, m/s, m/s²
+/// - `d: [DRIVEN × 3]`: driven motion: position, velocity and acceleration of each driven joint: `rail` in m,
+///   m/s, m/s²
 /// - returns `ÿ: [N]`: accelerations
 ///
 /// Cost: 30 multiplications, 19 additions, 1 division, 4 function calls (2 `sin_cos`, 2 other).
 ///
-/// M = Lᵀ D L along the branches of the tree (Featherstone 2005) was cheaper than articulated bodies.
+/// The factorization M = Lᵀ D L (Featherstone 2005) needed fewer operations than articulated bodies.
 #[must_use]
 pub fn forward_dynamics(
     y: &[f64; N],
@@ -611,17 +621,18 @@ pub fn forward_dynamics(
 ///
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
-/// - `d: [DRIVEN × 3]`: driven coordinates, each its position, velocity and acceleration: `rail` in m, m/s, m/s²
+/// - `d: [DRIVEN × 3]`: driven motion: position, velocity and acceleration of each driven joint: `rail` in m,
+///   m/s, m/s²
 /// - returns `M: [N × N]`: symmetric, positive definite, both triangles filled
 /// - returns `b: [N]`: k − gravity\_forces: forces that hold the accelerations at zero, without springs and
 ///   friction
 ///
 /// Cost: 17 multiplications, 10 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
-/// Common terms of both are computed once.
+/// Common terms are computed once.
 ///
-/// It contains M\_d d̈, the inertial forces of the driven joints' accelerations, so that M ÿ + k = q + B u holds
-/// for the other joints.
+/// The forces include M\_d d̈, the inertial forces of the driven joints' accelerations d̈, so that M ÿ + k = q +
+/// B u holds for the other joints.
 #[inline]
 #[must_use]
 pub fn mass_matrix_and_bias_forces(
@@ -672,7 +683,8 @@ pub fn mass_matrix_and_bias_forces(
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
 /// - `a: [N]`: accelerations ÿ: `shoulder`, `elbow` in rad/s²
-/// - `d: [DRIVEN × 3]`: driven coordinates, each its position, velocity and acceleration: `rail` in m, m/s, m/s²
+/// - `d: [DRIVEN × 3]`: driven motion: position, velocity and acceleration of each driven joint: `rail` in m,
+///   m/s, m/s²
 /// - returns `B u: [N]`: the forces M ÿ + k − q, on the joint side
 /// - returns `∂/∂y: [N × N]`: row i = force i
 /// - returns `∂/∂ẏ: [N × N]`: row i = force i, friction included
@@ -681,7 +693,7 @@ pub fn mass_matrix_and_bias_forces(
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
-/// Forward differentiation of the inverse dynamics was cheapest.
+/// Forward differentiation of the inverse dynamics needed the fewest operations.
 #[must_use]
 pub fn inverse_dynamics_derivatives(
     y: &[f64; N],
@@ -788,7 +800,8 @@ pub fn inverse_dynamics_derivatives(
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
 /// - `a: [N]`: accelerations ÿ: `shoulder`, `elbow` in rad/s²
-/// - `d: [DRIVEN × 3]`: driven coordinates, each its position, velocity and acceleration: `rail` in m, m/s, m/s²
+/// - `d: [DRIVEN × 3]`: driven motion: position, velocity and acceleration of each driven joint: `rail` in m,
+///   m/s, m/s²
 /// - returns `B u: [N]`: the forces M ÿ + k − q, on the joint side
 /// - returns `∂/∂y: [N × N]`: row i = force i
 /// - returns `∂/∂ẏ: [N × N]`: row i = force i, friction included
@@ -798,7 +811,7 @@ pub fn inverse_dynamics_derivatives(
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
-/// Forward differentiation of the inverse dynamics was cheapest.
+/// Forward differentiation of the inverse dynamics needed the fewest operations.
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -918,7 +931,8 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
 /// - `u: [M]`: inputs: `shoulder`, `elbow` in N m
-/// - `d: [DRIVEN × 3]`: driven coordinates, each its position, velocity and acceleration: `rail` in m, m/s, m/s²
+/// - `d: [DRIVEN × 3]`: driven motion: position, velocity and acceleration of each driven joint: `rail` in m,
+///   m/s, m/s²
 /// - returns `ÿ: [N]`: accelerations
 /// - returns `∂ÿ/∂y: [N × N]`: row i = acceleration i
 /// - returns `∂ÿ/∂ẏ: [N × N]`: row i = acceleration i
@@ -928,7 +942,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
-/// Forward differentiation of the inverse dynamics was cheapest.
+/// Forward differentiation of the inverse dynamics needed the fewest operations.
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -1074,13 +1088,13 @@ pub fn forward_dynamics_derivatives(
     )
 }
 
-/// Structure of `A_y`: `false` where the entry is zero in every state; 4 of 4 are not.
+/// Structure of `A_y`: `false` for entries that are zero in every state; 4 of 4 entries are `true`.
 pub const A_Y_NONZERO: [[bool; 2]; 2] = [[true, true], [true, true]];
 
-/// Structure of `A_v`: `false` where the entry is zero in every state; 4 of 4 are not.
+/// Structure of `A_v`: `false` for entries that are zero in every state; 4 of 4 entries are `true`.
 pub const A_V_NONZERO: [[bool; 2]; 2] = [[true, true], [true, true]];
 
-/// Structure of `B_x`: `false` where the entry is zero in every state; 4 of 4 are not.
+/// Structure of `B_x`: `false` for entries that are zero in every state; 4 of 4 entries are `true`.
 pub const B_X_NONZERO: [[bool; 2]; 2] = [[true, true], [true, true]];
 
 /// Linearization of the accelerations in continuous time.
@@ -1090,7 +1104,8 @@ pub const B_X_NONZERO: [[bool; 2]; 2] = [[true, true], [true, true]];
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
 /// - `u: [M]`: inputs: `shoulder`, `elbow` in N m
-/// - `d: [DRIVEN × 3]`: driven coordinates, each its position, velocity and acceleration: `rail` in m, m/s, m/s²
+/// - `d: [DRIVEN × 3]`: driven motion: position, velocity and acceleration of each driven joint: `rail` in m,
+///   m/s, m/s²
 /// - returns `A_y: [N × N]`: ∂ÿ/∂y, row i = acceleration i
 /// - returns `A_v: [N × N]`: ∂ÿ/∂ẏ, row i = acceleration i
 /// - returns `B_x: [N × M]`: ∂ÿ/∂u, row i = acceleration i
@@ -1100,7 +1115,7 @@ pub const B_X_NONZERO: [[bool; 2]; 2] = [[true, true], [true, true]];
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
-/// Forward differentiation of the inverse dynamics was cheapest.
+/// Forward differentiation of the inverse dynamics needed the fewest operations.
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -1281,12 +1296,13 @@ pub fn linearize(
 ///
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
-/// - `d: [DRIVEN × 3]`: driven coordinates, each its position, velocity and acceleration: `rail` in m, m/s, m/s²
+/// - `d: [DRIVEN × 3]`: driven motion: position, velocity and acceleration of each driven joint: `rail` in m,
+///   m/s, m/s²
 /// - returns `T`: energy (J)
 ///
 /// Cost: 27 multiplications, 18 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
-/// With the mass matrix of all joints, the driven ones included.
+/// M is the mass matrix of all joints, including driven joints.
 #[must_use]
 pub fn kinetic_energy(y: &[f64; N], v: &[f64; N], d: &[[f64; 3]; DRIVEN]) -> f64 {
     let ([sin_shoulder, sin_elbow], [cos_shoulder, cos_elbow]) = math::sin_cos_2(
@@ -1345,9 +1361,10 @@ pub fn kinetic_energy(y: &[f64; N], v: &[f64; N], d: &[[f64; 3]; DRIVEN]) -> f64
 /// `V = −g · Σ m c`
 ///
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
-/// - `d: [DRIVEN × 3]`: driven coordinates, each its position, velocity and acceleration: `rail` in m, m/s, m/s²
-/// - returns `V`: energy (J), of the moving bodies, zero with their masses at the height of the base frame;
-///   springs not included
+/// - `d: [DRIVEN × 3]`: driven motion: position, velocity and acceleration of each driven joint: `rail` in m,
+///   m/s, m/s²
+/// - returns `V`: energy (J) of the moving bodies without springs, 0 if the centre of mass is at the height of
+///   the base frame's origin
 ///
 /// Cost: 5 multiplications, 4 additions, 0 divisions, 2 function calls (`sin_cos`).
 #[inline]
@@ -1369,10 +1386,10 @@ pub fn potential_energy(y: &[f64; N], d: &[[f64; 3]; DRIVEN]) -> f64 {
     9.81 * t11
 }
 
-/// Inertial parameters π, the columns of `inertial_regressor`. For each link, in the order of the coordinates and
-/// in the link's frame of the description, with all that is fixed to it: mass m (kg), first moments mcx, mcy, mcz
-/// (kg m), and Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the frame's origin (kg m²), entries of the matrix (Ixy = −∫ x y
-/// dm). Then J, the axial inertia of the rotor of each drive that has one (kg m²).
+/// Inertial parameters π, the columns of `inertial_regressor`. The parameters of each link, in the order of the
+/// coordinates, include all bodies fixed to the link and are in the link's frame of the description. They are the
+/// mass m (kg), first moments mcx, mcy, mcz (kg m), and the entries Ixx, Ixy, Iyy, Ixz, Iyz, Izz of the inertia
+/// matrix about the frame's origin (kg m²) (Ixy = −∫ x y dm). Axial inertias J of rotors (kg m²) follow.
 pub const INERTIAL_PARAMETER_NAMES: [&str; 32] = [
     "m_shoulder",
     "mcx_shoulder",
@@ -1408,7 +1425,7 @@ pub const INERTIAL_PARAMETER_NAMES: [&str; 32] = [
     "J_elbow",
 ];
 
-/// Inertial parameters `π` of links and rotors as described.
+/// Inertial parameters `π` of links and rotors in the description.
 ///
 /// `W(y, ẏ, ÿ) π = M ÿ + k − q_gravity`
 ///
@@ -1423,7 +1440,7 @@ pub fn inertial_parameters() -> [f64; 32] {
     pi
 }
 
-/// `inertial_parameters` with its results written in place; their previous values are not read.
+/// Computes `inertial_parameters` in place. Previous values of the results are not read.
 pub fn inertial_parameters_into(pi: &mut [f64; 32]) {
     pi[0] = 7.0;
     pi[1] = 0.07;
@@ -1466,14 +1483,15 @@ pub fn inertial_parameters_into(pi: &mut [f64; 32]) {
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
 /// - `a: [N]`: accelerations ÿ: `shoulder`, `elbow` in rad/s²
-/// - `d: [DRIVEN × 3]`: driven coordinates, each its position, velocity and acceleration: `rail` in m, m/s, m/s²
-/// - returns `W: [N × 32]`: rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; those of
+/// - `d: [DRIVEN × 3]`: driven motion: position, velocity and acceleration of each driven joint: `rail` in m,
+///   m/s, m/s²
+/// - returns `W: [N × 32]`: rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; columns of
 ///   rotors are last
 ///
 /// Cost: 23 multiplications, 14 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
-/// The inverse dynamics are `W π + τ − springs`, with friction τ and the springs' forces. Independent of the
-/// described inertias (Atkeson, An and Hollerbach 1986).
+/// The inverse dynamics are `W π + τ − springs`, with friction τ and the springs' forces. W does not depend on
+/// the described inertias (Atkeson, An and Hollerbach 1986).
 #[inline]
 #[must_use]
 pub fn inertial_regressor(
@@ -1487,7 +1505,7 @@ pub fn inertial_regressor(
     w
 }
 
-/// `inertial_regressor` with its results written in place; their previous values are not read.
+/// Computes `inertial_regressor` in place. Previous values of the results are not read.
 pub fn inertial_regressor_into(
     y: &[f64; N],
     v: &[f64; N],
@@ -1609,8 +1627,8 @@ pub fn inertial_regressor_into(
     w[1][13] = minus_acceleration_elbow_y;
 }
 
-/// Base parameters β, the columns of `base_regressor`, each named after the inertial parameter that leads its
-/// group. 25 of 32 parameters enter the motion only in these sums:
+/// Base parameters β, the columns of `base_regressor`. Each base parameter is a sum of inertial parameters and
+/// has the name of the leading one. 25 of 32 parameters enter the motion only in these sums:
 ///
 /// - `mcx_shoulder`
 /// - `mcz_shoulder + 0.4 m_elbow`
@@ -1650,13 +1668,14 @@ pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 10] = [
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
 /// - `a: [N]`: accelerations ÿ: `shoulder`, `elbow` in rad/s²
-/// - `d: [DRIVEN × 3]`: driven coordinates, each its position, velocity and acceleration: `rail` in m, m/s, m/s²
+/// - `d: [DRIVEN × 3]`: driven motion: position, velocity and acceleration of each driven joint: `rail` in m,
+///   m/s, m/s²
 /// - returns `W_b: [N × 7]`: rows by coordinate, columns in the order of `BASE_PARAMETER_NAMES`
 ///
 /// Cost: 20 multiplications, 13 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
-/// Dependent columns were found numerically (Gautier 1991). Stacked over exciting states, W\_b has full rank for
-/// almost all values of free parameters.
+/// Dependent columns were found numerically (Gautier 1991). If W\_b is stacked over enough exciting states, it
+/// has full rank for almost all values of free parameters.
 #[must_use]
 pub fn base_regressor(
     y: &[f64; N],
@@ -1721,8 +1740,8 @@ pub fn base_regressor(
     ]
 }
 
-/// Friction parameters, the columns of `friction_regressor`: joint, and the function of its velocity that the
-/// parameter multiplies.
+/// Friction parameters, the columns of `friction_regressor`. A name consists of the joint and the function of its
+/// velocity that the parameter multiplies.
 pub const FRICTION_PARAMETER_NAMES: [&str; 6] = [
     "shoulder: v",
     "shoulder: tanh(20*v)",
@@ -1732,7 +1751,7 @@ pub const FRICTION_PARAMETER_NAMES: [&str; 6] = [
     "rail: tanh(200*v)",
 ];
 
-/// Friction parameters as described: the coefficients of `friction_regressor`.
+/// Friction parameters `φ` of the description: the factors of `friction_regressor`.
 ///
 /// `τ(ẏ) = friction_regressor(ẏ) · friction_parameters`
 ///
@@ -1750,12 +1769,13 @@ pub fn friction_parameters() -> [f64; 6] {
 /// `τ(ẏ) = friction_regressor(ẏ) · friction_parameters`
 ///
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
-/// - `d: [DRIVEN × 3]`: driven coordinates, each its position, velocity and acceleration: `rail` in m, m/s, m/s²
+/// - `d: [DRIVEN × 3]`: driven motion: position, velocity and acceleration of each driven joint: `rail` in m,
+///   m/s, m/s²
 /// - returns `R: [N × 6]`: rows by coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`
 ///
 /// Cost: 2 multiplications, 0 additions, 0 divisions, 2 function calls.
 ///
-/// Nonlinear parameters keep their described values: a3 and a5 of the Stribeck law, slopes of tanh.
+/// Nonlinear parameters keep the values of the description: a3 and a5 of the Stribeck law, and slopes of tanh.
 #[inline]
 #[must_use]
 pub fn friction_regressor(v: &[f64; N], d: &[[f64; 3]; DRIVEN]) -> [[f64; 6]; N] {
@@ -1772,7 +1792,8 @@ pub fn friction_regressor(v: &[f64; N], d: &[[f64; 3]; DRIVEN]) -> [[f64; 6]; N]
 /// `r_base = p + R r_frame`
 ///
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
-/// - `d: [DRIVEN × 3]`: driven coordinates, each its position, velocity and acceleration: `rail` in m, m/s, m/s²
+/// - `d: [DRIVEN × 3]`: driven motion: position, velocity and acceleration of each driven joint: `rail` in m,
+///   m/s, m/s²
 /// - returns `p: [3]`: origin in the base frame (m)
 /// - returns `R: [3 × 3]`: rotation matrix, columns are the frame's axes
 ///
@@ -1812,12 +1833,13 @@ pub fn frame_flange_pose(
 /// `(ṗ, ω) = J(y) ẏ`
 ///
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
-/// - `d: [DRIVEN × 3]`: driven coordinates, each its position, velocity and acceleration: `rail` in m, m/s, m/s²
+/// - `d: [DRIVEN × 3]`: driven motion: position, velocity and acceleration of each driven joint: `rail` in m,
+///   m/s, m/s²
 /// - returns `J: [6 × 3]`: rows: velocity of the origin, then angular velocity, in the axes of the base frame
 ///
 /// Cost: 4 multiplications, 9 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
-/// The columns of the driven joints follow those of the coordinates.
+/// The columns of the driven joints follow the columns of the coordinates.
 #[inline]
 #[must_use]
 pub fn frame_flange_jacobian(y: &[f64; N], d: &[[f64; 3]; DRIVEN]) -> [[f64; 3]; 6] {
@@ -1826,7 +1848,7 @@ pub fn frame_flange_jacobian(y: &[f64; N], d: &[[f64; 3]; DRIVEN]) -> [[f64; 3];
     j
 }
 
-/// `frame_flange_jacobian` with its results written in place; their previous values are not read.
+/// Computes `frame_flange_jacobian` in place. Previous values of the results are not read.
 pub fn frame_flange_jacobian_into(
     y: &[f64; N],
     d: &[[f64; 3]; DRIVEN],
@@ -1877,13 +1899,14 @@ pub fn frame_flange_jacobian_into(
 ///
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
-/// - `d: [DRIVEN × 3]`: driven coordinates, each its position, velocity and acceleration: `rail` in m, m/s, m/s²
+/// - `d: [DRIVEN × 3]`: driven motion: position, velocity and acceleration of each driven joint: `rail` in m,
+///   m/s, m/s²
 /// - returns `J̇ẏ: [6]`: acceleration of the origin (m/s²), then angular acceleration (rad/s²), in the axes of
 ///   the base frame
 ///
 /// Cost: 14 multiplications, 8 additions, 0 divisions, 3 function calls (`sin_cos`).
 ///
-/// The accelerations of the driven joints are those in d.
+/// The accelerations of the driven joints are taken from d.
 #[inline]
 #[must_use]
 pub fn frame_flange_jacobian_rate_times_velocity(
@@ -1928,24 +1951,24 @@ pub fn frame_flange_jacobian_rate_times_velocity(
     [t24, 0.0, t27, 0.0, 0.0, 0.0]
 }
 
-/// Elementary functions that give the same bits on every platform.
+/// Elementary functions whose results have the same bits on every platform.
 #[allow(
     clippy::approx_constant,
     clippy::excessive_precision,
     reason = "coefficients and parts of π are not those constants"
 )]
 mod math {
-    // Sine and cosine in one pass, without branches below 1e5, tables or fused operations: the same bits on every platform.
+    // Sine and cosine in one pass, without branches up to 1e5, tables or fused operations. Bits are reproducible.
     //
-    // x = n π/2 + hi − low with |hi| ≤ π/4, π/2 in three parts (Cody and Waite, Software Manual for the Elementary
-    // Functions, 1980, ch. 8); beyond 1e5 by the bits of 2/π (Payne and Hanek, SIGNUM Newsletter 18, 1983). Then minimax
-    // polynomials (Remez exchange, minimax.py). Error below 0.9 ulp for every finite x (0.80 seen); NaN for NaN and ±∞;
-    // sin −0 = −0.
+    // The angle is reduced to x = n π/2 + hi − low with |hi| ≤ π/4. Up to 1e5, π/2 is used in three parts (Cody
+    // and Waite, Software Manual for the Elementary Functions, 1980, ch. 8). Above 1e5, the bits of 2/π are used
+    // (Payne and Hanek, SIGNUM Newsletter 18, 1983). Minimax polynomials follow (Remez exchange, minimax.py). The
+    // error is below 0.9 ulp for every finite x (measured: 0.80). NaN and ±∞ give NaN, and sin −0 is −0.
 
-    /// Largest angle of the fast path: `n π/2` is exact in the first two parts up to here.
+    /// Largest angle of the fast path. Up to this angle, `n π/2` is exact in the first two parts.
     const LARGEST_DIRECT_ANGLE: f64 = 1.0e5;
 
-    /// `(sin x, cos x)` with an error below 0.9 ulp each.
+    /// Returns `(sin x, cos x)`, each with an error below 0.9 ulp.
     #[inline(always)]
     pub fn sin_cos(x: f64) -> (f64, f64) {
         if x.abs() <= LARGEST_DIRECT_ANGLE {
@@ -1955,7 +1978,7 @@ mod math {
         }
     }
 
-    /// `|x| ≤ 1e5`. The first difference is exact, the second one keeps its rounding error (Fast2Sum).
+    /// Sine and cosine for `|x| ≤ 1e5`. The first difference is exact. Fast2Sum keeps the error of the second.
     #[inline(always)]
     fn sin_cos_direct(x: f64) -> (f64, f64) {
         const HALF_PI: [f64; 3] = [
@@ -1974,7 +1997,7 @@ mod math {
         sin_cos_quarter(hi, low, shifted.to_bits())
     }
 
-    /// Sine and cosine of `hi − low + quadrant π/2`, where `|hi| ≤ π/4` and `low` is of the size of its rounding error.
+    /// Sine and cosine of `hi − low + quadrant π/2` with `|hi| ≤ π/4`. `low` is a rounding error of `hi`.
     #[inline(always)]
     fn sin_cos_quarter(hi: f64, low: f64, quadrant: u64) -> (f64, f64) {
         let z = hi * hi;
@@ -1993,7 +2016,8 @@ mod math {
         in_quadrant(sin, cos, quadrant)
     }
 
-    /// Sine and cosine of an angle turned by `quadrant` quarters, from those of the angle; the last two bits count.
+    /// Sine and cosine of an angle after a rotation by `quadrant` quarter turns, from the sine and cosine of the
+    /// angle. Only the last two bits of `quadrant` are used.
     #[inline(always)]
     fn in_quadrant(sin: f64, cos: f64, quadrant: u64) -> (f64, f64) {
         let exchange = (sin.to_bits() ^ cos.to_bits()) & (quadrant & 1).wrapping_neg();
@@ -2005,11 +2029,11 @@ mod math {
         )
     }
 
-    /// `|x| > 1e5`, or not a number: `x · 2/π` modulo 4 from the bits of 2/π that matter, in integers.
+    /// Sine and cosine for `|x| > 1e5` or NaN. `x · 2/π` modulo 4 is computed in integers from bits of 2/π.
     #[cold]
     #[inline(never)]
     fn sin_cos_large(x: f64) -> (f64, f64) {
-        // One zero word, then the first 1216 bits of 2/π.
+        // A zero word, then the first 1216 bits of 2/π.
         const TWO_OVER_PI: [u64; 20] = [
             0x0000000000000000,
             0xa2f9836e4e441529,
@@ -2036,7 +2060,7 @@ mod math {
         if !x.is_finite() {
             return (f64::NAN, f64::NAN);
         }
-        // |x| = mantissa · 2^exponent; bits of 2/π before `start` give multiples of 4.
+        // |x| = mantissa · 2^exponent. The bits of 2/π before `start` only add multiples of 4.
         let exponent = (x.abs().to_bits() >> 52).wrapping_sub(1075);
         let mantissa = u128::from(x.to_bits() & ((1 << 52) - 1) | 1 << 52);
         let start = exponent.wrapping_add(62);
@@ -2050,7 +2074,7 @@ mod math {
         let low = mantissa * bits(2);
         let middle = mantissa * bits(1) + (low >> 64);
         let high = mantissa.wrapping_mul(bits(0)).wrapping_add(middle >> 64);
-        // x · 2/π = (turns modulo 4) / 2^126: two bits of quadrant, then the fraction, taken to [−1/2, 1/2).
+        // x · 2/π = (turns modulo 4) / 2^126. Two bits are the quadrant. The others are a fraction in [−1/2, 1/2).
         let turns = high << 64 | middle & u128::from(u64::MAX);
         let quadrant = ((turns >> 126) + (turns >> 125 & 1)) as u64;
         let fraction = (turns << 2) as i128;
@@ -2064,9 +2088,9 @@ mod math {
         (if x < 0.0 { -sin } else { sin }, cos)
     }
 
-    // Sine and cosine of several angles at once (after sin_cos.rs): the loop has no branch, so it becomes SIMD code.
+    // Sine and cosine of several angles at once (after sin_cos.rs): a loop without branches, for SIMD.
 
-    /// `(sin xᵢ, cos xᵢ)`, the same bits as [`sin_cos`] of each.
+    /// Returns all `sin xᵢ`, then all `cos xᵢ`, bit-identical to [`sin_cos`] of each angle.
     #[inline(always)]
     pub fn sin_cos_array<const L: usize>(x: [f64; L]) -> ([f64; L], [f64; L]) {
         let (mut sin, mut cos, mut all_direct) = ([0.0; L], [0.0; L], true);
@@ -2088,28 +2112,28 @@ mod math {
         (pairs.map(|pair| pair.0), pairs.map(|pair| pair.1))
     }
 
-    // Sine and cosine of 2 angles that arrive in registers (after sin_cos_array.rs).
-    // Never inlined: among scalar code the compiler would undo the lanes.
+    // Sine and cosine of 2 angles in registers. If it were inlined, the compiler would undo its SIMD code.
 
-    /// Sines and cosines of 2 angles, the same bits as [`sin_cos`] of each.
+    /// Sines and cosines of 2 angles, bit-identical to [`sin_cos`] of each angle.
     #[inline(never)]
     pub fn sin_cos_2(a: f64, b: f64) -> ([f64; 2], [f64; 2]) {
         sin_cos_array([a, b])
     }
 
-    // Sine and cosine of 4 angles that arrive in registers (after sin_cos_array.rs).
-    // Never inlined: among scalar code the compiler would undo the lanes.
+    // Sine and cosine of 4 angles in registers. If it were inlined, the compiler would undo its SIMD code.
 
-    /// Sines and cosines of 4 angles, the same bits as [`sin_cos`] of each.
+    /// Sines and cosines of 4 angles, bit-identical to [`sin_cos`] of each angle.
     #[inline(never)]
     pub fn sin_cos_4(a: f64, b: f64, c: f64, d: f64) -> ([f64; 4], [f64; 4]) {
         sin_cos_array([a, b, c, d])
     }
 
-    // What exp.rs and tanh.rs share: x = k ln 2 + r with |r| ≤ ln 2 / 2, ln 2 in two parts (Cody and Waite, Software Manual
-    // for the Elementary Functions, 1980, ch. 6), then a minimax polynomial (Remez exchange, minimax.py).
+    // Common part of exp.rs and tanh.rs. The argument is reduced to x = k ln 2 + r with |r| ≤ ln 2 / 2 and ln 2
+    // in two parts (Cody and Waite, Software Manual for the Elementary Functions, 1980, ch. 6). A minimax
+    // polynomial follows (Remez exchange, minimax.py).
 
-    /// `exp x = (hi + low) 2^k` with `|low| < 0.08`; `k` wraps around zero.
+    /// Returns hi, low and k with `exp x = (hi + low) 2^k` and `|low| < 0.08`. A negative `k` is in two's
+    /// complement.
     #[inline(always)]
     fn exp_reduced(x: f64) -> (f64, f64, u64) {
         const LN_2: [f64; 2] = [0.6931471805598903, 5.497923018708371e-14];
@@ -2137,11 +2161,12 @@ mod math {
 
     // Hyperbolic tangent (after exp_reduced.rs), without branches, tables or fused operations.
     //
-    // |x| < 0.625: x − x³ P(x²)/Q(x²), the eighth convergent of Lambert's continued fraction x/(1 + x²/(3 + x²/(5 + …)))
-    // (Lambert 1761), whose coefficients are integers. Beyond: 1 − 2/(exp 2x + 1). Both share the division.
-    // Error below 1 ulp (0.86 seen); ±1 exactly from |x| = 19.07 on; tanh −0 = −0; NaN for NaN.
+    // For |x| < 0.625 it is x − x³ P(x²)/Q(x²), the eighth convergent of Lambert's continued fraction x/(1 +
+    // x²/(3 + x²/(5 + …))) (Lambert 1761), whose coefficients are integers. For larger |x| it is 1 − 2/(exp 2x +
+    // 1). Both cases share the division. The error is below 1 ulp (measured: 0.86). The result is exactly ±1 from
+    // |x| = 19.07 on, tanh −0 is −0, and tanh NaN is NaN.
 
-    /// `tanh x` with an error below 1 ulp. Its derivative is `1 − tanh² x`.
+    /// Hyperbolic tangent `tanh x` with an error below 1 ulp. Its derivative is `1 − tanh² x`.
     #[inline(always)]
     pub fn tanh(x: f64) -> f64 {
         let size = x.abs();
@@ -2154,7 +2179,7 @@ mod math {
         let power = f64::from_bits(k.wrapping_add(1023) << 52);
         let exp = hi + low;
         let sum = exp * power + 1.0;
-        // What `sum` lacks: the rounding errors of both additions.
+        // The rounding errors of both additions in `sum`.
         let missing = (1.0 - (sum - exp * power)) + ((hi - exp) + low) * power;
         let quotient = (if small { size * z * p } else { 2.0 }) / if small { q } else { sum };
         let correction = if small {

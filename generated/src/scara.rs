@@ -30,7 +30,7 @@ pub const JOINT_NAMES: [&str; N] = [
 /// Units of the coordinates: `rad` or `m`.
 pub const JOINT_UNITS: [&str; N] = ["rad", "rad", "rad", "m", "rad"];
 
-/// Units of the forces at the joints, as those of `inverse_dynamics`: `N m` or `N`.
+/// Units of the forces at the joints, for example of the results of `inverse_dynamics`: `N m` or `N`.
 pub const EFFORT_UNITS: [&str; N] = ["N m", "N m", "N m", "N", "N m"];
 
 /// Names of the inputs.
@@ -48,7 +48,7 @@ pub const INPUT_UNITS: [&str; M] = ["N m", "N m", "N m", "N m", "N m"];
 /// Names of the frames.
 pub const FRAME_NAMES: [&str; 1] = ["tool"];
 
-/// Lowest and highest position of each joint (rad or m); infinite where not described.
+/// Lowest and highest position of each joint (rad or m); infinite if not described.
 pub const POSITION_LIMITS: [[f64; 2]; N] = [
     [-2.3, 2.3],
     [-2.5, 2.5],
@@ -57,31 +57,31 @@ pub const POSITION_LIMITS: [[f64; 2]; N] = [
     [-220.0, 10.0],
 ];
 
-/// Highest speed of each joint (rad/s or m/s); infinite where not described.
+/// Highest speed of each joint (rad/s or m/s); infinite if not described.
 pub const VELOCITY_LIMITS: [f64; N] = [7.0, 12.0, 30.0, 1.1, 100.0];
 
-/// Nominal force at each joint (N m or N); infinite where not described.
+/// Nominal force at each joint (N m or N); infinite if not described.
 pub const EFFORT_LIMITS: [f64; N] = [90.0, 40.0, f64::INFINITY, f64::INFINITY, 3.0];
 
-/// Peak force at each joint (N m or N); the nominal one where no peak is described.
+/// Peak force at each joint (N m or N); the nominal force if no peak is described.
 pub const PEAK_EFFORT_LIMITS: [f64; N] = [90.0, 40.0, f64::INFINITY, f64::INFINITY, 3.0];
 
-/// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite where
-/// not described. `EFFORT_LIMITS` at the joint also applies.
+/// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite if not
+/// described. `EFFORT_LIMITS` at the joint also applies.
 pub const INPUT_LIMITS: [f64; M] = [0.64, 0.32, 0.1, 0.16, 0.32];
 
 /// Largest magnitude of each input that its motor bears for a short time, in the unit of the input; the nominal
-/// one where no peak is described.
+/// magnitude if no peak is described.
 pub const PEAK_INPUT_LIMITS: [f64; M] = [1.9, 0.95, 0.3, 0.48, 0.95];
 
-/// Gear ratio of each drive: motor angle over joint angle.
+/// Gear ratio of each drive: motor angle divided by joint angle.
 pub const GEAR_RATIOS: [f64; M] = [80.0, 50.0, 4.0, 9.0, 1.0];
 
-/// Axial inertia of each rotor, on its own side of the gear (kg m²).
+/// Axial inertia of each rotor, on the motor side of the gear (kg m²).
 pub const ROTOR_INERTIAS: [f64; M] = [6e-5, 3e-5, 1e-5, 1e-5, 4e-5];
 
-/// Pairs of coordinates i, j: friction at i may jump where velocity j changes its sign, because a law has an
-/// exact `sign`.
+/// Pairs of coordinates i, j: friction at i may jump if velocity j changes its sign, because a law has an exact
+/// `sign`.
 pub const FRICTION_JUMPS: [[usize; 2]; 0] = [];
 
 /// Gravitational acceleration in the base frame (m/s²).
@@ -101,7 +101,7 @@ pub const FUNCTIONS: [&str; 10] = [
     "linearize",
 ];
 
-/// Structure of `M`: `false` where the entry is zero in every state; 25 of 25 are not.
+/// Structure of `M`: `false` for entries that are zero in every state; 25 of 25 entries are `true`.
 pub const MASS_MATRIX_NONZERO: [[bool; 5]; 5] = [
     [true, true, true, true, true],
     [true, true, true, true, true],
@@ -128,7 +128,7 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     m
 }
 
-/// `mass_matrix` with its results written in place; their previous values are not read.
+/// Computes `mass_matrix` in place. Previous values of the results are not read.
 pub fn mass_matrix_into(y: &[f64; N], m: &mut [[f64; N]; N]) {
     m[0][3] = -0.012566370614359173;
     m[0][4] = 4.2000000000000004e-5;
@@ -192,7 +192,7 @@ pub fn mass_matrix_into(y: &[f64; N], m: &mut [[f64; N]; N]) {
 ///
 /// - `y: [N]`: coordinates: `shoulder`, `elbow`, `quill_turn` in rad, `quill_slide` in m, `tap` in rad
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow`, `quill_turn` in rad/s, `quill_slide` in m/s, `tap` in rad/s
-/// - returns `k: [N]`: on the left-hand side: without gravity, springs and friction
+/// - returns `k: [N]`: on the left-hand side, without gravity, springs and friction
 ///
 /// Cost: 29 multiplications, 17 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
@@ -254,12 +254,12 @@ pub fn coriolis_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
     [minus_moment_shoulder_z, minus_moment_elbow_z, moment_quill_slide_z, 0.0, 0.0]
 }
 
-/// Gravity's share of the applied forces.
+/// Generalized forces of gravity, a part of the applied forces q.
 ///
 /// `q = gravity_forces + spring_forces − friction_torques`
 ///
 /// - `y: [N]`: coordinates: `shoulder`, `elbow`, `quill_turn` in rad, `quill_slide` in m, `tap` in rad
-/// - returns `q_gravity: [N]`: positive where gravity drives the joint forwards; −∂V/∂y
+/// - returns `q_gravity: [N]`: a positive force acts in the positive direction of the joint; equals −∂V/∂y
 ///
 /// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
 #[inline]
@@ -269,13 +269,13 @@ pub fn gravity_forces(y: &[f64; N]) -> [f64; N] {
     [0.0, 0.0, 0.0, -17.461800000000004, -0.00012490479933851948]
 }
 
-/// Springs' and dampers' share of the applied forces.
+/// Generalized forces of springs and dampers, a part of the applied forces q.
 ///
 /// `q = gravity_forces + spring_forces − friction_torques`
 ///
 /// - `y: [N]`: coordinates: `shoulder`, `elbow`, `quill_turn` in rad, `quill_slide` in m, `tap` in rad
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow`, `quill_turn` in rad/s, `quill_slide` in m/s, `tap` in rad/s
-/// - returns `q_springs: [N]`: positive where a spring drives the joint forwards
+/// - returns `q_springs: [N]`: a positive force acts in the positive direction of the joint
 ///
 /// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
 #[inline]
@@ -291,7 +291,7 @@ pub fn spring_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
 /// `q = gravity_forces + spring_forces − friction_torques`
 ///
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow`, `quill_turn` in rad/s, `quill_slide` in m/s, `tap` in rad/s
-/// - returns `τ: [N]`: positive for positive velocity, at the joint
+/// - returns `τ: [N]`: friction at the joint, positive for positive velocity
 ///
 /// Cost: 12 multiplications, 4 additions, 0 divisions, 4 function calls.
 #[inline]
@@ -324,7 +324,7 @@ pub fn friction_torques(v: &[f64; N]) -> [f64; N] {
 ///
 /// `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u`
 ///
-/// - returns `B: [N × M]`: gear ratios, times motor constants where inputs are currents
+/// - returns `B: [N × M]`: gear ratios, times motor constants for inputs that are currents
 ///
 /// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
 #[inline]
@@ -335,7 +335,7 @@ pub fn input_matrix() -> [[f64; M]; N] {
     b
 }
 
-/// `input_matrix` with its results written in place; their previous values are not read.
+/// Computes `input_matrix` in place. Previous values of the results are not read.
 pub fn input_matrix_into(b: &mut [[f64; M]; N]) {
     b[0][0] = 80.0;
     b[0][1] = 0.0;
@@ -364,7 +364,7 @@ pub fn input_matrix_into(b: &mut [[f64; M]; N]) {
     b[4][4] = 0.0;
 }
 
-/// Inverse dynamics: the joint forces of a motion.
+/// Inverse dynamics: the drive forces that produce a motion.
 ///
 /// `M(y) ÿ + k(y, ẏ) − q(y, ẏ)`
 ///
@@ -372,7 +372,7 @@ pub fn input_matrix_into(b: &mut [[f64; M]; N]) {
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow`, `quill_turn` in rad/s, `quill_slide` in m/s, `tap` in rad/s
 /// - `a: [N]`: accelerations ÿ: `shoulder`, `elbow`, `quill_turn` in rad/s², `quill_slide` in m/s², `tap` in
 ///   rad/s²
-/// - returns `B u: [N]`: drive forces at the joints; u\_ff = B⁻¹ times these
+/// - returns `B u: [N]`: drive forces at the joints; the feedforward inputs are u\_ff = B⁻¹ (B u)
 ///
 /// Cost: 70 multiplications, 58 additions, 0 divisions, 6 function calls (2 `sin_cos`, 4 other).
 ///
@@ -531,7 +531,7 @@ pub fn inverse_dynamics(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [f64; N] {
 ///
 /// Cost: 86 multiplications, 69 additions, 2 divisions, 6 function calls (2 `sin_cos`, 4 other).
 ///
-/// M = Lᵀ D L along the branches of the tree (Featherstone 2005) was cheaper than articulated bodies.
+/// The factorization M = Lᵀ D L (Featherstone 2005) needed fewer operations than articulated bodies.
 #[must_use]
 pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let ([sin_elbow, sin_quill_turn], [cos_elbow, cos_quill_turn]) = math::sin_cos_2(
@@ -721,7 +721,7 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
-/// Composite bodies with pairs of joints in link frames were cheapest.
+/// Composite bodies with pairs of joints in link frames needed the fewest operations.
 #[inline]
 #[must_use]
 pub fn inverse_dynamics_derivatives(
@@ -736,7 +736,7 @@ pub fn inverse_dynamics_derivatives(
     (b_u, d_dy, d_dv)
 }
 
-/// `inverse_dynamics_derivatives` with its results written in place; their previous values are not read.
+/// Computes `inverse_dynamics_derivatives` in place. Previous values of the results are not read.
 pub fn inverse_dynamics_derivatives_into(
     y: &[f64; N],
     v: &[f64; N],
@@ -1072,7 +1072,7 @@ pub fn inverse_dynamics_derivatives_into(
     d_dv[2][1] = t269;
 }
 
-/// Structure of `A_y`: `false` where the entry is zero in every state; 10 of 25 are not.
+/// Structure of `A_y`: `false` for entries that are zero in every state; 10 of 25 entries are `true`.
 pub const A_Y_NONZERO: [[bool; 5]; 5] = [
     [false, true, true, false, false],
     [false, true, true, false, false],
@@ -1081,7 +1081,7 @@ pub const A_Y_NONZERO: [[bool; 5]; 5] = [
     [false, true, true, false, false],
 ];
 
-/// Structure of `A_v`: `false` where the entry is zero in every state; 25 of 25 are not.
+/// Structure of `A_v`: `false` for entries that are zero in every state; 25 of 25 entries are `true`.
 pub const A_V_NONZERO: [[bool; 5]; 5] = [
     [true, true, true, true, true],
     [true, true, true, true, true],
@@ -1090,7 +1090,7 @@ pub const A_V_NONZERO: [[bool; 5]; 5] = [
     [true, true, true, true, true],
 ];
 
-/// Structure of `B_x`: `false` where the entry is zero in every state; 25 of 25 are not.
+/// Structure of `B_x`: `false` for entries that are zero in every state; 25 of 25 entries are `true`.
 pub const B_X_NONZERO: [[bool; 5]; 5] = [
     [true, true, true, true, true],
     [true, true, true, true, true],
@@ -1115,7 +1115,7 @@ pub const B_X_NONZERO: [[bool; 5]; 5] = [
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
-/// Composite bodies with pairs of joints in link frames were cheapest.
+/// Composite bodies with pairs of joints in link frames needed the fewest operations.
 #[inline]
 #[must_use]
 #[allow(
@@ -1135,7 +1135,7 @@ pub fn linearize(
     (a_y, a_v, b_x, c)
 }
 
-/// `linearize` with its results written in place; their previous values are not read.
+/// Computes `linearize` in place. Previous values of the results are not read.
 pub fn linearize_into(
     y: &[f64; N],
     v: &[f64; N],
@@ -2042,24 +2042,24 @@ pub fn linearize_into(
     c[3] = t814;
 }
 
-/// Elementary functions that give the same bits on every platform.
+/// Elementary functions whose results have the same bits on every platform.
 #[allow(
     clippy::approx_constant,
     clippy::excessive_precision,
     reason = "coefficients and parts of π are not those constants"
 )]
 mod math {
-    // Sine and cosine in one pass, without branches below 1e5, tables or fused operations: the same bits on every platform.
+    // Sine and cosine in one pass, without branches up to 1e5, tables or fused operations. Bits are reproducible.
     //
-    // x = n π/2 + hi − low with |hi| ≤ π/4, π/2 in three parts (Cody and Waite, Software Manual for the Elementary
-    // Functions, 1980, ch. 8); beyond 1e5 by the bits of 2/π (Payne and Hanek, SIGNUM Newsletter 18, 1983). Then minimax
-    // polynomials (Remez exchange, minimax.py). Error below 0.9 ulp for every finite x (0.80 seen); NaN for NaN and ±∞;
-    // sin −0 = −0.
+    // The angle is reduced to x = n π/2 + hi − low with |hi| ≤ π/4. Up to 1e5, π/2 is used in three parts (Cody
+    // and Waite, Software Manual for the Elementary Functions, 1980, ch. 8). Above 1e5, the bits of 2/π are used
+    // (Payne and Hanek, SIGNUM Newsletter 18, 1983). Minimax polynomials follow (Remez exchange, minimax.py). The
+    // error is below 0.9 ulp for every finite x (measured: 0.80). NaN and ±∞ give NaN, and sin −0 is −0.
 
-    /// Largest angle of the fast path: `n π/2` is exact in the first two parts up to here.
+    /// Largest angle of the fast path. Up to this angle, `n π/2` is exact in the first two parts.
     const LARGEST_DIRECT_ANGLE: f64 = 1.0e5;
 
-    /// `(sin x, cos x)` with an error below 0.9 ulp each.
+    /// Returns `(sin x, cos x)`, each with an error below 0.9 ulp.
     #[inline(always)]
     pub fn sin_cos(x: f64) -> (f64, f64) {
         if x.abs() <= LARGEST_DIRECT_ANGLE {
@@ -2069,7 +2069,7 @@ mod math {
         }
     }
 
-    /// `|x| ≤ 1e5`. The first difference is exact, the second one keeps its rounding error (Fast2Sum).
+    /// Sine and cosine for `|x| ≤ 1e5`. The first difference is exact. Fast2Sum keeps the error of the second.
     #[inline(always)]
     fn sin_cos_direct(x: f64) -> (f64, f64) {
         const HALF_PI: [f64; 3] = [
@@ -2088,7 +2088,7 @@ mod math {
         sin_cos_quarter(hi, low, shifted.to_bits())
     }
 
-    /// Sine and cosine of `hi − low + quadrant π/2`, where `|hi| ≤ π/4` and `low` is of the size of its rounding error.
+    /// Sine and cosine of `hi − low + quadrant π/2` with `|hi| ≤ π/4`. `low` is a rounding error of `hi`.
     #[inline(always)]
     fn sin_cos_quarter(hi: f64, low: f64, quadrant: u64) -> (f64, f64) {
         let z = hi * hi;
@@ -2107,7 +2107,8 @@ mod math {
         in_quadrant(sin, cos, quadrant)
     }
 
-    /// Sine and cosine of an angle turned by `quadrant` quarters, from those of the angle; the last two bits count.
+    /// Sine and cosine of an angle after a rotation by `quadrant` quarter turns, from the sine and cosine of the
+    /// angle. Only the last two bits of `quadrant` are used.
     #[inline(always)]
     fn in_quadrant(sin: f64, cos: f64, quadrant: u64) -> (f64, f64) {
         let exchange = (sin.to_bits() ^ cos.to_bits()) & (quadrant & 1).wrapping_neg();
@@ -2119,11 +2120,11 @@ mod math {
         )
     }
 
-    /// `|x| > 1e5`, or not a number: `x · 2/π` modulo 4 from the bits of 2/π that matter, in integers.
+    /// Sine and cosine for `|x| > 1e5` or NaN. `x · 2/π` modulo 4 is computed in integers from bits of 2/π.
     #[cold]
     #[inline(never)]
     fn sin_cos_large(x: f64) -> (f64, f64) {
-        // One zero word, then the first 1216 bits of 2/π.
+        // A zero word, then the first 1216 bits of 2/π.
         const TWO_OVER_PI: [u64; 20] = [
             0x0000000000000000,
             0xa2f9836e4e441529,
@@ -2150,7 +2151,7 @@ mod math {
         if !x.is_finite() {
             return (f64::NAN, f64::NAN);
         }
-        // |x| = mantissa · 2^exponent; bits of 2/π before `start` give multiples of 4.
+        // |x| = mantissa · 2^exponent. The bits of 2/π before `start` only add multiples of 4.
         let exponent = (x.abs().to_bits() >> 52).wrapping_sub(1075);
         let mantissa = u128::from(x.to_bits() & ((1 << 52) - 1) | 1 << 52);
         let start = exponent.wrapping_add(62);
@@ -2164,7 +2165,7 @@ mod math {
         let low = mantissa * bits(2);
         let middle = mantissa * bits(1) + (low >> 64);
         let high = mantissa.wrapping_mul(bits(0)).wrapping_add(middle >> 64);
-        // x · 2/π = (turns modulo 4) / 2^126: two bits of quadrant, then the fraction, taken to [−1/2, 1/2).
+        // x · 2/π = (turns modulo 4) / 2^126. Two bits are the quadrant. The others are a fraction in [−1/2, 1/2).
         let turns = high << 64 | middle & u128::from(u64::MAX);
         let quadrant = ((turns >> 126) + (turns >> 125 & 1)) as u64;
         let fraction = (turns << 2) as i128;
@@ -2178,9 +2179,9 @@ mod math {
         (if x < 0.0 { -sin } else { sin }, cos)
     }
 
-    // Sine and cosine of several angles at once (after sin_cos.rs): the loop has no branch, so it becomes SIMD code.
+    // Sine and cosine of several angles at once (after sin_cos.rs): a loop without branches, for SIMD.
 
-    /// `(sin xᵢ, cos xᵢ)`, the same bits as [`sin_cos`] of each.
+    /// Returns all `sin xᵢ`, then all `cos xᵢ`, bit-identical to [`sin_cos`] of each angle.
     #[inline(always)]
     pub fn sin_cos_array<const L: usize>(x: [f64; L]) -> ([f64; L], [f64; L]) {
         let (mut sin, mut cos, mut all_direct) = ([0.0; L], [0.0; L], true);
@@ -2202,19 +2203,20 @@ mod math {
         (pairs.map(|pair| pair.0), pairs.map(|pair| pair.1))
     }
 
-    // Sine and cosine of 2 angles that arrive in registers (after sin_cos_array.rs).
-    // Never inlined: among scalar code the compiler would undo the lanes.
+    // Sine and cosine of 2 angles in registers. If it were inlined, the compiler would undo its SIMD code.
 
-    /// Sines and cosines of 2 angles, the same bits as [`sin_cos`] of each.
+    /// Sines and cosines of 2 angles, bit-identical to [`sin_cos`] of each angle.
     #[inline(never)]
     pub fn sin_cos_2(a: f64, b: f64) -> ([f64; 2], [f64; 2]) {
         sin_cos_array([a, b])
     }
 
-    // What exp.rs and tanh.rs share: x = k ln 2 + r with |r| ≤ ln 2 / 2, ln 2 in two parts (Cody and Waite, Software Manual
-    // for the Elementary Functions, 1980, ch. 6), then a minimax polynomial (Remez exchange, minimax.py).
+    // Common part of exp.rs and tanh.rs. The argument is reduced to x = k ln 2 + r with |r| ≤ ln 2 / 2 and ln 2
+    // in two parts (Cody and Waite, Software Manual for the Elementary Functions, 1980, ch. 6). A minimax
+    // polynomial follows (Remez exchange, minimax.py).
 
-    /// `exp x = (hi + low) 2^k` with `|low| < 0.08`; `k` wraps around zero.
+    /// Returns hi, low and k with `exp x = (hi + low) 2^k` and `|low| < 0.08`. A negative `k` is in two's
+    /// complement.
     #[inline(always)]
     fn exp_reduced(x: f64) -> (f64, f64, u64) {
         const LN_2: [f64; 2] = [0.6931471805598903, 5.497923018708371e-14];
@@ -2242,11 +2244,12 @@ mod math {
 
     // Hyperbolic tangent (after exp_reduced.rs), without branches, tables or fused operations.
     //
-    // |x| < 0.625: x − x³ P(x²)/Q(x²), the eighth convergent of Lambert's continued fraction x/(1 + x²/(3 + x²/(5 + …)))
-    // (Lambert 1761), whose coefficients are integers. Beyond: 1 − 2/(exp 2x + 1). Both share the division.
-    // Error below 1 ulp (0.86 seen); ±1 exactly from |x| = 19.07 on; tanh −0 = −0; NaN for NaN.
+    // For |x| < 0.625 it is x − x³ P(x²)/Q(x²), the eighth convergent of Lambert's continued fraction x/(1 +
+    // x²/(3 + x²/(5 + …))) (Lambert 1761), whose coefficients are integers. For larger |x| it is 1 − 2/(exp 2x +
+    // 1). Both cases share the division. The error is below 1 ulp (measured: 0.86). The result is exactly ±1 from
+    // |x| = 19.07 on, tanh −0 is −0, and tanh NaN is NaN.
 
-    /// `tanh x` with an error below 1 ulp. Its derivative is `1 − tanh² x`.
+    /// Hyperbolic tangent `tanh x` with an error below 1 ulp. Its derivative is `1 − tanh² x`.
     #[inline(always)]
     pub fn tanh(x: f64) -> f64 {
         let size = x.abs();
@@ -2259,7 +2262,7 @@ mod math {
         let power = f64::from_bits(k.wrapping_add(1023) << 52);
         let exp = hi + low;
         let sum = exp * power + 1.0;
-        // What `sum` lacks: the rounding errors of both additions.
+        // The rounding errors of both additions in `sum`.
         let missing = (1.0 - (sum - exp * power)) + ((hi - exp) + low) * power;
         let quotient = (if small { size * z * p } else { 2.0 }) / if small { q } else { sum };
         let correction = if small {

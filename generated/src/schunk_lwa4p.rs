@@ -28,7 +28,7 @@ pub const JOINT_NAMES: [&str; N] = [
 /// Units of the coordinates: `rad` or `m`.
 pub const JOINT_UNITS: [&str; N] = ["rad", "rad", "rad", "rad", "rad", "rad"];
 
-/// Units of the forces at the joints, as those of `inverse_dynamics`: `N m` or `N`.
+/// Units of the forces at the joints, for example of the results of `inverse_dynamics`: `N m` or `N`.
 pub const EFFORT_UNITS: [&str; N] = ["N m", "N m", "N m", "N m", "N m", "N m"];
 
 /// Names of the inputs.
@@ -50,7 +50,7 @@ pub const INPUT_JOINTS: [usize; M] = [0, 1, 2, 3, 4, 5];
 /// Names of the frames.
 pub const FRAME_NAMES: [&str; 1] = ["flange"];
 
-/// Lowest and highest position of each joint (rad or m); infinite where not described.
+/// Lowest and highest position of each joint (rad or m); infinite if not described.
 pub const POSITION_LIMITS: [[f64; 2]; N] = [
     [f64::NEG_INFINITY, f64::INFINITY],
     [f64::NEG_INFINITY, f64::INFINITY],
@@ -60,7 +60,7 @@ pub const POSITION_LIMITS: [[f64; 2]; N] = [
     [f64::NEG_INFINITY, f64::INFINITY],
 ];
 
-/// Highest speed of each joint (rad/s or m/s); infinite where not described.
+/// Highest speed of each joint (rad/s or m/s); infinite if not described.
 pub const VELOCITY_LIMITS: [f64; N] = [
     f64::INFINITY,
     f64::INFINITY,
@@ -70,7 +70,7 @@ pub const VELOCITY_LIMITS: [f64; N] = [
     f64::INFINITY,
 ];
 
-/// Nominal force at each joint (N m or N); infinite where not described.
+/// Nominal force at each joint (N m or N); infinite if not described.
 pub const EFFORT_LIMITS: [f64; N] = [
     f64::INFINITY,
     f64::INFINITY,
@@ -80,7 +80,7 @@ pub const EFFORT_LIMITS: [f64; N] = [
     f64::INFINITY,
 ];
 
-/// Peak force at each joint (N m or N); the nominal one where no peak is described.
+/// Peak force at each joint (N m or N); the nominal force if no peak is described.
 pub const PEAK_EFFORT_LIMITS: [f64; N] = [
     f64::INFINITY,
     f64::INFINITY,
@@ -90,8 +90,8 @@ pub const PEAK_EFFORT_LIMITS: [f64; N] = [
     f64::INFINITY,
 ];
 
-/// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite where
-/// not described. `EFFORT_LIMITS` at the joint also applies.
+/// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite if not
+/// described. `EFFORT_LIMITS` at the joint also applies.
 pub const INPUT_LIMITS: [f64; M] = [
     f64::INFINITY,
     f64::INFINITY,
@@ -102,7 +102,7 @@ pub const INPUT_LIMITS: [f64; M] = [
 ];
 
 /// Largest magnitude of each input that its motor bears for a short time, in the unit of the input; the nominal
-/// one where no peak is described.
+/// magnitude if no peak is described.
 pub const PEAK_INPUT_LIMITS: [f64; M] = [
     f64::INFINITY,
     f64::INFINITY,
@@ -112,10 +112,10 @@ pub const PEAK_INPUT_LIMITS: [f64; M] = [
     f64::INFINITY,
 ];
 
-/// Gear ratio of each drive: motor angle over joint angle.
+/// Gear ratio of each drive: motor angle divided by joint angle.
 pub const GEAR_RATIOS: [f64; M] = [160.0, 160.0, 160.0, 160.0, 100.0, 100.0];
 
-/// Axial inertia of each rotor, on its own side of the gear (kg m²).
+/// Axial inertia of each rotor, on the motor side of the gear (kg m²).
 pub const ROTOR_INERTIAS: [f64; M] = [
     5.23e-5,
     5.23e-5,
@@ -125,8 +125,8 @@ pub const ROTOR_INERTIAS: [f64; M] = [
     1.7e-5,
 ];
 
-/// Pairs of coordinates i, j: friction at i may jump where velocity j changes its sign, because a law has an
-/// exact `sign`.
+/// Pairs of coordinates i, j: friction at i may jump if velocity j changes its sign, because a law has an exact
+/// `sign`.
 pub const FRICTION_JUMPS: [[usize; 2]; 6] = [
     [0, 0],
     [1, 1],
@@ -153,7 +153,7 @@ pub const FUNCTIONS: [&str; 10] = [
     "inertial_regressor",
 ];
 
-/// Structure of `M`: `false` where the entry is zero in every state; 34 of 36 are not.
+/// Structure of `M`: `false` for entries that are zero in every state; 34 of 36 entries are `true`.
 pub const MASS_MATRIX_NONZERO: [[bool; 6]; 6] = [
     [true, true, true, true, true, true],
     [true, true, true, true, true, true],
@@ -182,7 +182,7 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     m
 }
 
-/// `mass_matrix` with its results written in place; their previous values are not read.
+/// Computes `mass_matrix` in place. Previous values of the results are not read.
 #[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
 pub fn mass_matrix_into(y: &[f64; N], m: &mut [[f64; N]; N]) {
     m[4][5] = 0.0;
@@ -393,7 +393,7 @@ pub fn mass_matrix_into(y: &[f64; N], m: &mut [[f64; N]; N]) {
 ///
 /// - `y: [N]`: coordinates: `joint_1`, `joint_2`, `joint_3`, `joint_4`, `joint_5`, `joint_6` in rad
 /// - `v: [N]`: velocities ẏ: `joint_1`, `joint_2`, `joint_3`, `joint_4`, `joint_5`, `joint_6` in rad/s
-/// - returns `k: [N]`: on the left-hand side: without gravity, springs and friction
+/// - returns `k: [N]`: on the left-hand side, without gravity, springs and friction
 ///
 /// Cost: 148 multiplications, 123 additions, 0 divisions, 5 function calls (`sin_cos`).
 ///
@@ -699,12 +699,12 @@ pub fn coriolis_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
     ]
 }
 
-/// Gravity's share of the applied forces.
+/// Generalized forces of gravity, a part of the applied forces q.
 ///
 /// `q = gravity_forces + spring_forces − friction_torques`
 ///
 /// - `y: [N]`: coordinates: `joint_1`, `joint_2`, `joint_3`, `joint_4`, `joint_5`, `joint_6` in rad
-/// - returns `q_gravity: [N]`: positive where gravity drives the joint forwards; −∂V/∂y
+/// - returns `q_gravity: [N]`: a positive force acts in the positive direction of the joint; equals −∂V/∂y
 ///
 /// Cost: 20 multiplications, 11 additions, 0 divisions, 4 function calls (`sin_cos`).
 #[inline]
@@ -764,13 +764,13 @@ pub fn gravity_forces(y: &[f64; N]) -> [f64; N] {
     ]
 }
 
-/// Springs' and dampers' share of the applied forces.
+/// Generalized forces of springs and dampers, a part of the applied forces q.
 ///
 /// `q = gravity_forces + spring_forces − friction_torques`
 ///
 /// - `y: [N]`: coordinates: `joint_1`, `joint_2`, `joint_3`, `joint_4`, `joint_5`, `joint_6` in rad
 /// - `v: [N]`: velocities ẏ: `joint_1`, `joint_2`, `joint_3`, `joint_4`, `joint_5`, `joint_6` in rad/s
-/// - returns `q_springs: [N]`: positive where a spring drives the joint forwards
+/// - returns `q_springs: [N]`: a positive force acts in the positive direction of the joint
 ///
 /// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
 #[inline]
@@ -786,12 +786,12 @@ pub fn spring_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
 /// `q = gravity_forces + spring_forces − friction_torques`
 ///
 /// - `v: [N]`: velocities ẏ: `joint_1`, `joint_2`, `joint_3`, `joint_4`, `joint_5`, `joint_6` in rad/s
-/// - returns `τ: [N]`: positive for positive velocity, at the joint
+/// - returns `τ: [N]`: friction at the joint, positive for positive velocity
 ///
 /// Cost: 12 multiplications, 6 additions, 0 divisions, 0 function calls, 6 selections.
 ///
-/// `sign` is exact: it jumps at zero, and its derivative is taken as zero everywhere. `--smooth-sign SLOPE`, or
-/// `smooth_sign` in the description, makes it `tanh(SLOPE v)`.
+/// `sign` is exact: it jumps at zero, and its derivative is set to zero everywhere. `--smooth-sign SLOPE`, or
+/// `smooth_sign` in the description, replaces it by `tanh(SLOPE v)`.
 #[inline]
 #[must_use]
 pub fn friction_torques(v: &[f64; N]) -> [f64; N] {
@@ -826,7 +826,7 @@ pub fn friction_torques(v: &[f64; N]) -> [f64; N] {
 ///
 /// `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u`
 ///
-/// - returns `B: [N × M]`: gear ratios, times motor constants where inputs are currents
+/// - returns `B: [N × M]`: gear ratios, times motor constants for inputs that are currents
 ///
 /// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
 #[inline]
@@ -837,7 +837,7 @@ pub fn input_matrix() -> [[f64; M]; N] {
     b
 }
 
-/// `input_matrix` with its results written in place; their previous values are not read.
+/// Computes `input_matrix` in place. Previous values of the results are not read.
 pub fn input_matrix_into(b: &mut [[f64; M]; N]) {
     b[0][0] = 160.0;
     b[0][1] = 0.0;
@@ -877,21 +877,21 @@ pub fn input_matrix_into(b: &mut [[f64; M]; N]) {
     b[5][5] = 100.0;
 }
 
-/// Inverse dynamics: the joint forces of a motion.
+/// Inverse dynamics: the drive forces that produce a motion.
 ///
 /// `M(y) ÿ + k(y, ẏ) − q(y, ẏ)`
 ///
 /// - `y: [N]`: coordinates: `joint_1`, `joint_2`, `joint_3`, `joint_4`, `joint_5`, `joint_6` in rad
 /// - `v: [N]`: velocities ẏ: `joint_1`, `joint_2`, `joint_3`, `joint_4`, `joint_5`, `joint_6` in rad/s
 /// - `a: [N]`: accelerations ÿ: `joint_1`, `joint_2`, `joint_3`, `joint_4`, `joint_5`, `joint_6` in rad/s²
-/// - returns `B u: [N]`: drive forces at the joints; u\_ff = B⁻¹ times these
+/// - returns `B u: [N]`: drive forces at the joints; the feedforward inputs are u\_ff = B⁻¹ (B u)
 ///
 /// Cost: 186 multiplications, 163 additions, 0 divisions, 5 function calls (`sin_cos`), 6 selections.
 ///
 /// Recursive Newton–Euler equations (Luh, Walker and Paul 1980) with base parameters.
 ///
-/// `sign` is exact: it jumps at zero, and its derivative is taken as zero everywhere. `--smooth-sign SLOPE`, or
-/// `smooth_sign` in the description, makes it `tanh(SLOPE v)`.
+/// `sign` is exact: it jumps at zero, and its derivative is set to zero everywhere. `--smooth-sign SLOPE`, or
+/// `smooth_sign` in the description, replaces it by `tanh(SLOPE v)`.
 #[must_use]
 pub fn inverse_dynamics(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [f64; N] {
     let angle_joint_2_joint_3 = y[1] - y[2];
@@ -1279,10 +1279,10 @@ pub fn inverse_dynamics(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [f64; N] {
 ///
 /// Cost: 310 multiplications, 266 additions, 5 divisions, 5 function calls (`sin_cos`), 6 selections.
 ///
-/// M = Lᵀ D L along the branches of the tree (Featherstone 2005) was cheaper than articulated bodies.
+/// The factorization M = Lᵀ D L (Featherstone 2005) needed fewer operations than articulated bodies.
 ///
-/// `sign` is exact: it jumps at zero, and its derivative is taken as zero everywhere. `--smooth-sign SLOPE`, or
-/// `smooth_sign` in the description, makes it `tanh(SLOPE v)`.
+/// `sign` is exact: it jumps at zero, and its derivative is set to zero everywhere. `--smooth-sign SLOPE`, or
+/// `smooth_sign` in the description, replaces it by `tanh(SLOPE v)`.
 #[must_use]
 #[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
 pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
@@ -1893,10 +1893,10 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     [t597, t566, t571, t578, t587, t598]
 }
 
-/// Inertial parameters π, the columns of `inertial_regressor`. For each link, in the order of the coordinates and
-/// in the link's frame of the description, with all that is fixed to it: mass m (kg), first moments mcx, mcy, mcz
-/// (kg m), and Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the frame's origin (kg m²), entries of the matrix (Ixy = −∫ x y
-/// dm). Then J, the axial inertia of the rotor of each drive that has one (kg m²).
+/// Inertial parameters π, the columns of `inertial_regressor`. The parameters of each link, in the order of the
+/// coordinates, include all bodies fixed to the link and are in the link's frame of the description. They are the
+/// mass m (kg), first moments mcx, mcy, mcz (kg m), and the entries Ixx, Ixy, Iyy, Ixz, Iyz, Izz of the inertia
+/// matrix about the frame's origin (kg m²) (Ixy = −∫ x y dm). Axial inertias J of rotors (kg m²) follow.
 pub const INERTIAL_PARAMETER_NAMES: [&str; 66] = [
     "m_joint_1",
     "mcx_joint_1",
@@ -1966,7 +1966,7 @@ pub const INERTIAL_PARAMETER_NAMES: [&str; 66] = [
     "J_joint_6",
 ];
 
-/// Inertial parameters `π` of links and rotors as described.
+/// Inertial parameters `π` of links and rotors in the description.
 ///
 /// `W(y, ẏ, ÿ) π = M ÿ + k − q_gravity`
 ///
@@ -1981,7 +1981,7 @@ pub fn inertial_parameters() -> [f64; 66] {
     pi
 }
 
-/// `inertial_parameters` with its results written in place; their previous values are not read.
+/// Computes `inertial_parameters` in place. Previous values of the results are not read.
 pub fn inertial_parameters_into(pi: &mut [f64; 66]) {
     pi[0] = 3.9;
     pi[1] = 0.0;
@@ -2058,13 +2058,13 @@ pub fn inertial_parameters_into(pi: &mut [f64; 66]) {
 /// - `y: [N]`: coordinates: `joint_1`, `joint_2`, `joint_3`, `joint_4`, `joint_5`, `joint_6` in rad
 /// - `v: [N]`: velocities ẏ: `joint_1`, `joint_2`, `joint_3`, `joint_4`, `joint_5`, `joint_6` in rad/s
 /// - `a: [N]`: accelerations ÿ: `joint_1`, `joint_2`, `joint_3`, `joint_4`, `joint_5`, `joint_6` in rad/s²
-/// - returns `W: [N × 66]`: rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; those of
+/// - returns `W: [N × 66]`: rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; columns of
 ///   rotors are last
 ///
 /// Cost: 544 multiplications, 418 additions, 0 divisions, 5 function calls (`sin_cos`).
 ///
-/// The inverse dynamics are `W π + τ − springs`, with friction τ and the springs' forces. Independent of the
-/// described inertias (Atkeson, An and Hollerbach 1986).
+/// The inverse dynamics are `W π + τ − springs`, with friction τ and the springs' forces. W does not depend on
+/// the described inertias (Atkeson, An and Hollerbach 1986).
 #[inline]
 #[must_use]
 #[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
@@ -2074,7 +2074,7 @@ pub fn inertial_regressor(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [[f64; 66
     w
 }
 
-/// `inertial_regressor` with its results written in place; their previous values are not read.
+/// Computes `inertial_regressor` in place. Previous values of the results are not read.
 #[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
 pub fn inertial_regressor_into(
     y: &[f64; N],
@@ -3660,24 +3660,24 @@ fn sign(x: f64) -> f64 {
     if x == 0.0 { 0.0 } else { x.signum() }
 }
 
-/// Elementary functions that give the same bits on every platform.
+/// Elementary functions whose results have the same bits on every platform.
 #[allow(
     clippy::approx_constant,
     clippy::excessive_precision,
     reason = "coefficients and parts of π are not those constants"
 )]
 mod math {
-    // Sine and cosine in one pass, without branches below 1e5, tables or fused operations: the same bits on every platform.
+    // Sine and cosine in one pass, without branches up to 1e5, tables or fused operations. Bits are reproducible.
     //
-    // x = n π/2 + hi − low with |hi| ≤ π/4, π/2 in three parts (Cody and Waite, Software Manual for the Elementary
-    // Functions, 1980, ch. 8); beyond 1e5 by the bits of 2/π (Payne and Hanek, SIGNUM Newsletter 18, 1983). Then minimax
-    // polynomials (Remez exchange, minimax.py). Error below 0.9 ulp for every finite x (0.80 seen); NaN for NaN and ±∞;
-    // sin −0 = −0.
+    // The angle is reduced to x = n π/2 + hi − low with |hi| ≤ π/4. Up to 1e5, π/2 is used in three parts (Cody
+    // and Waite, Software Manual for the Elementary Functions, 1980, ch. 8). Above 1e5, the bits of 2/π are used
+    // (Payne and Hanek, SIGNUM Newsletter 18, 1983). Minimax polynomials follow (Remez exchange, minimax.py). The
+    // error is below 0.9 ulp for every finite x (measured: 0.80). NaN and ±∞ give NaN, and sin −0 is −0.
 
-    /// Largest angle of the fast path: `n π/2` is exact in the first two parts up to here.
+    /// Largest angle of the fast path. Up to this angle, `n π/2` is exact in the first two parts.
     const LARGEST_DIRECT_ANGLE: f64 = 1.0e5;
 
-    /// `(sin x, cos x)` with an error below 0.9 ulp each.
+    /// Returns `(sin x, cos x)`, each with an error below 0.9 ulp.
     #[inline(always)]
     pub fn sin_cos(x: f64) -> (f64, f64) {
         if x.abs() <= LARGEST_DIRECT_ANGLE {
@@ -3687,7 +3687,7 @@ mod math {
         }
     }
 
-    /// `|x| ≤ 1e5`. The first difference is exact, the second one keeps its rounding error (Fast2Sum).
+    /// Sine and cosine for `|x| ≤ 1e5`. The first difference is exact. Fast2Sum keeps the error of the second.
     #[inline(always)]
     fn sin_cos_direct(x: f64) -> (f64, f64) {
         const HALF_PI: [f64; 3] = [
@@ -3706,7 +3706,7 @@ mod math {
         sin_cos_quarter(hi, low, shifted.to_bits())
     }
 
-    /// Sine and cosine of `hi − low + quadrant π/2`, where `|hi| ≤ π/4` and `low` is of the size of its rounding error.
+    /// Sine and cosine of `hi − low + quadrant π/2` with `|hi| ≤ π/4`. `low` is a rounding error of `hi`.
     #[inline(always)]
     fn sin_cos_quarter(hi: f64, low: f64, quadrant: u64) -> (f64, f64) {
         let z = hi * hi;
@@ -3725,7 +3725,8 @@ mod math {
         in_quadrant(sin, cos, quadrant)
     }
 
-    /// Sine and cosine of an angle turned by `quadrant` quarters, from those of the angle; the last two bits count.
+    /// Sine and cosine of an angle after a rotation by `quadrant` quarter turns, from the sine and cosine of the
+    /// angle. Only the last two bits of `quadrant` are used.
     #[inline(always)]
     fn in_quadrant(sin: f64, cos: f64, quadrant: u64) -> (f64, f64) {
         let exchange = (sin.to_bits() ^ cos.to_bits()) & (quadrant & 1).wrapping_neg();
@@ -3737,11 +3738,11 @@ mod math {
         )
     }
 
-    /// `|x| > 1e5`, or not a number: `x · 2/π` modulo 4 from the bits of 2/π that matter, in integers.
+    /// Sine and cosine for `|x| > 1e5` or NaN. `x · 2/π` modulo 4 is computed in integers from bits of 2/π.
     #[cold]
     #[inline(never)]
     fn sin_cos_large(x: f64) -> (f64, f64) {
-        // One zero word, then the first 1216 bits of 2/π.
+        // A zero word, then the first 1216 bits of 2/π.
         const TWO_OVER_PI: [u64; 20] = [
             0x0000000000000000,
             0xa2f9836e4e441529,
@@ -3768,7 +3769,7 @@ mod math {
         if !x.is_finite() {
             return (f64::NAN, f64::NAN);
         }
-        // |x| = mantissa · 2^exponent; bits of 2/π before `start` give multiples of 4.
+        // |x| = mantissa · 2^exponent. The bits of 2/π before `start` only add multiples of 4.
         let exponent = (x.abs().to_bits() >> 52).wrapping_sub(1075);
         let mantissa = u128::from(x.to_bits() & ((1 << 52) - 1) | 1 << 52);
         let start = exponent.wrapping_add(62);
@@ -3782,7 +3783,7 @@ mod math {
         let low = mantissa * bits(2);
         let middle = mantissa * bits(1) + (low >> 64);
         let high = mantissa.wrapping_mul(bits(0)).wrapping_add(middle >> 64);
-        // x · 2/π = (turns modulo 4) / 2^126: two bits of quadrant, then the fraction, taken to [−1/2, 1/2).
+        // x · 2/π = (turns modulo 4) / 2^126. Two bits are the quadrant. The others are a fraction in [−1/2, 1/2).
         let turns = high << 64 | middle & u128::from(u64::MAX);
         let quadrant = ((turns >> 126) + (turns >> 125 & 1)) as u64;
         let fraction = (turns << 2) as i128;
@@ -3796,9 +3797,9 @@ mod math {
         (if x < 0.0 { -sin } else { sin }, cos)
     }
 
-    // Sine and cosine of several angles at once (after sin_cos.rs): the loop has no branch, so it becomes SIMD code.
+    // Sine and cosine of several angles at once (after sin_cos.rs): a loop without branches, for SIMD.
 
-    /// `(sin xᵢ, cos xᵢ)`, the same bits as [`sin_cos`] of each.
+    /// Returns all `sin xᵢ`, then all `cos xᵢ`, bit-identical to [`sin_cos`] of each angle.
     #[inline(always)]
     pub fn sin_cos_array<const L: usize>(x: [f64; L]) -> ([f64; L], [f64; L]) {
         let (mut sin, mut cos, mut all_direct) = ([0.0; L], [0.0; L], true);
@@ -3820,10 +3821,9 @@ mod math {
         (pairs.map(|pair| pair.0), pairs.map(|pair| pair.1))
     }
 
-    // Sine and cosine of 4 angles that arrive in registers (after sin_cos_array.rs).
-    // Never inlined: among scalar code the compiler would undo the lanes.
+    // Sine and cosine of 4 angles in registers. If it were inlined, the compiler would undo its SIMD code.
 
-    /// Sines and cosines of 4 angles, the same bits as [`sin_cos`] of each.
+    /// Sines and cosines of 4 angles, bit-identical to [`sin_cos`] of each angle.
     #[inline(never)]
     pub fn sin_cos_4(a: f64, b: f64, c: f64, d: f64) -> ([f64; 4], [f64; 4]) {
         sin_cos_array([a, b, c, d])

@@ -28,7 +28,7 @@ pub const JOINT_NAMES: [&str; N] = [
 /// Units of the coordinates: `rad` or `m`.
 pub const JOINT_UNITS: [&str; N] = ["rad", "rad", "rad", "rad", "rad", "rad"];
 
-/// Units of the forces at the joints, as those of `inverse_dynamics`: `N m` or `N`.
+/// Units of the forces at the joints, for example of the results of `inverse_dynamics`: `N m` or `N`.
 pub const EFFORT_UNITS: [&str; N] = ["N m", "N m", "N m", "N m", "N m", "N m"];
 
 /// Names of the inputs.
@@ -50,7 +50,7 @@ pub const INPUT_JOINTS: [usize; M] = [0, 1, 2, 3, 4, 5];
 /// Names of the frames.
 pub const FRAME_NAMES: [&str; 1] = ["tool"];
 
-/// Lowest and highest position of each joint (rad or m); infinite where not described.
+/// Lowest and highest position of each joint (rad or m); infinite if not described.
 #[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
 pub const POSITION_LIMITS: [[f64; 2]; N] = [
     [-6.28318530718, 6.28318530718],
@@ -61,17 +61,17 @@ pub const POSITION_LIMITS: [[f64; 2]; N] = [
     [-6.28318530718, 6.28318530718],
 ];
 
-/// Highest speed of each joint (rad/s or m/s); infinite where not described.
+/// Highest speed of each joint (rad/s or m/s); infinite if not described.
 pub const VELOCITY_LIMITS: [f64; N] = [3.15, 3.15, 3.15, 3.2, 3.2, 3.2];
 
-/// Nominal force at each joint (N m or N); infinite where not described.
+/// Nominal force at each joint (N m or N); infinite if not described.
 pub const EFFORT_LIMITS: [f64; N] = [150.0, 150.0, 150.0, 28.0, 28.0, 28.0];
 
-/// Peak force at each joint (N m or N); the nominal one where no peak is described.
+/// Peak force at each joint (N m or N); the nominal force if no peak is described.
 pub const PEAK_EFFORT_LIMITS: [f64; N] = [150.0, 150.0, 150.0, 28.0, 28.0, 28.0];
 
-/// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite where
-/// not described. `EFFORT_LIMITS` at the joint also applies.
+/// Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite if not
+/// described. `EFFORT_LIMITS` at the joint also applies.
 pub const INPUT_LIMITS: [f64; M] = [
     f64::INFINITY,
     f64::INFINITY,
@@ -82,7 +82,7 @@ pub const INPUT_LIMITS: [f64; M] = [
 ];
 
 /// Largest magnitude of each input that its motor bears for a short time, in the unit of the input; the nominal
-/// one where no peak is described.
+/// magnitude if no peak is described.
 pub const PEAK_INPUT_LIMITS: [f64; M] = [
     f64::INFINITY,
     f64::INFINITY,
@@ -92,14 +92,14 @@ pub const PEAK_INPUT_LIMITS: [f64; M] = [
     f64::INFINITY,
 ];
 
-/// Gear ratio of each drive: motor angle over joint angle.
+/// Gear ratio of each drive: motor angle divided by joint angle.
 pub const GEAR_RATIOS: [f64; M] = [1.0, 1.0, 1.0, 1.0, 1.0, 1.0];
 
-/// Axial inertia of each rotor, on its own side of the gear (kg m²).
+/// Axial inertia of each rotor, on the motor side of the gear (kg m²).
 pub const ROTOR_INERTIAS: [f64; M] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
 
-/// Pairs of coordinates i, j: friction at i may jump where velocity j changes its sign, because a law has an
-/// exact `sign`.
+/// Pairs of coordinates i, j: friction at i may jump if velocity j changes its sign, because a law has an exact
+/// `sign`.
 pub const FRICTION_JUMPS: [[usize; 2]; 0] = [];
 
 /// Gravitational acceleration in the base frame (m/s²).
@@ -138,7 +138,7 @@ pub const FUNCTIONS: [&str; 29] = [
     "step_derivatives",
 ];
 
-/// Structure of `M`: `false` where the entry is zero in every state; 34 of 36 are not.
+/// Structure of `M`: `false` for entries that are zero in every state; 34 of 36 entries are `true`.
 pub const MASS_MATRIX_NONZERO: [[bool; 6]; 6] = [
     [true, true, true, true, true, true],
     [true, true, true, true, true, true],
@@ -167,7 +167,7 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     m
 }
 
-/// `mass_matrix` with its results written in place; their previous values are not read.
+/// Computes `mass_matrix` in place. Previous values of the results are not read.
 pub fn mass_matrix_into(y: &[f64; N], m: &mut [[f64; N]; N]) {
     m[4][5] = 0.0;
     m[5][4] = 0.0;
@@ -329,7 +329,7 @@ pub fn mass_matrix_into(y: &[f64; N], m: &mut [[f64; N]; N]) {
 ///   `wrist_2_joint`, `wrist_3_joint` in rad
 /// - `v: [N]`: velocities ẏ: `shoulder_pan_joint`, `shoulder_lift_joint`, `elbow_joint`, `wrist_1_joint`,
 ///   `wrist_2_joint`, `wrist_3_joint` in rad/s
-/// - returns `k: [N]`: on the left-hand side: without gravity, springs and friction
+/// - returns `k: [N]`: on the left-hand side, without gravity, springs and friction
 ///
 /// Cost: 98 multiplications, 75 additions, 0 divisions, 5 function calls (`sin_cos`).
 ///
@@ -543,13 +543,13 @@ pub fn coriolis_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
     ]
 }
 
-/// Gravity's share of the applied forces.
+/// Generalized forces of gravity, a part of the applied forces q.
 ///
 /// `q = gravity_forces + spring_forces − friction_torques`
 ///
 /// - `y: [N]`: coordinates: `shoulder_pan_joint`, `shoulder_lift_joint`, `elbow_joint`, `wrist_1_joint`,
 ///   `wrist_2_joint`, `wrist_3_joint` in rad
-/// - returns `q_gravity: [N]`: positive where gravity drives the joint forwards; −∂V/∂y
+/// - returns `q_gravity: [N]`: a positive force acts in the positive direction of the joint; equals −∂V/∂y
 ///
 /// Cost: 3 multiplications, 4 additions, 0 divisions, 3 function calls (`sin_cos`).
 #[inline]
@@ -591,7 +591,7 @@ pub fn gravity_forces(y: &[f64; N]) -> [f64; N] {
     ]
 }
 
-/// Springs' and dampers' share of the applied forces.
+/// Generalized forces of springs and dampers, a part of the applied forces q.
 ///
 /// `q = gravity_forces + spring_forces − friction_torques`
 ///
@@ -599,7 +599,7 @@ pub fn gravity_forces(y: &[f64; N]) -> [f64; N] {
 ///   `wrist_2_joint`, `wrist_3_joint` in rad
 /// - `v: [N]`: velocities ẏ: `shoulder_pan_joint`, `shoulder_lift_joint`, `elbow_joint`, `wrist_1_joint`,
 ///   `wrist_2_joint`, `wrist_3_joint` in rad/s
-/// - returns `q_springs: [N]`: positive where a spring drives the joint forwards
+/// - returns `q_springs: [N]`: a positive force acts in the positive direction of the joint
 ///
 /// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
 #[inline]
@@ -616,7 +616,7 @@ pub fn spring_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
 ///
 /// - `v: [N]`: velocities ẏ: `shoulder_pan_joint`, `shoulder_lift_joint`, `elbow_joint`, `wrist_1_joint`,
 ///   `wrist_2_joint`, `wrist_3_joint` in rad/s
-/// - returns `τ: [N]`: positive for positive velocity, at the joint
+/// - returns `τ: [N]`: friction at the joint, positive for positive velocity
 ///
 /// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
 #[inline]
@@ -904,7 +904,7 @@ pub fn bias_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
 ///
 /// `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u`
 ///
-/// - returns `B: [N × M]`: gear ratios, times motor constants where inputs are currents
+/// - returns `B: [N × M]`: gear ratios, times motor constants for inputs that are currents
 ///
 /// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
 #[inline]
@@ -915,7 +915,7 @@ pub fn input_matrix() -> [[f64; M]; N] {
     b
 }
 
-/// `input_matrix` with its results written in place; their previous values are not read.
+/// Computes `input_matrix` in place. Previous values of the results are not read.
 pub fn input_matrix_into(b: &mut [[f64; M]; N]) {
     b[0][0] = 1.0;
     b[0][1] = 0.0;
@@ -983,7 +983,7 @@ pub fn equations_of_motion(
     (m, k, q)
 }
 
-/// `equations_of_motion` with its results written in place; their previous values are not read.
+/// Computes `equations_of_motion` in place. Previous values of the results are not read.
 pub fn equations_of_motion_into(
     y: &[f64; N],
     v: &[f64; N],
@@ -1335,7 +1335,7 @@ pub fn equations_of_motion_into(
     q[3] = minus_moment_wrist_1_joint_z_2;
 }
 
-/// Inverse dynamics: the joint forces of a motion.
+/// Inverse dynamics: the drive forces that produce a motion.
 ///
 /// `M(y) ÿ + k(y, ẏ) − q(y, ẏ)`
 ///
@@ -1345,7 +1345,7 @@ pub fn equations_of_motion_into(
 ///   `wrist_2_joint`, `wrist_3_joint` in rad/s
 /// - `a: [N]`: accelerations ÿ: `shoulder_pan_joint`, `shoulder_lift_joint`, `elbow_joint`, `wrist_1_joint`,
 ///   `wrist_2_joint`, `wrist_3_joint` in rad/s²
-/// - returns `B u: [N]`: drive forces at the joints; u\_ff = B⁻¹ times these
+/// - returns `B u: [N]`: drive forces at the joints; the feedforward inputs are u\_ff = B⁻¹ (B u)
 ///
 /// Cost: 127 multiplications, 108 additions, 0 divisions, 5 function calls (`sin_cos`).
 ///
@@ -1636,7 +1636,7 @@ pub fn inverse_dynamics(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [f64; N] {
 ///
 /// Cost: 196 multiplications, 177 additions, 5 divisions, 5 function calls (`sin_cos`).
 ///
-/// M = Lᵀ D L along the branches of the tree (Featherstone 2005) was cheaper than articulated bodies.
+/// The factorization M = Lᵀ D L (Featherstone 2005) needed fewer operations than articulated bodies.
 #[must_use]
 pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let angle_shoulder_lift_joint_elbow_joint = y[1] + y[2];
@@ -2057,7 +2057,7 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
 ///
 /// Cost: 141 multiplications, 113 additions, 0 divisions, 5 function calls (`sin_cos`).
 ///
-/// Common terms of both are computed once.
+/// Common terms are computed once.
 #[inline]
 #[must_use]
 pub fn mass_matrix_and_bias_forces(
@@ -2070,7 +2070,7 @@ pub fn mass_matrix_and_bias_forces(
     (m, b)
 }
 
-/// `mass_matrix_and_bias_forces` with its results written in place; their previous values are not read.
+/// Computes `mass_matrix_and_bias_forces` in place. Previous values of the results are not read.
 pub fn mass_matrix_and_bias_forces_into(
     y: &[f64; N],
     v: &[f64; N],
@@ -2427,7 +2427,7 @@ pub fn mass_matrix_and_bias_forces_into(
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
-/// Composite bodies with pairs of joints in link frames were cheapest.
+/// Composite bodies with pairs of joints in link frames needed the fewest operations.
 #[inline]
 #[must_use]
 pub fn inverse_dynamics_derivatives(
@@ -2442,7 +2442,7 @@ pub fn inverse_dynamics_derivatives(
     (b_u, d_dy, d_dv)
 }
 
-/// `inverse_dynamics_derivatives` with its results written in place; their previous values are not read.
+/// Computes `inverse_dynamics_derivatives` in place. Previous values of the results are not read.
 pub fn inverse_dynamics_derivatives_into(
     y: &[f64; N],
     v: &[f64; N],
@@ -3470,7 +3470,7 @@ pub fn inverse_dynamics_derivatives_into(
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
-/// Composite bodies with pairs of joints in link frames were cheapest.
+/// Composite bodies with pairs of joints in link frames needed the fewest operations.
 #[inline]
 #[must_use]
 #[allow(
@@ -3498,8 +3498,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     (b_u, d_dy, d_dv, m)
 }
 
-/// `inverse_dynamics_derivatives_and_mass_matrix` with its results written in place; their previous values are
-/// not read.
+/// Computes `inverse_dynamics_derivatives_and_mass_matrix` in place. Previous values of the results are not read.
 pub fn inverse_dynamics_derivatives_and_mass_matrix_into(
     y: &[f64; N],
     v: &[f64; N],
@@ -4591,7 +4590,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix_into(
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
-/// Composite bodies with pairs of joints in link frames were cheapest.
+/// Composite bodies with pairs of joints in link frames needed the fewest operations.
 #[inline]
 #[must_use]
 #[allow(
@@ -4619,7 +4618,7 @@ pub fn forward_dynamics_derivatives(
     (a, da_dy, da_dv, m_inverse)
 }
 
-/// `forward_dynamics_derivatives` with its results written in place; their previous values are not read.
+/// Computes `forward_dynamics_derivatives` in place. Previous values of the results are not read.
 pub fn forward_dynamics_derivatives_into(
     y: &[f64; N],
     v: &[f64; N],
@@ -6859,7 +6858,7 @@ pub fn forward_dynamics_derivatives_into(
     m_inverse[5][4] = t1907;
 }
 
-/// Structure of `A_y`: `false` where the entry is zero in every state; 30 of 36 are not.
+/// Structure of `A_y`: `false` for entries that are zero in every state; 30 of 36 entries are `true`.
 pub const A_Y_NONZERO: [[bool; 6]; 6] = [
     [false, true, true, true, true, true],
     [false, true, true, true, true, true],
@@ -6869,7 +6868,7 @@ pub const A_Y_NONZERO: [[bool; 6]; 6] = [
     [false, true, true, true, true, true],
 ];
 
-/// Structure of `A_v`: `false` where the entry is zero in every state; 36 of 36 are not.
+/// Structure of `A_v`: `false` for entries that are zero in every state; 36 of 36 entries are `true`.
 pub const A_V_NONZERO: [[bool; 6]; 6] = [
     [true, true, true, true, true, true],
     [true, true, true, true, true, true],
@@ -6879,7 +6878,7 @@ pub const A_V_NONZERO: [[bool; 6]; 6] = [
     [true, true, true, true, true, true],
 ];
 
-/// Structure of `B_x`: `false` where the entry is zero in every state; 36 of 36 are not.
+/// Structure of `B_x`: `false` for entries that are zero in every state; 36 of 36 entries are `true`.
 pub const B_X_NONZERO: [[bool; 6]; 6] = [
     [true, true, true, true, true, true],
     [true, true, true, true, true, true],
@@ -6908,7 +6907,7 @@ pub const B_X_NONZERO: [[bool; 6]; 6] = [
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
-/// Composite bodies with pairs of joints in link frames were cheapest.
+/// Composite bodies with pairs of joints in link frames needed the fewest operations.
 #[inline]
 #[must_use]
 #[allow(
@@ -6928,7 +6927,7 @@ pub fn linearize(
     (a_y, a_v, b_x, c)
 }
 
-/// `linearize` with its results written in place; their previous values are not read.
+/// Computes `linearize` in place. Previous values of the results are not read.
 pub fn linearize_into(
     y: &[f64; N],
     v: &[f64; N],
@@ -7161,7 +7160,7 @@ pub fn linearize_into(
     c[5] = t2111;
 }
 
-/// Part 1 of `linearize`: values that later parts read.
+/// Part 1 of `linearize`: returns values that later parts read.
 #[inline(always)]
 fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 85] {
     let angle_shoulder_lift_joint_elbow_joint = y[1] + y[2];
@@ -8851,7 +8850,7 @@ fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 85] {
     ]
 }
 
-/// Part 2 of `linearize`: values that later parts read.
+/// Part 2 of `linearize`: returns values that later parts read.
 #[inline(always)]
 fn linearize_part_2(
     y: &[f64; N],
@@ -9736,8 +9735,8 @@ pub fn kinetic_energy(y: &[f64; N], v: &[f64; N]) -> f64 {
 ///
 /// - `y: [N]`: coordinates: `shoulder_pan_joint`, `shoulder_lift_joint`, `elbow_joint`, `wrist_1_joint`,
 ///   `wrist_2_joint`, `wrist_3_joint` in rad
-/// - returns `V`: energy (J), of the moving bodies, zero with their masses at the height of the base frame;
-///   springs not included
+/// - returns `V`: energy (J) of the moving bodies without springs, 0 if the centre of mass is at the height of
+///   the base frame's origin
 ///
 /// Cost: 9 multiplications, 6 additions, 0 divisions, 3 function calls (`sin_cos`).
 #[inline]
@@ -9773,10 +9772,10 @@ pub fn potential_energy(y: &[f64; N]) -> f64 {
     -t20
 }
 
-/// Inertial parameters π, the columns of `inertial_regressor`. For each link, in the order of the coordinates and
-/// in the link's frame of the description, with all that is fixed to it: mass m (kg), first moments mcx, mcy, mcz
-/// (kg m), and Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the frame's origin (kg m²), entries of the matrix (Ixy = −∫ x y
-/// dm). Then J, the axial inertia of the rotor of each drive that has one (kg m²).
+/// Inertial parameters π, the columns of `inertial_regressor`. The parameters of each link, in the order of the
+/// coordinates, include all bodies fixed to the link and are in the link's frame of the description. They are the
+/// mass m (kg), first moments mcx, mcy, mcz (kg m), and the entries Ixx, Ixy, Iyy, Ixz, Iyz, Izz of the inertia
+/// matrix about the frame's origin (kg m²) (Ixy = −∫ x y dm). Axial inertias J of rotors (kg m²) follow.
 pub const INERTIAL_PARAMETER_NAMES: [&str; 60] = [
     "m_shoulder_pan_joint",
     "mcx_shoulder_pan_joint",
@@ -9840,7 +9839,7 @@ pub const INERTIAL_PARAMETER_NAMES: [&str; 60] = [
     "Izz_wrist_3_joint",
 ];
 
-/// Inertial parameters `π` of links and rotors as described.
+/// Inertial parameters `π` of links and rotors in the description.
 ///
 /// `W(y, ẏ, ÿ) π = M ÿ + k − q_gravity`
 ///
@@ -9855,7 +9854,7 @@ pub fn inertial_parameters() -> [f64; 60] {
     pi
 }
 
-/// `inertial_parameters` with its results written in place; their previous values are not read.
+/// Computes `inertial_parameters` in place. Previous values of the results are not read.
 pub fn inertial_parameters_into(pi: &mut [f64; 60]) {
     pi[0] = 3.7;
     pi[1] = 0.0;
@@ -9929,13 +9928,13 @@ pub fn inertial_parameters_into(pi: &mut [f64; 60]) {
 ///   `wrist_2_joint`, `wrist_3_joint` in rad/s
 /// - `a: [N]`: accelerations ÿ: `shoulder_pan_joint`, `shoulder_lift_joint`, `elbow_joint`, `wrist_1_joint`,
 ///   `wrist_2_joint`, `wrist_3_joint` in rad/s²
-/// - returns `W: [N × 60]`: rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; those of
+/// - returns `W: [N × 60]`: rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; columns of
 ///   rotors are last
 ///
 /// Cost: 454 multiplications, 366 additions, 0 divisions, 5 function calls (`sin_cos`).
 ///
-/// The inverse dynamics are `W π + τ − springs`, with friction τ and the springs' forces. Independent of the
-/// described inertias (Atkeson, An and Hollerbach 1986).
+/// The inverse dynamics are `W π + τ − springs`, with friction τ and the springs' forces. W does not depend on
+/// the described inertias (Atkeson, An and Hollerbach 1986).
 #[inline]
 #[must_use]
 pub fn inertial_regressor(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [[f64; 60]; N] {
@@ -9944,7 +9943,7 @@ pub fn inertial_regressor(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [[f64; 60
     w
 }
 
-/// `inertial_regressor` with its results written in place; their previous values are not read.
+/// Computes `inertial_regressor` in place. Previous values of the results are not read.
 pub fn inertial_regressor_into(
     y: &[f64; N],
     v: &[f64; N],
@@ -11210,8 +11209,8 @@ pub fn inertial_regressor_into(
     w[5][59] = t893;
 }
 
-/// Base parameters β, the columns of `base_regressor`, each named after the inertial parameter that leads its
-/// group. 24 of 60 parameters enter the motion only in these sums:
+/// Base parameters β, the columns of `base_regressor`. Each base parameter is a sum of inertial parameters and
+/// has the name of the leading one. 24 of 60 parameters enter the motion only in these sums:
 ///
 /// - `Izz_shoulder_pan_joint + 0.0184552225 m_shoulder_lift_joint + 0.2717 mcy_shoulder_lift_joint + Izz_shoulder_lift_joint + 0.0002608225 m_elbow_joint + 0.0323 mcy_elbow_joint + Izz_elbow_joint + 0.0002608225 m_wrist_1_joint + 0.0323 mcy_wrist_1_joint + Izz_wrist_1_joint + 0.0119137225 m_wrist_2_joint + 0.0119137225 m_wrist_3_joint`
 /// - `mcx_shoulder_lift_joint`
@@ -11400,8 +11399,8 @@ pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 94] = [
 ///
 /// Cost: 360 multiplications, 293 additions, 0 divisions, 5 function calls (`sin_cos`).
 ///
-/// Dependent columns were found numerically (Gautier 1991). Stacked over exciting states, W\_b has full rank for
-/// almost all values of free parameters.
+/// Dependent columns were found numerically (Gautier 1991). If W\_b is stacked over enough exciting states, it
+/// has full rank for almost all values of free parameters.
 #[inline]
 #[must_use]
 pub fn base_regressor(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [[f64; 36]; N] {
@@ -11410,7 +11409,7 @@ pub fn base_regressor(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [[f64; 36]; N
     w_b
 }
 
-/// `base_regressor` with its results written in place; their previous values are not read.
+/// Computes `base_regressor` in place. Previous values of the results are not read.
 pub fn base_regressor_into(
     y: &[f64; N],
     v: &[f64; N],
@@ -12345,11 +12344,11 @@ pub fn base_regressor_into(
     w_b[5][35] = t706;
 }
 
-/// Friction parameters, the columns of `friction_regressor`: joint, and the function of its velocity that the
-/// parameter multiplies.
+/// Friction parameters, the columns of `friction_regressor`. A name consists of the joint and the function of its
+/// velocity that the parameter multiplies.
 pub const FRICTION_PARAMETER_NAMES: [&str; 0] = [];
 
-/// Friction parameters as described: the coefficients of `friction_regressor`.
+/// Friction parameters `φ` of the description: the factors of `friction_regressor`.
 ///
 /// `τ(ẏ) = friction_regressor(ẏ) · friction_parameters`
 ///
@@ -12372,7 +12371,7 @@ pub fn friction_parameters() -> [f64; 0] {
 ///
 /// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
 ///
-/// Nonlinear parameters keep their described values: a3 and a5 of the Stribeck law, slopes of tanh.
+/// Nonlinear parameters keep the values of the description: a3 and a5 of the Stribeck law, and slopes of tanh.
 #[inline]
 #[must_use]
 pub fn friction_regressor(v: &[f64; N]) -> [[f64; 0]; N] {
@@ -12536,7 +12535,7 @@ pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     j
 }
 
-/// `frame_tool_jacobian` with its results written in place; their previous values are not read.
+/// Computes `frame_tool_jacobian` in place. Previous values of the results are not read.
 pub fn frame_tool_jacobian_into(y: &[f64; N], j: &mut [[f64; N]; 6]) {
     j[2][0] = 0.0;
     j[3][0] = 0.0;
@@ -12980,14 +12979,14 @@ pub const SUBSTEPS: usize = 1;
 ///
 /// `x⁺ = A_d x + B_d u + c_d with x = (y, ẏ), solves ẋ = A x + B_x u + c with u held`
 ///
-/// - `y: [N]`, `v: [N]`, `u: [M]`: coordinates, velocities and inputs, as elsewhere in this module
-/// - `period`: sample time in s, over which u is held
+/// - `y: [N]`, `v: [N]`, `u: [M]`: coordinates, velocities and inputs, as in all functions of this module
+/// - `period`: sample time in s, over which u is constant
 /// - returns `A_d: [2 × 2 × N × N]`: blocks ((∂y⁺/∂y, ∂y⁺/∂ẏ), (∂ẏ⁺/∂y, ∂ẏ⁺/∂ẏ))
 /// - returns `B_d: [2 × N × M]`: blocks (∂y⁺/∂u, ∂ẏ⁺/∂u)
 /// - returns `c_d: [2 × N]`: affine remainders of y⁺ and ẏ⁺
 ///
 /// Cost: 69483 multiplications, 69630 additions, 9 divisions, 5 function calls (`sin_cos`), one call of
-/// `linearize` included. This cost is the largest one, for 24 halvings of the period. Without halvings the
+/// `linearize` included. This is the largest cost, which 24 halvings of the period need. Without halvings the
 /// function needs 7851 multiplications and 7614 additions.
 ///
 /// Scaling and squaring of the lifted exponential (Higham 2008, section 10.3) in blocks of N × N: a Taylor
@@ -13013,12 +13012,12 @@ pub fn discretize(
     discrete_time::zero_order_hold(&linearize(y, v, u), period)
 }
 
-/// State after one period, by Runge–Kutta steps of order 4 of the nonlinear robot.
+/// State after one period, computed by Runge–Kutta steps of order 4 with the nonlinear dynamics.
 ///
 /// `x⁺ ≈ x + ∫ f(x, u) dt with x = (y, ẏ), f = (ẏ, M⁻¹ (q + B u − k)) and u held`
 ///
-/// - `y: [N]`, `v: [N]`, `u: [M]`: coordinates, velocities and inputs, as elsewhere in this module
-/// - `period`: sample time in s, over which u is held
+/// - `y: [N]`, `v: [N]`, `u: [M]`: coordinates, velocities and inputs, as in all functions of this module
+/// - `period`: sample time in s, over which u is constant
 /// - returns `y⁺: [N]`: coordinates after the period
 /// - returns `ẏ⁺: [N]`: velocities after the period
 ///
@@ -13047,8 +13046,8 @@ pub fn step(
 ///
 /// `δx⁺ = ∂x⁺/∂x δx + ∂x⁺/∂u δu with x = (y, ẏ)`
 ///
-/// - `y: [N]`, `v: [N]`, `u: [M]`: coordinates, velocities and inputs, as elsewhere in this module
-/// - `period`: sample time in s, over which u is held
+/// - `y: [N]`, `v: [N]`, `u: [M]`: coordinates, velocities and inputs, as in all functions of this module
+/// - `period`: sample time in s, over which u is constant
 /// - returns `y⁺: [N]`: coordinates after the period
 /// - returns `ẏ⁺: [N]`: velocities after the period
 /// - returns `∂x⁺/∂x: [2 × 2 × N × N]`: blocks ((∂y⁺/∂y, ∂y⁺/∂ẏ), (∂ẏ⁺/∂y, ∂ẏ⁺/∂ẏ))
@@ -13057,7 +13056,8 @@ pub fn step(
 /// Cost: 11508 multiplications, 11192 additions, 37 divisions, 20 function calls (`sin_cos`), 4 calls of
 /// `linearize` included.
 ///
-/// Chain rule over the stages of each step: exact derivatives of the result of `step`, not of the exact solution.
+/// The chain rule over the stages of each step gives the exact derivatives of the result of `step`, not of the
+/// exact solution.
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -13079,24 +13079,24 @@ pub fn step_derivatives(
     )
 }
 
-/// Elementary functions that give the same bits on every platform.
+/// Elementary functions whose results have the same bits on every platform.
 #[allow(
     clippy::approx_constant,
     clippy::excessive_precision,
     reason = "coefficients and parts of π are not those constants"
 )]
 mod math {
-    // Sine and cosine in one pass, without branches below 1e5, tables or fused operations: the same bits on every platform.
+    // Sine and cosine in one pass, without branches up to 1e5, tables or fused operations. Bits are reproducible.
     //
-    // x = n π/2 + hi − low with |hi| ≤ π/4, π/2 in three parts (Cody and Waite, Software Manual for the Elementary
-    // Functions, 1980, ch. 8); beyond 1e5 by the bits of 2/π (Payne and Hanek, SIGNUM Newsletter 18, 1983). Then minimax
-    // polynomials (Remez exchange, minimax.py). Error below 0.9 ulp for every finite x (0.80 seen); NaN for NaN and ±∞;
-    // sin −0 = −0.
+    // The angle is reduced to x = n π/2 + hi − low with |hi| ≤ π/4. Up to 1e5, π/2 is used in three parts (Cody
+    // and Waite, Software Manual for the Elementary Functions, 1980, ch. 8). Above 1e5, the bits of 2/π are used
+    // (Payne and Hanek, SIGNUM Newsletter 18, 1983). Minimax polynomials follow (Remez exchange, minimax.py). The
+    // error is below 0.9 ulp for every finite x (measured: 0.80). NaN and ±∞ give NaN, and sin −0 is −0.
 
-    /// Largest angle of the fast path: `n π/2` is exact in the first two parts up to here.
+    /// Largest angle of the fast path. Up to this angle, `n π/2` is exact in the first two parts.
     const LARGEST_DIRECT_ANGLE: f64 = 1.0e5;
 
-    /// `(sin x, cos x)` with an error below 0.9 ulp each.
+    /// Returns `(sin x, cos x)`, each with an error below 0.9 ulp.
     #[inline(always)]
     pub fn sin_cos(x: f64) -> (f64, f64) {
         if x.abs() <= LARGEST_DIRECT_ANGLE {
@@ -13106,7 +13106,7 @@ mod math {
         }
     }
 
-    /// `|x| ≤ 1e5`. The first difference is exact, the second one keeps its rounding error (Fast2Sum).
+    /// Sine and cosine for `|x| ≤ 1e5`. The first difference is exact. Fast2Sum keeps the error of the second.
     #[inline(always)]
     fn sin_cos_direct(x: f64) -> (f64, f64) {
         const HALF_PI: [f64; 3] = [
@@ -13125,7 +13125,7 @@ mod math {
         sin_cos_quarter(hi, low, shifted.to_bits())
     }
 
-    /// Sine and cosine of `hi − low + quadrant π/2`, where `|hi| ≤ π/4` and `low` is of the size of its rounding error.
+    /// Sine and cosine of `hi − low + quadrant π/2` with `|hi| ≤ π/4`. `low` is a rounding error of `hi`.
     #[inline(always)]
     fn sin_cos_quarter(hi: f64, low: f64, quadrant: u64) -> (f64, f64) {
         let z = hi * hi;
@@ -13144,7 +13144,8 @@ mod math {
         in_quadrant(sin, cos, quadrant)
     }
 
-    /// Sine and cosine of an angle turned by `quadrant` quarters, from those of the angle; the last two bits count.
+    /// Sine and cosine of an angle after a rotation by `quadrant` quarter turns, from the sine and cosine of the
+    /// angle. Only the last two bits of `quadrant` are used.
     #[inline(always)]
     fn in_quadrant(sin: f64, cos: f64, quadrant: u64) -> (f64, f64) {
         let exchange = (sin.to_bits() ^ cos.to_bits()) & (quadrant & 1).wrapping_neg();
@@ -13156,11 +13157,11 @@ mod math {
         )
     }
 
-    /// `|x| > 1e5`, or not a number: `x · 2/π` modulo 4 from the bits of 2/π that matter, in integers.
+    /// Sine and cosine for `|x| > 1e5` or NaN. `x · 2/π` modulo 4 is computed in integers from bits of 2/π.
     #[cold]
     #[inline(never)]
     fn sin_cos_large(x: f64) -> (f64, f64) {
-        // One zero word, then the first 1216 bits of 2/π.
+        // A zero word, then the first 1216 bits of 2/π.
         const TWO_OVER_PI: [u64; 20] = [
             0x0000000000000000,
             0xa2f9836e4e441529,
@@ -13187,7 +13188,7 @@ mod math {
         if !x.is_finite() {
             return (f64::NAN, f64::NAN);
         }
-        // |x| = mantissa · 2^exponent; bits of 2/π before `start` give multiples of 4.
+        // |x| = mantissa · 2^exponent. The bits of 2/π before `start` only add multiples of 4.
         let exponent = (x.abs().to_bits() >> 52).wrapping_sub(1075);
         let mantissa = u128::from(x.to_bits() & ((1 << 52) - 1) | 1 << 52);
         let start = exponent.wrapping_add(62);
@@ -13201,7 +13202,7 @@ mod math {
         let low = mantissa * bits(2);
         let middle = mantissa * bits(1) + (low >> 64);
         let high = mantissa.wrapping_mul(bits(0)).wrapping_add(middle >> 64);
-        // x · 2/π = (turns modulo 4) / 2^126: two bits of quadrant, then the fraction, taken to [−1/2, 1/2).
+        // x · 2/π = (turns modulo 4) / 2^126. Two bits are the quadrant. The others are a fraction in [−1/2, 1/2).
         let turns = high << 64 | middle & u128::from(u64::MAX);
         let quadrant = ((turns >> 126) + (turns >> 125 & 1)) as u64;
         let fraction = (turns << 2) as i128;
@@ -13215,9 +13216,9 @@ mod math {
         (if x < 0.0 { -sin } else { sin }, cos)
     }
 
-    // Sine and cosine of several angles at once (after sin_cos.rs): the loop has no branch, so it becomes SIMD code.
+    // Sine and cosine of several angles at once (after sin_cos.rs): a loop without branches, for SIMD.
 
-    /// `(sin xᵢ, cos xᵢ)`, the same bits as [`sin_cos`] of each.
+    /// Returns all `sin xᵢ`, then all `cos xᵢ`, bit-identical to [`sin_cos`] of each angle.
     #[inline(always)]
     pub fn sin_cos_array<const L: usize>(x: [f64; L]) -> ([f64; L], [f64; L]) {
         let (mut sin, mut cos, mut all_direct) = ([0.0; L], [0.0; L], true);
@@ -13239,28 +13240,25 @@ mod math {
         (pairs.map(|pair| pair.0), pairs.map(|pair| pair.1))
     }
 
-    // Sine and cosine of 2 angles that arrive in registers (after sin_cos_array.rs).
-    // Never inlined: among scalar code the compiler would undo the lanes.
+    // Sine and cosine of 2 angles in registers. If it were inlined, the compiler would undo its SIMD code.
 
-    /// Sines and cosines of 2 angles, the same bits as [`sin_cos`] of each.
+    /// Sines and cosines of 2 angles, bit-identical to [`sin_cos`] of each angle.
     #[inline(never)]
     pub fn sin_cos_2(a: f64, b: f64) -> ([f64; 2], [f64; 2]) {
         sin_cos_array([a, b])
     }
 
-    // Sine and cosine of 4 angles that arrive in registers (after sin_cos_array.rs).
-    // Never inlined: among scalar code the compiler would undo the lanes.
+    // Sine and cosine of 4 angles in registers. If it were inlined, the compiler would undo its SIMD code.
 
-    /// Sines and cosines of 4 angles, the same bits as [`sin_cos`] of each.
+    /// Sines and cosines of 4 angles, bit-identical to [`sin_cos`] of each angle.
     #[inline(never)]
     pub fn sin_cos_4(a: f64, b: f64, c: f64, d: f64) -> ([f64; 4], [f64; 4]) {
         sin_cos_array([a, b, c, d])
     }
 
-    // Sine and cosine of 8 angles that arrive in registers (after sin_cos_array.rs).
-    // Never inlined: among scalar code the compiler would undo the lanes.
+    // Sine and cosine of 8 angles in registers. If it were inlined, the compiler would undo its SIMD code.
 
-    /// Sines and cosines of 8 angles, the same bits as [`sin_cos`] of each.
+    /// Sines and cosines of 8 angles, bit-identical to [`sin_cos`] of each angle.
     #[allow(
         clippy::too_many_arguments,
         reason = "an array would pass through memory"
@@ -13283,7 +13281,7 @@ mod math {
     }
 }
 
-/// Discrete time: functions over N coordinates and M inputs.
+/// Functions in discrete time for N coordinates and M inputs.
 #[allow(clippy::needless_range_loop, reason = "index notation reads like the formulas")]
 mod discrete_time {
     /// Adds `factor · a`.
@@ -13294,18 +13292,18 @@ mod discrete_time {
         }
     }
 
-    /// A square matrix, rows first.
+    /// A square matrix as a list of rows.
     pub type Matrix<const N: usize> = [[f64; N]; N];
 
-    /// The upper or lower half of a matrix over the state (y, ẏ): row by row its left and its right block.
+    /// The upper or lower half of a matrix over the state (y, ẏ). Each row has a left and a right block.
     pub type Half<const N: usize> = [[[f64; N]; 2]; N];
 
-    /// The blocks `∂ÿ/∂y`, `∂ÿ/∂ẏ`, `∂ÿ/∂u` and the affine remainder of `ÿ`.
+    /// The derivatives `∂ÿ/∂y`, `∂ÿ/∂ẏ` and `∂ÿ/∂u`, and the affine remainder of `ÿ`.
     pub type Linear<const N: usize, const M: usize> = (Matrix<N>, Matrix<N>, [[f64; M]; N], [f64; N]);
 
-    /// Adds `A B`, where A is a square matrix, given by its rows, and B half a matrix over the state.
+    /// Adds the product `A B` of a square matrix A, given by its rows, and half a matrix B over the state.
     ///
-    /// Two rows at a time read B half as often as one.
+    /// Two rows are computed at a time, so B is read half as often.
     #[inline]
     fn add_product<'a, const N: usize>(
         sum: &mut Half<N>,
@@ -13323,8 +13321,9 @@ mod discrete_time {
         }
     }
 
-    /// Some rows of [`add_product`]. It is not inlined: the compiler would vectorize a loop over all rows across them, and read their
-    /// entries one by one. The registers hold two rows of up to 14 columns; of longer rows they hold one block.
+    /// Computes some rows of [`add_product`]. This function is not inlined, because otherwise the compiler would
+    /// vectorize a loop over all rows across the rows and read their entries one by one. The registers hold two
+    /// rows of up to 14 columns, or one block of longer rows.
     #[inline(never)]
     fn add_rows<const N: usize, const R: usize>(
         sum: &mut [[[f64; N]; 2]; R],
@@ -13372,7 +13371,7 @@ mod discrete_time {
         }
     }
 
-    /// Adds `factor · a`.
+    /// Adds `factor · a` to half a matrix.
     #[inline]
     fn add_scaled_half<const N: usize>(sum: &mut Half<N>, factor: f64, a: &Half<N>) {
         let (sum, a) = (sum.as_flattened_mut(), a.as_flattened());
@@ -13388,23 +13387,24 @@ mod discrete_time {
         sum
     }
 
-    /// The blocks of `A_d`, `B_d` and `c_d` in `x⁺ = A_d x + B_d u + c_d` with `x = (y, ẏ)`.
+    /// The blocks of `A_d`, `B_d` and `c_d` in `x⁺ = A_d x + B_d u + c_d` with the state `x = (y, ẏ)`.
     pub type Discrete<const N: usize, const M: usize> =
         ([[Matrix<N>; 2]; 2], [[[f64; M]; N]; 2], [[f64; N]; 2]);
 
     /// The halves of `A_d − 1`, `B_d` and `c_d`.
     type Held<const N: usize, const M: usize> = ([Half<N>; 2], [[[f64; M]; N]; 2], [[f64; N]; 2]);
 
-    /// Largest number of doublings of Φ. A period that needs more halvings is divided into equal steps.
+    /// Largest number of doublings of the integral Φ. A period that needs more halvings is divided into equal
+    /// steps.
     const MOST_DOUBLINGS: u32 = 6;
 
     /// Largest number of doublings of a step.
     const MOST_REPETITIONS: u32 = 18;
 
-    /// Terms in each of the three parts of the Taylor polynomial.
+    /// Number of terms in each of the three parts of the Taylor polynomial.
     const TERMS: usize = 6;
 
-    /// `1/(k + 1)!`
+    /// Coefficients `1/(k + 1)!` of the Taylor polynomial.
     const COEFFICIENTS: [[f64; TERMS]; 3] = {
         let mut coefficients = [[1.0; TERMS]; 3];
         let (mut k, mut last) = (0, 1.0);
@@ -13416,11 +13416,12 @@ mod discrete_time {
         coefficients
     };
 
-    /// Exact solution of `ẋ = A x + B_x u + c` over a period in which the inputs are held.
+    /// Exact solution of `ẋ = A x + B_x u + c` over a period with constant inputs.
     ///
-    /// Over a part of the period that suits the fastest rate the solution is `held`. Two such steps make one of twice the
-    /// time, `A_d ← A_d A_d`, `B_d ← (A_d + 1) B_d`, `c_d ← (A_d + 1) c_d`, until the period is reached. Every entry is +∞ where
-    /// `MOST_REPETITIONS` do not suffice.
+    /// The solution is first computed over a part of the period that is short enough for an accurate result. Two
+    /// equal steps are combined to one of twice the time by `A_d ← A_d A_d`, `B_d ← (A_d + 1) B_d` and
+    /// `c_d ← (A_d + 1) c_d` until the period is reached. Every entry is +∞ if `MOST_REPETITIONS` doublings of
+    /// the step do not suffice.
     pub fn zero_order_hold<const N: usize, const M: usize>(
         linear: &Linear<N, M>,
         period: f64,
@@ -13452,10 +13453,11 @@ mod discrete_time {
         (state, input, affine)
     }
 
-    /// How often the period is to be halved before `ν t ≤ 5/4`; `None` beyond `MOST_DOUBLINGS + MOST_REPETITIONS`.
+    /// Number of halvings of the period until `ν h ≤ 5/4` for the halved period h. `None` if more than
+    /// `MOST_DOUBLINGS + MOST_REPETITIONS` halvings are needed.
     ///
-    /// No part of the system is faster than the positive root ν of `ν² = b ν + a` with `a = ‖A_y‖`, `b = ‖A_v‖`. So `ν t ≤ 1`
-    /// where `(a t + b) t ≤ 1`; t is the time divided by 5/4.
+    /// ν is a bound for the rates of the system, the positive root of `ν² = b ν + a` with `a = ‖A_y‖` and
+    /// `b = ‖A_v‖`. With `t = h / (5/4)`, the condition is equivalent to `(a t + b) t ≤ 1`.
     fn halvings<const N: usize>(by_y: &Matrix<N>, by_v: &Matrix<N>, period: f64) -> Option<u32> {
         let (a, b) = (norm(by_y), norm(by_v));
         let mut t = period / 1.25;
@@ -13485,7 +13487,7 @@ mod discrete_time {
         largest
     }
 
-    /// `A_d − 1` over twice the time, `2 (A_d − 1) + (A_d − 1)²`, by halves.
+    /// The matrix `A_d − 1` over twice the time, `2 (A_d − 1) + (A_d − 1)²`, as two halves.
     fn twice<const N: usize>(change: &[Half<N>; 2]) -> [Half<N>; 2] {
         let mut next = [[[[0.0; N]; 2]; N]; 2];
         for half in 0..2 {
@@ -13498,7 +13500,7 @@ mod discrete_time {
         next
     }
 
-    /// `B_d` over twice the time, `2 B_d + (A_d − 1) B_d`.
+    /// The matrix `B_d` over twice the time, `2 B_d + (A_d − 1) B_d`.
     fn twice_by<const N: usize, const M: usize>(
         change: &[Half<N>; 2],
         input: &[[[f64; M]; N]; 2],
@@ -13515,7 +13517,7 @@ mod discrete_time {
         next
     }
 
-    /// `c_d` over twice the time, `2 c_d + (A_d − 1) c_d`.
+    /// The vector `c_d` over twice the time, `2 c_d + (A_d − 1) c_d`.
     fn twice_affine<const N: usize>(change: &[Half<N>; 2], affine: &[[f64; N]; 2]) -> [[f64; N]; 2] {
         let mut next = [[0.0; N]; 2];
         for half in 0..2 {
@@ -13529,19 +13531,26 @@ mod discrete_time {
         next
     }
 
-    /// The halves of `A_d − 1`, `B_d` and `c_d` over a time that suits the fastest rate.
+    /// The halves of `A_d − 1`, `B_d` and `c_d` over a time t with `ν t ≤ 80`. ν is a bound for the rates of the
+    /// system.
     ///
-    /// With `A = [0 I; A_y A_v]` the upper half `[C P]` of `Φ = ∫ exp(A s) ds` gives everything:
-    /// `exp(A t) = I + Φ A`, whose upper half is `[I 0] + [C P] A = [I + X, Q]`, the lower one `[0 I] + [X Q] A`, and
-    /// `B_d = [P B_x; Q B_x]`. Φ comes from scaling and squaring (Higham, Functions of Matrices, 2008, section 10.3): from a short
-    /// time h with `ν h ≤ 5/4` by `doublings`. These are cheaper than steps of the whole, but while ν t grows they magnify rounding
-    /// by the ratio of the rates: they serve up to `ν t = 80`.
+    /// With `A = [0 I; A_y A_v]`, all results follow from the upper half `[C P]` of the integral
+    /// `Φ = ∫ exp(A s) ds`:
+    ///
+    /// - `exp(A t) = I + Φ A`; its upper half is `[I 0] + [C P] A = [I + X, Q]`, and its lower half is `[0 I] +
+    ///   [X Q] A`
+    /// - `B_d = [P B_x; Q B_x]`
+    ///
+    /// Φ is computed by scaling and squaring (Higham, Functions of Matrices, 2008, section 10.3): Φ is known for
+    /// a short time h with `ν h ≤ 5/4`, and is doubled `doublings` times. A doubling of Φ needs fewer operations
+    /// than a doubling of the step. However, it multiplies rounding errors by the ratio of the rates, so Φ is
+    /// doubled only up to `ν t = 80`.
     fn held<const N: usize, const M: usize>(
         (by_y, by_v, by_u, remainder): &Linear<N, M>,
         time: f64,
         doublings: u32,
     ) -> Held<N, M> {
-        // In units of the short time h, ẏ counts as h ẏ.
+        // The unit of time is the short time h, so ẏ is scaled to h ẏ.
         let h = time / (1_u32 << doublings) as f64;
         let lower = lower_half(by_y, h * h, by_v, h);
         let mut integral = taylor(&lower);
@@ -13564,10 +13573,11 @@ mod discrete_time {
         (changes, input, affine)
     }
 
-    /// The upper half of Φ over one unit of time, `Σ Aᵏ/(k + 1)!` up to k = 17, in three parts with the common factor A⁶
-    /// (Paterson and Stockmeyer 1973). For `ν ≤ 5/4` the rest of the series is below `(5/4)¹⁸/19! = 5e-16`.
+    /// The upper half of Φ over one unit of time. It is `Σ Aᵏ/(k + 1)!` up to k = 17, in three parts with the
+    /// common factor A⁶ (Paterson and Stockmeyer 1973). If `ν ≤ 5/4`, the remaining terms of the series are below
+    /// `(5/4)¹⁸/19! = 5e-16`.
     fn taylor<const N: usize>(lower: &Half<N>) -> Half<N> {
-        // Upper halves of Aᵏ; that of A⁷ is the lower one of A⁶.
+        // Upper halves of Aᵏ. The upper half of A⁷ is the lower half of A⁶.
         let mut powers = [[[[0.0; N]; 2]; N]; TERMS + 2];
         for i in 0..N {
             powers[0][i][0][i] = 1.0;
@@ -13588,7 +13598,7 @@ mod discrete_time {
         sum
     }
 
-    /// `Σ c_k Aᵏ` over the terms of one part.
+    /// The sum `Σ c_k Aᵏ` of the terms of one part.
     fn combination<const N: usize>(
         coefficients: &[f64; TERMS],
         powers: &[Half<N>; TERMS + 2],
@@ -13606,13 +13616,13 @@ mod discrete_time {
         times_system(integral, lower, &mut change);
         let mut next = [[[0.0; N]; 2]; N];
         add_scaled_half(&mut next, 2.0, integral);
-        // The left block of the lower half of Φ is that of the change, since exp(A t) = I + A Φ as well; so is the right.
+        // The blocks of the lower half of Φ are obtained from the change Φ A, because exp(A t) = I + A Φ.
         add_product(&mut next, left(&change), integral);
         add_product(&mut next, right(&change), &change);
         *integral = next;
     }
 
-    /// `[L R] A = [0 L] + R [A_y A_v]`.
+    /// The product `[L R] A = [0 L] + R [A_y A_v]`.
     fn times_system<const N: usize>(half: &Half<N>, lower: &Half<N>, result: &mut Half<N>) {
         for i in 0..N {
             result[i] = [[0.0; N], half[i][0]];
@@ -13630,7 +13640,7 @@ mod discrete_time {
         half.iter().map(|row| &row[1])
     }
 
-    /// `[A_y A_v]`, the blocks scaled.
+    /// The matrix `[A_y A_v]` with scaled blocks.
     fn lower_half<const N: usize>(
         by_y: &Matrix<N>,
         unit_y: f64,
@@ -13653,9 +13663,9 @@ mod discrete_time {
         result
     }
 
-    /// What a Runge–Kutta step advances: coordinates or velocities, with or without their sensitivities.
+    /// A quantity that a Runge–Kutta step advances: coordinates or velocities, with or without sensitivities.
     pub trait Advance: Copy {
-        /// `self + factor · rate`
+        /// The sum `self + factor · rate`.
         fn advanced(&self, factor: f64, rate: &Self) -> Self;
     }
 
@@ -13668,8 +13678,8 @@ mod discrete_time {
         }
     }
 
-    /// Steps of the classical Runge–Kutta method of order 4 (Hairer, Nørsett and Wanner, Solving Ordinary Differential
-    /// Equations I, 1993, table II.1.2).
+    /// Performs steps of the classical Runge–Kutta method of order 4 (Hairer, Nørsett and Wanner, Solving
+    /// Ordinary Differential Equations I, 1993, table II.1.2).
     pub fn runge_kutta<V: Advance>(
         mut y: V,
         mut v: V,
@@ -13700,18 +13710,20 @@ mod discrete_time {
         (y, v)
     }
 
-    /// Coordinates and velocities after the steps, the blocks of their derivatives by the state and by the inputs.
+    /// Coordinates and velocities after the steps, then the blocks of their derivatives with respect to the
+    /// initial state and to the inputs.
     pub type Stepped<const N: usize, const M: usize> =
         ([f64; N], [f64; N], [[Matrix<N>; 2]; 2], [[[f64; M]; N]; 2]);
 
-    /// Coordinates, velocities or accelerations with their derivatives by the initial state and by the inputs.
+    /// Coordinates, velocities or accelerations, with their derivatives with respect to the initial state and to
+    /// the inputs.
     #[derive(Clone, Copy)]
     pub struct Motion<const N: usize, const M: usize> {
-        /// The quantity itself.
+        /// Value of the quantity.
         pub value: [f64; N],
-        /// By the initial coordinates and velocities.
+        /// Derivatives with respect to the initial coordinates and velocities.
         pub by_state: Half<N>,
-        /// By the inputs.
+        /// Derivatives with respect to the inputs.
         pub by_inputs: [[f64; M]; N],
     }
 
@@ -13730,7 +13742,7 @@ mod discrete_time {
     }
 
     impl<const N: usize, const M: usize> Motion<N, M> {
-        /// A coordinate (block 0) or velocity (block 1) of the initial state.
+        /// Coordinates (block 0) or velocities (block 1) of the initial state.
         fn initial(value: &[f64; N], block: usize) -> Self {
             let mut by_state = [[[0.0; N]; 2]; N];
             for i in 0..N {
@@ -13744,7 +13756,7 @@ mod discrete_time {
             }
         }
 
-        /// The acceleration, by the chain rule.
+        /// Computes the acceleration with its derivatives by the chain rule.
         fn acceleration(linear: &Linear<N, M>, y: &Self, v: &Self, u: &[f64; M]) -> Self {
             let (by_y, by_v, by_u, remainder) = linear;
             let mut a = Self {
@@ -13763,7 +13775,7 @@ mod discrete_time {
         }
     }
 
-    /// Such steps with their exact derivatives.
+    /// Performs the steps of [`runge_kutta`] and computes the exact derivatives of their result.
     pub fn runge_kutta_derivatives<const N: usize, const M: usize>(
         y: &[f64; N],
         v: &[f64; N],
