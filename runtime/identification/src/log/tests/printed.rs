@@ -58,7 +58,9 @@ fn what_is_commanded_is_doubted_where_nothing_is_measured() {
     let doubts = |header: &str, columns| warnings(&read(header, ",1,2,3,4", columns));
     let all = doubts("t,q_d1,q_d2,tau_cmd1,tau_cmd2\n", None);
     assert!(
-        all[0].contains("column-doubtful]: the positions (`q_d{}`) have names of commanded values"),
+        all[0].contains(
+            "column-doubtful]: the columns of the positions (`q_d{}`) have names of commanded values"
+        ),
         "{all:?}"
     );
     assert!(
@@ -138,7 +140,7 @@ fn incomplete_guesses_have_marks() {
     let guess = guess_columns_of(text, "log.csv", &Fake::numbered(2), &options).unwrap();
     assert_eq!(guess.line, "time=clock_in[0.5 s],position=q{}[rad],torque=?");
     assert_eq!(guess.columns, ["clock_in", "q1", "q2", "tau_1 [Nm]", "x"]);
-    assert!(guess.faults[0].message.contains("no column is the effort of `joint_2`"), "{:?}", guess.faults);
+    assert!(guess.faults[0].message.contains("no column for the effort of `joint_2`"), "{:?}", guess.faults);
     let bare = guess_columns_of(b"0,1,2\n1,1,2\n", "log.csv", &Fake::numbered(1), &ColumnOptions::default());
     let bare = bare.unwrap();
     assert_eq!(

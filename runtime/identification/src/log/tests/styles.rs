@@ -225,7 +225,7 @@ fn epoch_times_keep_their_digits() {
     let recording = read(&log_of(&rows), &ColumnOptions::default());
     assert_eq!(recording.runs[0].times, [0.0, 0.003_999_999, 0.007_999_999]);
     // Without a unit, the time step decides, and there is a finding.
-    for (step, said) in [(4_u64, "ms (250"), (4000, "µs (250"), (4_000_000, "ns (250")] {
+    for (step, said) in [(4_u64, "ms (rate 250"), (4000, "µs (rate 250"), (4_000_000, "ns (rate 250")] {
         let times: Vec<String> = (0..4).map(|i| (i * step).to_string()).collect();
         let rows: Vec<(&str, &str)> = times.iter().map(|t| (t.as_str(), "")).collect();
         let recording = read(&log_of(&rows), &ColumnOptions::default());
@@ -244,7 +244,7 @@ fn incomplete_rows_are_left_out_by_number() {
     assert_eq!(
         said[..4],
         [
-            "log.csv, row 5: column `q2`: no finite number in 1 rows",
+            "log.csv, row 5: column `q2` has no finite number in 1 rows",
             "log.csv, row 6: column `u1` has no finite number in 1 rows, the first of which is `x`",
             "log.csv, row 7: column `u2` has no finite number in 1 rows; 1 of these rows end before the column",
             "log.csv: 3 incomplete rows are left out",
@@ -433,9 +433,9 @@ fn several_logs_are_one_recording() {
     assert_eq!(names, [("one.csv", 50), ("two.csv", 60)]);
     assert_eq!(recording.hashes.len(), 2);
     let message = |paths: &[&std::path::PathBuf]| read(paths).unwrap_err().to_string();
-    assert!(message(&[&one, &same]).contains("same.csv: it holds the same samples as"));
+    assert!(message(&[&one, &same]).contains("same.csv: this log has the same samples as"));
     std::fs::write(&same, format!("{}\n", std::fs::read_to_string(&one).unwrap())).unwrap();
-    assert!(message(&[&one, &same]).contains("same.csv: it holds the same samples as"));
+    assert!(message(&[&one, &same]).contains("same.csv: this log has the same samples as"));
     assert!(
         message(&[&one, &current])
             .contains("its efforts are currents, those of the logs before it are forces")
