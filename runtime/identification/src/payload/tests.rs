@@ -235,7 +235,9 @@ fn bad_logs_have_messages() {
     };
     let default = PayloadSettings::default;
     assert!(message(&[], good, default()).starts_with("runs without the load is empty"));
-    assert!(message(good, &[run], default()).starts_with("samples of positions of simulated: 1 are expected"));
+    assert!(
+        message(good, &[run], default()).starts_with("samples of positions of simulated: 1 are expected")
+    );
     assert!(
         message(good, good, PayloadSettings { body: Some(6), ..default() })
             .starts_with("body of the load = 6")

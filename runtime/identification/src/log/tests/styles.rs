@@ -437,8 +437,9 @@ fn several_logs_are_one_recording() {
     std::fs::write(&same, format!("{}\n", std::fs::read_to_string(&one).unwrap())).unwrap();
     assert!(message(&[&one, &same]).contains("same.csv: this log has the same samples as"));
     assert!(
-        message(&[&one, &current])
-            .contains("its efforts are currents, those of the logs before it are forces")
+        message(&[&one, &current]).contains(
+            "the efforts of this log are currents, but the efforts of the logs before it are forces"
+        )
     );
     assert!(message(&[]).contains("the list of logs is empty"));
     assert!(message(&[&folder.path().join("none.csv")]).contains("none.csv"));
