@@ -238,7 +238,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Dynamics<N, M> for Learn
         self.laws(y, v).map(|law| law.learned_share)
     }
 
-    /// With the load at zero acceleration.
+    /// The load is that at zero acceleration.
     fn friction_uncertainty(&self, y: &[f64; N], v: &[f64; N]) -> [[f64; N]; M] {
         let described = self.robot.friction_torques(y, v);
         let shares = self.robot.load_friction(y, v);
