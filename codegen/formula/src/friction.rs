@@ -23,7 +23,7 @@ pub type TermOf = fn(Formula) -> FrictionTerm;
 /// The coefficients are formulas in a law that was read, and numbers or texts in a law that is written.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrictionLaw<C = Formula> {
-    /// Friction laws. The friction of the joint is their sum.
+    /// Friction laws that do not depend on the load. They are added to each other and to the load-dependent friction.
     pub parts: Vec<FrictionPart<C>>,
     /// Terms of the load-dependent friction per unit of load, without unit; empty if the friction does not
     /// depend on the load. The load is the drive's force without friction.

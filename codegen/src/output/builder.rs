@@ -157,7 +157,8 @@ impl Builder {
         self
     }
 
-    /// Sets the largest number of operations of a generated function. The default is
+    /// Sets the largest number of operations of a generated function. Larger functions and their callers are omitted with a note. A
+    /// larger function that was requested by name is an error. The default is
     /// [`MOST_OPERATIONS`](crate::functions::size::MOST_OPERATIONS).
     #[must_use]
     pub fn max_operations(mut self, count: usize) -> Self {

@@ -65,8 +65,8 @@ where
         self.horizon.set_model(model)
     }
 
-    /// Integrates and differentiates the plan for the next period. `time` (s) is the time of the last
-    /// [`feedback`](Self::feedback) on the trajectory.
+    /// Integrates and differentiates the plan for the next period. `time` is the trajectory time (s) at which
+    /// [`feedback`](Self::feedback) was last called.
     pub fn prepare(&mut self, time: f64) {
         let period = self.horizon.options.period;
         let ahead = if self.horizon.options.delay { 2.0 } else { 1.0 };

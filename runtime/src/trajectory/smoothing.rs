@@ -16,8 +16,9 @@ pub struct Smoothing {
 }
 
 impl Smoothing {
-    /// Settings with a time constant of two periods and a correction time of half a second. They are suitable for computed
-    /// samples, which have no noise but can be inconsistent. Use a longer time constant for measured samples.
+    /// Settings for samples with the given `period` (s): a time constant of two periods, and a correction time of half a second, or of
+    /// two periods if they are longer. The settings are suitable for computed samples, which have no noise but can be inconsistent.
+    /// Use a longer time constant for measured samples.
     #[must_use]
     pub fn of(period: f64) -> Self {
         Self { time_constant: 2.0 * period, correction_time: 0.5_f64.max(2.0 * period) }

@@ -19,8 +19,8 @@ pub struct Placement<'g> {
     pub attitude: Option<Attitude<Scalar<'g>>>,
     /// Vector from the parent's origin to the joint's axis, in the parent's working frame and unit of length.
     pub translation: Vector3<Scalar<'g>>,
-    /// Displacement of the origin along z. It is constant for revolute joints and includes the position for
-    /// prismatic joints.
+    /// Displacement of the origin along the z axis of the working frame, which is the joint's axis, in the body's unit of length. It
+    /// is constant for revolute joints and includes the position for prismatic joints.
     pub extension: Scalar<'g>,
     /// First body of the run to which this body belongs. A run is a sequence of revolute joints with parallel
     /// axes.

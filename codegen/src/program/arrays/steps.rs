@@ -3,7 +3,7 @@
 use super::super::{Operand, Program, Shape, fuse_multiply_adds};
 use super::{Coordinates, Tree};
 
-/// A function over arrays.
+/// A function in array form: straight-line setup code, then steps on arrays, which are loops over the joints.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Arrays {
     /// Straight-line code before the steps. Its results are the first arrays.

@@ -40,7 +40,7 @@ impl Library {
         Ok(Self { terms, channels, program })
     }
 
-    /// Creates the friction library of the reference robot: `[1, v, sign v, tanh 5v, tanh 10v, tanh 20v, tanh 100v]`, with
+    /// Creates a library of common friction terms: `[1, v, sign v, tanh 5v, tanh 10v, tanh 20v, tanh 100v]`, with
     /// v in rad/s or m/s.
     ///
     /// # Errors

@@ -11,6 +11,9 @@ use super::{Derivatives, by_discrepancy, require_noise, require_signal, residual
 use crate::error::{Result, require_setting};
 
 /// Settings of the total-variation regularization.
+///
+/// The smoothed signal s of the measured signal f minimizes `½ ‖s − f‖² + γ Δt Σ √((D s)² + ε)` with the period Δt. D is
+/// the divided difference of order `order` + 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TotalVariation {
     /// Order of the derivative whose variation is penalized: 1 for piecewise constant velocities, 2 for piecewise linear
@@ -18,7 +21,7 @@ pub struct TotalVariation {
     pub order: usize,
     /// Rule for the weight γ of the variation.
     pub regularization: Regularization,
-    /// Smoothing constant ε of the root, in (unit of the signal / s^(order+1))². For a small ε the derivative jumps. If it
+    /// Constant ε under the square root, in (unit of the signal / s^(order+1))². For a small ε the derivative jumps. If this field
     /// is `None`, ε is the mean square of the divided difference of a quadratically smoothed signal, which suits smooth
     /// motions.
     pub epsilon: Option<f64>,
