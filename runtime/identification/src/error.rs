@@ -206,13 +206,6 @@ impl Place {
 }
 
 impl IdentificationError {
-    /// Returns the error that a file, or another input with this name, cannot be used.
-    ///
-    /// - `message`: reason why it cannot be used
-    pub fn unusable(place: impl Into<String>, message: impl Into<String>) -> Self {
-        at(place).fault(message)
-    }
-
     /// Adds the earlier findings to the error.
     pub(crate) fn after(self, noted: Vec<Finding>) -> Self {
         if noted.is_empty() { self } else { Self::After { noted, error: Box::new(self) } }

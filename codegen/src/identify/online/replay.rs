@@ -5,6 +5,7 @@ use gelenk_adaptation::{
     Measured, Prediction, Trust, input_inverse,
 };
 use gelenk_dynamics::dynamics::Limits;
+use gelenk_findings::Finding;
 use gelenk_identification::robot::{JointLimits, Robot};
 use gelenk_identification::run::{Effort, Run};
 use gelenk_identification::{IdentificationError, Result};
@@ -158,7 +159,7 @@ pub fn replay(robot: &dyn Robot, forces: &Forces<'_>, runs: &[Run], delay: f64) 
 }
 
 fn fault(place: impl Into<String>, message: impl Into<String>) -> IdentificationError {
-    IdentificationError::unusable(place, message)
+    IdentificationError::File(Box::new(Finding::error("unusable-input", message).log(place, None)))
 }
 
 /// Returns the number of periods per second: the inverse of the median time step of the log, rounded to few
