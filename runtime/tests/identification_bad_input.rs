@@ -63,8 +63,8 @@ fn wave(samples: u32) -> Vec<f64> {
 
 #[test]
 fn empty_logs() {
-    assert!(message(read("t,q1,u1\n")).starts_with("bad.csv: the file has no rows of numbers"));
-    assert!(message(read("")).starts_with("bad.csv: the file is empty"));
+    assert!(message(read("t,q1,u1\n")).contains("bad.csv: the file has no rows of numbers"));
+    assert!(message(read("")).contains("bad.csv: the file is empty"));
     let friction = Library::friction().expect("a library");
     for method in methods() {
         let text = message(identify(&friction, method, &[], &[]));
