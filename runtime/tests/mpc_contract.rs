@@ -419,7 +419,7 @@ fn a_joint_too_fast_for_the_period_is_named() {
     let linear = LtvMpc::new(steep, motion(), options.clone());
     let nonlinear = Nmpc::new(steep, motion(), options.clone());
     for error in [linear.unwrap_err(), nonlinear.unwrap_err()] {
-        assert_eq!(error.to_string(), format!("at 0 s of the trajectory {expected}"));
+        assert_eq!(error.to_string(), format!("at 0 s of the trajectory, {expected}"));
     }
     for linearization in [LinearizationPoint::Plan, LinearizationPoint::Reference] {
         let options = MpcOptions { linearization, ..options.clone() };

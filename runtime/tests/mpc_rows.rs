@@ -192,7 +192,7 @@ fn senseless_rows_are_refused_by_name() {
     wild.velocities[1] = f64::NAN;
     assert!(matches!(refuse(wild).0, RowFault::NotFinite { value } if value.is_nan()));
     wild.velocities[1] = f64::INFINITY;
-    assert!(refuse(wild).1.contains("coefficient inf"));
+    assert!(refuse(wild).1.contains("coefficient is inf"));
     let infinite = f64::INFINITY;
     for [lower, upper] in
         [[1.0, -1.0], [f64::NAN, 1.0], [0.0, f64::NAN], [infinite, infinite], [-infinite, -infinite]]
