@@ -158,7 +158,7 @@ fn files_that_cannot_be_used_say_where() {
     let message = |text: &str| read(text).to_string();
     assert_eq!(message("t,x\n0,1\n"), "log.csv: column y is missing; the file has the columns t, x");
     assert_eq!(message("t,y\n0,1\n1,two\n"), "log.csv, row 2: \"two\" in column y is not a number");
-    assert!(message("t,y\n0,1\n1,2\n3,3\n4,4\n").starts_with("log.csv, row 2: time is 1 s"));
+    assert!(message("t,y\n0,1\n1,2\n3,3\n4,4\n").starts_with("log.csv, row 2: the time is 1 s"));
     assert!(matches!(read("t,y\n0,1\n"), TrajectoryError::TooFew { needed: 3, given: 1, .. }));
     assert!(message("t,y\n0,1\n1,inf\n2,1\n").contains("positions of sample 1"));
     assert!(message("t,y\n0,1\n0,1\n0,1\n").contains("period is 0"));

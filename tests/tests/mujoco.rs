@@ -160,7 +160,7 @@ const CASES: [Case; 8] = [
         mass: &[],
         findings: &[
             (NOT_HELD, Severity::Warning, "has floating joints only at the base; MuJoCo rejects: `hull`"),
-            (DIFFERS, Severity::Warning, "only joint of a body in <worldbody>): other programs reject it"),
+            (DIFFERS, Severity::Warning, "only joint of a body in <worldbody>)): other programs reject it"),
         ],
         answer: Answer::Refuses,
     },
