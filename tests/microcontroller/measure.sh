@@ -42,6 +42,7 @@ processor() {
   case $1 in
     cortex-m4) echo "-mcpu=cortex-m4 -mfpu=fpv4-sp-d16" ;;
     cortex-m7) echo "-mcpu=cortex-m7 -mfpu=fpv5-sp-d16" ;;
+    cortex-m7-double) echo "-mcpu=cortex-m7 -mfpu=fpv5-d16" ;;
   esac
 }
 
@@ -55,14 +56,18 @@ arm() {
   (cd "$folder" && arm-none-eabi-gcc $arm_options -I . -I "$here" "$@")
 }
 
+# board_support FOLDER PROCESSOR: cortex_m.o. Loops that copy stay loops: they are memcpy.
+board_support() {
+  # shellcheck disable=SC2086
+  arm "$1" "$2" $warnings -isystem "$here/include" -fno-strict-aliasing -fno-tree-loop-distribute-patterns \
+    -c "$here/cortex_m.c"
+}
+
 # compile FOLDER PROCESSOR LANGUAGE: FOLDER/image.elf, and the names of all that is not the robot's.
 compile() {
   # shellcheck disable=SC2086
   arm "$1" "$2" $warnings -isystem "$here/include" -c "$here/measure.c"
-  # Loops that copy stay loops: they are memcpy.
-  # shellcheck disable=SC2086
-  arm "$1" "$2" $warnings -isystem "$here/include" -fno-strict-aliasing -fno-tree-loop-distribute-patterns \
-    -c "$here/cortex_m.c"
+  board_support "$1" "$2"
   case $3 in
     c)
       # shellcheck disable=SC2086
@@ -182,22 +187,15 @@ library "$host" ""
 echo
 echo "| instructions per period | estimator | robot's forces | bytes of stack |"
 echo "|---|---|---|---|"
-for board in "mps2-an386 cortex-m4 fpv4-sp-d16" "mps2-an500 cortex-m7 fpv5-d16"; do
+for board in "mps2-an386 cortex-m4 cortex-m4" "mps2-an500 cortex-m7 cortex-m7-double"; do
   # shellcheck disable=SC2086
   set -- $board
   library "$target" "-C target-cpu=$2"
-  options="-mcpu=$2 -mfpu=$3 -mthumb -mfloat-abi=hard -O2 -ffunction-sections -fno-math-errno"
-  (
-    cd "$folder"
-    # shellcheck disable=SC2086
-    arm-none-eabi-gcc $options $warnings -isystem "$here/include" -I "$here" -c "$here/online.c"
-    # shellcheck disable=SC2086
-    arm-none-eabi-gcc $options $warnings -isystem "$here/include" -I "$here" -fno-strict-aliasing \
-      -fno-tree-loop-distribute-patterns -c "$here/cortex_m.c"
-    # shellcheck disable=SC2086
-    arm-none-eabi-gcc $options -nostdlib -Wl,--gc-sections -Wl,-z,noexecstack -Wl,-T,"$here/boards.ld" -o image.elf online.o \
-      cortex_m.o "target/$target/release/libonline.a" -lgcc
-  )
+  # shellcheck disable=SC2086
+  arm "$folder" "$3" $warnings -isystem "$here/include" -c "$here/online.c"
+  board_support "$folder" "$3"
+  arm "$folder" "$3" -nostdlib -Wl,--gc-sections -Wl,-z,noexecstack -Wl,-T,"$here/boards.ld" -o image.elf online.o cortex_m.o \
+    "target/$target/release/libonline.a" -lgcc
   run "$folder" "$1" >"$folder/$1.txt"
   grep '^result' "$folder/$1.txt" | cmp - "$folder/host.txt"
   forces=$(value "$folder/$1.txt" instructions described)

@@ -1,7 +1,7 @@
 //! Laws of UR5 and PowerCube in single precision on a Cortex-M4F and a Cortex-M7 that QEMU plays, in C and in Rust, and the online
 //! estimator of friction in double precision.
 //!
-//! The script compares their bits with the host's, and refuses images that hold a panic or arithmetic in software. It needs
+//! The script compares their bits with the host's, and refuses images of the laws that hold a panic or arithmetic in software. It needs
 //! a cross compiler and QEMU; what is missing is skipped and says so.
 
 #![allow(clippy::expect_used, reason = "what is missing ends the test")]

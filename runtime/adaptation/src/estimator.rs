@@ -127,7 +127,8 @@ pub struct Adaptation<const N: usize> {
     /// Number of consecutive periods with known torques.
     known: usize,
     pub(super) periods: f64,
-    pub(super) fingerprint: u64,
+    /// Hash of torques of the described robot.
+    pub(super) described: u64,
 }
 
 impl<const N: usize> Adaptation<N> {
@@ -147,9 +148,7 @@ impl<const N: usize> Adaptation<N> {
         let mut scales = [None; N];
         for i in 0..N {
             if inputs[i].iter().any(|b| *b != 0.0) {
-                let y = robot.neutral();
-                let friction =
-                    |v: &[f64; N]| [robot.friction_torques(&y, v)[i], robot.load_friction(&y, v)[i]];
+                let friction = |v: &[f64; N]| robot.friction_torques(&robot.neutral(), v)[i];
                 let magnitudes = Magnitudes {
                     speed: limits.velocity[i],
                     effort: limits.peak_effort[i],
@@ -164,7 +163,7 @@ impl<const N: usize> Adaptation<N> {
 
     /// Constructs an estimator for joints with given scales of friction.
     ///
-    /// - `scales`: scale of each joint; `None` for joints whose friction is not learned
+    /// - `scales`: scale of each joint; `None` for joints whose friction is not learned. [`JointScale::is_loaded`] is replaced
     /// - `described`: function that returns the torques of the described robot. The saved state contains a fingerprint of the
     ///   robot, which is computed from these torques and the scales.
     ///
@@ -176,10 +175,16 @@ impl<const N: usize> Adaptation<N> {
         described: impl FnOnce(&[f64; N], &[f64; N], &[f64; N]) -> DescribedForces<N>,
     ) -> Result<Self, AdaptationError> {
         settings.check()?;
+        // Entries without a relation, at which load-dependent friction is zero only if the joint has none.
+        let of = |unit: f64| core::array::from_fn(|i| unit / (i + 1) as f64);
+        let forces = described(&of(0.7), &of(0.3), &of(0.5));
+        let scales: [Option<JointScale>; N] = core::array::from_fn(|i| {
+            let is_loaded = forces.load_friction[i] != 0.0;
+            scales[i].map(|scale| JointScale { is_loaded, ..scale })
+        });
         let derived = scales.map(|scale| scale.map(|scale| Derived::new(&settings, &scale)));
         let joint =
             |i: usize| derived[i].zip(scales[i]).map(|(derived, scale)| Joint::new(i, &derived, &scale));
-        let of = |unit: f64| core::array::from_fn(|i| unit / (i + 1) as f64);
         Ok(Self {
             settings,
             scales,
@@ -190,7 +195,7 @@ impl<const N: usize> Adaptation<N> {
             saturated: [[false; N]; HISTORY],
             known: 0,
             periods: 0.0,
-            fingerprint: fingerprint(&described(&of(0.7), &of(0.3), &of(0.5)), &scales),
+            described: hash(forces.forces.into_iter().chain(forces.friction)),
         })
     }
 
@@ -375,8 +380,6 @@ impl<const N: usize> Adaptation<N> {
         self.scales[joint] = Some(scale);
         self.derived[joint] = Some(derived);
         self.joints[joint] = Some(Joint::new(joint, &derived, &scale));
-        let bits = most.map(f64::to_bits).into_iter().chain([self.fingerprint, joint as u64]);
-        self.fingerprint = fnv1a(bits.flat_map(u64::to_le_bytes));
         Ok(())
     }
 
@@ -409,24 +412,22 @@ impl Magnitudes {
     /// contains the largest of 64 equidistant speeds at which friction does not exceed the effort.
     ///
     /// - `joint`: index of the joint
-    /// - `friction`: function that returns the described friction of this joint for the velocities of all joints, and its
-    ///   load-dependent friction per unit of load
+    /// - `friction`: function that returns the described friction of this joint for the velocities of all joints
     #[must_use]
     pub fn scale<const N: usize>(
         &self,
         joint: usize,
-        friction: impl Fn(&[f64; N]) -> [f64; 2],
+        friction: impl Fn(&[f64; N]) -> f64,
     ) -> Option<JointScale> {
         const STEPS: i32 = 64;
-        let law = |v: f64| {
+        let at = |v: f64| {
             let mut velocities = [0.0; N];
             velocities[joint] = v;
-            friction(&velocities).map(f64::abs)
+            friction(&velocities).abs()
         };
-        let at = |v: f64| law(v)[0];
         let is_reached = |v: &f64| at(*v).max(at(-v)) <= self.effort;
-        let speeds = || (1..=STEPS).rev().map(|k| self.speed * f64::from(k) / f64::from(STEPS));
-        let speed = speeds().find(is_reached).unwrap_or(self.speed);
+        let mut speeds = (1..=STEPS).rev().map(|k| self.speed * f64::from(k) / f64::from(STEPS));
+        let speed = speeds.find(is_reached).unwrap_or(self.speed);
         let described = at(speed).max(at(-speed));
         let torque = if described > 0.0 { described } else { USUAL * self.effort };
         let possible = [speed, torque].iter().all(|x| x.is_finite() && *x > 0.0);
@@ -446,14 +447,12 @@ impl Magnitudes {
             },
             is_described: described > 0.0,
             most: [f64::INFINITY; TERMS],
-            is_loaded: speeds().any(|v| law(v)[1].max(law(-v)[1]) > 0.0),
+            is_loaded: false,
         })
     }
 }
 
-/// Hash of the bits of torques and scales.
-fn fingerprint<const N: usize>(forces: &DescribedForces<N>, scales: &[Option<JointScale>; N]) -> u64 {
-    let magnitudes = scales.iter().flatten().flat_map(|s| [s.torque, s.speed, s.least_slope, s.range]);
-    let numbers = forces.forces.iter().chain(&forces.friction).copied().chain(magnitudes);
+/// Hash of the bits of numbers.
+pub(super) fn hash(numbers: impl Iterator<Item = f64>) -> u64 {
     fnv1a(numbers.flat_map(|x| x.to_bits().to_le_bytes()))
 }

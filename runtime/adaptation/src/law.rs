@@ -46,7 +46,8 @@ pub struct JointScale {
     pub range: f64,
     /// Whether the shape s is the described friction τ_d. False if τ_d is zero.
     pub is_described: bool,
-    /// Whether the joint has described load-dependent friction. If it does not, its coefficient δ₅ is zero.
+    /// Whether the joint has described load-dependent friction, as [`Adaptation::new`](super::Adaptation::new) finds. If it does
+    /// not, its coefficient δ₅ is zero.
     pub is_loaded: bool,
     /// Additional bounds of the magnitudes of the coefficients δ ([`Adaptation::set_bounds`](super::Adaptation::set_bounds));
     /// infinite if there are none.

@@ -1,9 +1,9 @@
 //! Saves and restores the learned state as an array of numbers.
 
 use super::correlation::CELLS;
-use super::estimator::Adaptation;
+use super::estimator::{Adaptation, hash};
 use super::joint::Joint;
-use super::law::TERMS;
+use super::law::{JointScale, TERMS};
 use super::settings::AdaptationError;
 
 /// Number of values that identify the origin of a saved state: fingerprint in two halves, number of joints, period, time
@@ -73,10 +73,14 @@ impl<const N: usize> Adaptation<N> {
 
     fn origin(&self) -> [f64; ORIGIN] {
         let half = |bits: u64| (bits & 0xffff_ffff) as f64;
-        let Self { settings, fingerprint, .. } = self;
+        let settings = &self.settings;
+        let magnitudes =
+            |s: &JointScale| [s.torque, s.speed, s.least_slope, s.range].into_iter().chain(s.most);
+        let scales = self.scales.iter().flatten().flat_map(magnitudes);
+        let fingerprint = hash([half(self.described), half(self.described >> 32)].into_iter().chain(scales));
         [
-            half(*fingerprint),
-            half(*fingerprint >> 32),
+            half(fingerprint),
+            half(fingerprint >> 32),
             N as f64,
             settings.period,
             settings.time_constant,

@@ -191,7 +191,7 @@ impl Simulated {
     /// The estimator of this joint.
     pub fn estimator(&self, settings: AdaptationSettings) -> Adaptation<1> {
         let magnitudes = Magnitudes { speed: SPEED, effort: 100.0, range: f64::INFINITY };
-        let scale = magnitudes.scale(0, |v: &[f64; 1]| [self.described(v[0]), 0.0]);
+        let scale = magnitudes.scale(0, |v: &[f64; 1]| self.described(v[0]));
         Adaptation::new([scale], settings, |y, v, a| self.forces(y[0], v[0], a[0]))
             .expect("settings are in range")
     }

@@ -2,10 +2,11 @@
 
 use crate::dynamics::{
     Differentiable, Discretizable, Dynamics, ForceDerivatives, ForceDerivativesAndMass, InputLimits,
-    LimitRows, Limits, Linearization, PhaseSpace,
+    LimitRows, Limits, Linearization, PhaseSpace, load, under_load,
 };
-use crate::dynamics::{load, under_load};
-use gelenk_adaptation::{Adaptation, AdaptationError, JointScale, TERMS, input_inverse, terms};
+use gelenk_adaptation::{
+    Adaptation, AdaptationError, DescribedForces, JointScale, TERMS, input_inverse, terms,
+};
 use gelenk_kernels::math::sqrt;
 
 /// Step of the numerical derivatives of friction, relative to the position or velocity, or to 1 at smaller values.
@@ -55,13 +56,6 @@ struct JointLaw {
 type Learned = (f64, f64);
 
 impl JointLaw {
-    /// - `gain`: derivative of the load by the force
-    fn at(&self, load: f64, gain: f64) -> Learned {
-        let change = under_load(load, self.learned_share) - under_load(load, self.described_share);
-        let slope = self.learned_share - self.described_share;
-        (self.learned + change, gain * if load < 0.0 { -slope } else { slope })
-    }
-
     /// - `force`: inverse dynamics of the described robot
     fn of_described_force(&self, force: f64) -> Learned {
         self.of_load(force - self.described, self.described_share)
@@ -72,9 +66,13 @@ impl JointLaw {
         self.of_load(force - self.described - self.learned, self.learned_share)
     }
 
+    /// - `exerted`: load and load-dependent friction
+    /// - `share`: load-dependent friction per unit of load
     fn of_load(&self, exerted: f64, share: f64) -> Learned {
-        let gain = if exerted < 0.0 { 1.0 / (1.0 - share) } else { 1.0 / (1.0 + share) };
-        self.at(load(exerted, share), gain)
+        let (load, side) = (load(exerted, share), if exerted < 0.0 { -1.0 } else { 1.0 });
+        let change = under_load(load, self.learned_share) - under_load(load, self.described_share);
+        let slope = side * (self.learned_share - self.described_share) / (1.0 + side * share);
+        (self.learned + change, slope)
     }
 }
 
@@ -118,22 +116,30 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> LearnedFriction<D, N, M>
         self
     }
 
-    /// Laws at a state, from the described friction and load-dependent friction there.
-    fn laws_of(&self, described: &[f64; N], shares: &[f64; N], v: &[f64; N]) -> [JointLaw; N] {
+    /// Learned friction at velocities v without load-dependent friction.
+    ///
+    /// - `described`: described friction at these velocities
+    fn learned(&self, described: &[f64; N], v: &[f64; N]) -> [f64; N] {
+        core::array::from_fn(|i| dot(&self.terms(i, described[i], v[i], 0.0), &self.deltas[i]))
+    }
+
+    /// Learned load-dependent friction per unit of load, for the described one.
+    fn learned_shares(&self, described: &[f64; N]) -> [f64; N] {
         core::array::from_fn(|i| {
-            let share = shares[i];
-            let most = 0.5 * (1.0 + share.abs());
-            JointLaw {
-                described: described[i],
-                learned: dot(&self.terms(i, described[i], v[i], 0.0), &self.deltas[i]),
-                described_share: share,
-                learned_share: (share * (1.0 + self.deltas[i][TERMS - 1])).clamp(-most, most),
-            }
+            let most = 0.5 * (1.0 + described[i].abs());
+            (described[i] * (1.0 + self.deltas[i][TERMS - 1])).clamp(-most, most)
         })
     }
 
     fn laws(&self, y: &[f64; N], v: &[f64; N]) -> [JointLaw; N] {
-        self.laws_of(&self.robot.friction_torques(y, v), &self.robot.load_friction(y, v), v)
+        let (described, shares) = (self.robot.friction_torques(y, v), self.robot.load_friction(y, v));
+        let (learned, learned_shares) = (self.learned(&described, v), self.learned_shares(&shares));
+        core::array::from_fn(|i| JointLaw {
+            described: described[i],
+            learned: learned[i],
+            described_share: shares[i],
+            learned_share: learned_shares[i],
+        })
     }
 
     /// Terms of a joint; zero if it is not learned.
@@ -142,38 +148,36 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> LearnedFriction<D, N, M>
         self.scales[joint].as_ref().map_or([0.0; TERMS], terms)
     }
 
-    /// Laws just before and just after rest.
-    fn laws_at_rest(&self, y: &[f64; N]) -> [[JointLaw; N]; 2] {
-        let (described, shares) = (self.robot.friction_at_rest(y), self.robot.load_friction_at_rest(y));
-        core::array::from_fn(|k| {
-            self.laws_of(&described.map(|sides| sides[k]), &shares.map(|sides| sides[k]), &[0.0; N])
-        })
-    }
-
     /// B u
     fn drive_forces(&self, u: &[f64; M]) -> [f64; N] {
         self.matrix.each_ref().map(|row| row.iter().zip(u).map(|(b, u)| b * u).sum())
     }
 
-    /// - `of`: τ_δ of a joint at constant forces
-    fn slopes(&self, y: &[f64; N], v: &[f64; N], of: impl Fn(usize, &JointLaw) -> f64) -> Slopes<N> {
+    /// Derivatives of τ_δ at constant forces, as one-sided difference quotients.
+    ///
+    /// - `laws`: laws at this state
+    /// - `of`: τ_δ of a joint
+    fn slopes(
+        &self,
+        (y, v): (&[f64; N], &[f64; N]),
+        laws: &[JointLaw; N],
+        of: impl Fn(usize, &JointLaw) -> f64,
+    ) -> Slopes<N> {
         let mut slopes = Slopes { by_coordinates: [[0.0; N]; N], by_velocities: [[0.0; N]; N] };
         let step = |x: f64| STEP * x.abs().max(1.0);
-        let moved = |x: &[f64; N], k: usize, steps: f64| -> [f64; N] {
-            core::array::from_fn(|i| if self.is_coupled && i != k { x[i] } else { x[i] + steps * step(x[i]) })
-        };
+        let side = |v: f64| if v < 0.0 { -1.0 } else { 1.0 };
         for k in 0..if self.is_coupled { N } else { 1 } {
-            let [low, high] = [-1.0, 1.0].map(|side| self.laws(&moved(y, k, side), v));
-            // These quotients use only velocities of one sign, so they do not contain a jump of the described friction at rest.
-            let away = |steps: f64| -> [f64; N] {
-                core::array::from_fn(|i| moved(v, k, if v[i] < 0.0 { -steps } else { steps })[i])
+            let moved = |x: &[f64; N], steps: [f64; N]| -> [f64; N] {
+                let is_moved = |i: usize| !self.is_coupled || i == k;
+                core::array::from_fn(|i| if is_moved(i) { x[i] + steps[i] * step(x[i]) } else { x[i] })
             };
-            let [near, far] = [1.0, 2.0].map(|steps| self.laws(y, &away(steps)));
+            let elsewhere = self.laws(&moved(y, [1.0; N]), v);
+            // Velocities of one sign, so that a jump of the described friction at rest is not part of the quotient.
+            let [near, far] = [1.0, 2.0].map(|steps| self.laws(y, &moved(v, v.map(|v| steps * side(v)))));
             for i in 0..N {
                 let j = if self.is_coupled { k } else { i };
-                let side = if v[j] < 0.0 { -1.0 } else { 1.0 };
-                slopes.by_coordinates[i][j] = (of(i, &high[i]) - of(i, &low[i])) / (2.0 * step(y[j]));
-                slopes.by_velocities[i][j] = side * (of(i, &far[i]) - of(i, &near[i])) / step(v[j]);
+                slopes.by_coordinates[i][j] = (of(i, &elsewhere[i]) - of(i, &laws[i])) / step(y[j]);
+                slopes.by_velocities[i][j] = side(v[j]) * (of(i, &far[i]) - of(i, &near[i])) / step(v[j]);
             }
         }
         slopes
@@ -231,22 +235,23 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Dynamics<N, M> for Learn
     }
 
     fn friction_torques(&self, y: &[f64; N], v: &[f64; N]) -> [f64; N] {
-        self.laws(y, v).map(|law| law.described + law.learned)
+        let described = self.robot.friction_torques(y, v);
+        let learned = self.learned(&described, v);
+        core::array::from_fn(|i| described[i] + learned[i])
     }
 
     fn load_friction(&self, y: &[f64; N], v: &[f64; N]) -> [f64; N] {
-        self.laws(y, v).map(|law| law.learned_share)
+        self.learned_shares(&self.robot.load_friction(y, v))
     }
 
     /// The load is that at zero acceleration.
     fn friction_uncertainty(&self, y: &[f64; N], v: &[f64; N]) -> [[f64; N]; M] {
-        let described = self.robot.friction_torques(y, v);
-        let shares = self.robot.load_friction(y, v);
+        let (described, shares) = (self.robot.friction_torques(y, v), self.robot.load_friction(y, v));
         let forces =
             if shares == [0.0; N] { described } else { self.robot.inverse_dynamics(y, v, &[0.0; N]) };
+        let DescribedForces { load_friction, .. } = DescribedForces::new(forces, described, &shares);
         let deviation = |i: usize| {
-            let load = under_load(load(forces[i] - described[i], shares[i]), shares[i]);
-            let phi = self.terms(i, described[i], v[i], load);
+            let phi = self.terms(i, described[i], v[i], load_friction[i]);
             let square = dot(&phi, &self.errors[i].each_ref().map(|row| dot(row, &phi)));
             sqrt(square.max(0.0))
         };
@@ -255,13 +260,15 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Dynamics<N, M> for Learn
     }
 
     fn friction_at_rest(&self, y: &[f64; N]) -> [[f64; 2]; N] {
-        let laws = self.laws_at_rest(y);
-        core::array::from_fn(|i| laws.map(|side| side[i].described + side[i].learned))
+        let described = self.robot.friction_at_rest(y);
+        let [before, after] = [0, 1].map(|side| self.learned(&described.map(|sides| sides[side]), &[0.0; N]));
+        core::array::from_fn(|i| [described[i][0] + before[i], described[i][1] + after[i]])
     }
 
     fn load_friction_at_rest(&self, y: &[f64; N]) -> [[f64; 2]; N] {
-        let laws = self.laws_at_rest(y);
-        core::array::from_fn(|i| laws.map(|side| side[i].learned_share))
+        let described = self.robot.load_friction_at_rest(y);
+        let [before, after] = [0, 1].map(|side| self.learned_shares(&described.map(|sides| sides[side])));
+        core::array::from_fn(|i| [before[i], after[i]])
     }
 
     fn inverse_dynamics(&self, y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [f64; N] {
@@ -306,7 +313,7 @@ impl<D: Differentiable<N, M>, const N: usize, const M: usize> Differentiable<N, 
     fn linearize(&self, y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> Linearization<N, M> {
         let (forces, laws) = (self.drive_forces(u), self.laws(y, v));
         let learned: [Learned; N] = core::array::from_fn(|i| laws[i].of_drive_force(forces[i]));
-        let slopes = self.slopes(y, v, |i, law| law.of_drive_force(forces[i]).0);
+        let slopes = self.slopes((y, v), &laws, |i, law| law.of_drive_force(forces[i]).0);
         let mut linear = self.robot.linearize(y, v, &self.relieved(u, &learned.map(|(torque, _)| torque)));
         // ÿ = A_y y + A_v v + B_x (u − B⁺ τ_δ) + c, and τ_δ is linearized about ȳ, v̄ and ū.
         for i in 0..N {
@@ -335,7 +342,7 @@ impl<D: Differentiable<N, M>, const N: usize, const M: usize> LearnedFriction<D,
     /// Adds τ_δ. Returns its derivatives by the forces of the described robot.
     fn add_learned(&self, derivatives: &mut ForceDerivatives<N>, y: &[f64; N], v: &[f64; N]) -> [f64; N] {
         let (forces, laws) = (derivatives.forces, self.laws(y, v));
-        let slopes = self.slopes(y, v, |i, law| law.of_described_force(forces[i]).0);
+        let slopes = self.slopes((y, v), &laws, |i, law| law.of_described_force(forces[i]).0);
         core::array::from_fn(|i| {
             let (torque, gain) = laws[i].of_described_force(forces[i]);
             derivatives.forces[i] += torque;

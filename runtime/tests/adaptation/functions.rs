@@ -2,7 +2,7 @@
 
 use super::random::SplitMix64;
 use gelenk_runtime::adaptation::{
-    Adaptation, AdaptationSettings, DescribedForces, LearnedFriction, Measured, TERMS, Trust,
+    Adaptation, AdaptationSettings, DescribedForces, LearnedFriction, Magnitudes, Measured, TERMS, Trust,
 };
 use gelenk_runtime::dynamics::{Differentiable, Discretizable, Dynamics};
 use nalgebra::{SMatrix, SVector};
@@ -142,4 +142,18 @@ fn joints_without_described_load_dependent_friction_do_not_learn_it() {
     for state in adaptation.states().into_iter().flatten() {
         assert_eq!((state.terms().count(), state.learned[TERMS - 1]), (TERMS - 1, 0.0));
     }
+}
+
+/// The law of the load is zero at the neutral position and at rest.
+#[test]
+fn load_dependent_friction_is_found_if_it_is_zero_at_the_neutral_position() {
+    let scale = |load: f64| {
+        let magnitudes = Magnitudes { speed: 1.0, effort: 10.0, range: f64::INFINITY };
+        let scale = magnitudes.scale(0, |v: &[f64; 1]| v[0]);
+        let described = |y: &[f64; 1], v: &[f64; 1], a: &[f64; 1]| {
+            DescribedForces::new([2.0 * a[0] + v[0]], *v, &[load * y[0].sin() * (20.0 * v[0]).tanh()])
+        };
+        Adaptation::new([scale], AdaptationSettings::new(PERIOD), described).unwrap().scales()[0].unwrap()
+    };
+    assert!(scale(0.1).is_loaded && !scale(0.0).is_loaded);
 }

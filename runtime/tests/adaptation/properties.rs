@@ -411,6 +411,11 @@ fn a_term_stops_at_the_bound_of_an_offline_interval() {
         joint.estimator(settings()).restore(&numbers),
         Err(AdaptationError::Origin("description"))
     ));
+    let mut same = joint.estimator(settings());
+    same.set_bounds(0, [1.0; TERMS]).unwrap();
+    same.set_bounds(0, most).unwrap();
+    same.restore(&numbers).unwrap();
+    assert_eq!(state(&same).learned, now.learned);
     for wrong in [[f64::NAN; TERMS], [-1.0; TERMS]] {
         assert_eq!(adaptation.set_bounds(0, wrong), Err(AdaptationError::Bounds(0)));
     }

@@ -112,12 +112,10 @@ pub fn replay(robot: &dyn Robot, forces: &Forces<'_>, runs: &[Run], delay: f64) 
     let robot = Described::new(robot, forces, runs)?;
     let rate = rate(runs)?;
     let settings = settings(rate, delay)?;
-    let scales = robot.scales()?;
-    let adaptation = Adaptation::new(scales, settings, |y, v, a| robot.forces(y, v, a));
+    let adaptation = Adaptation::new(robot.scales()?, settings, |y, v, a| robot.forces(y, v, a));
     let mut adaptation = adaptation.map_err(|error| fault("the log", error.to_string()))?;
     let speeds: Vec<f64> = (0..robot.joints).map(|joint| speed(runs, joint, rate)).collect();
-    let described: Vec<f64> =
-        (0..robot.joints).map(|joint| robot.friction(joint, speeds[joint])[0]).collect();
+    let described: Vec<f64> = (0..robot.joints).map(|joint| robot.friction(joint, speeds[joint])).collect();
     let mut samples = vec![Vec::new(); robot.joints];
     let mut begin = 0.0;
     for run in runs {
@@ -149,7 +147,7 @@ pub fn replay(robot: &dyn Robot, forces: &Forces<'_>, runs: &[Run], delay: f64) 
     let joints = samples.into_iter().enumerate().map(|(joint, samples)| {
         Some(JointReplay {
             state: adaptation.states()[joint]?,
-            prior: scales[joint]?.bounds(settings.largest_change).map(|bound| 0.5 * bound),
+            prior: adaptation.scales()[joint]?.bounds(settings.largest_change).map(|bound| 0.5 * bound),
             speed: speeds[joint],
             described: described[joint],
             samples,
@@ -267,13 +265,8 @@ impl<'a> Described<'a> {
             ));
         }
         if joints.max(inputs) > MOST {
-            return Err(fault(
-                "the robot",
-                format!(
-                    "it has more than {MOST} joints or inputs, which is the largest number \
-                                                   for the estimator"
-                ),
-            ));
+            let message = format!("the estimator supports at most {MOST} joints and inputs");
+            return Err(fault("the robot", message));
         }
         if effort == Effort::Current && robot.described_currents().contains(&false) {
             let message = "its efforts are motor currents, but the description has no motor constant: describe it (`drive = \
@@ -304,12 +297,10 @@ impl<'a> Described<'a> {
         DescribedForces::new(forces, friction, &shares)
     }
 
-    /// Friction of a joint, and its load-dependent friction per unit of load.
-    fn friction(&self, joint: usize, speed: f64) -> [f64; 2] {
-        let (zero, mut v) = (vec![0.0; self.joints], vec![0.0; self.joints]);
+    fn friction(&self, joint: usize, speed: f64) -> f64 {
+        let mut v = [0.0; MOST];
         v[joint] = speed;
-        let [_, friction, shares] = (self.forces)(&zero, &v, &zero);
-        [friction[joint], shares[joint]]
+        self.forces(&[0.0; MOST], &v, &[0.0; MOST]).friction[joint]
     }
 
     fn scales(&self) -> Result<[Option<JointScale>; MOST]> {
