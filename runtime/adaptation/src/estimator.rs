@@ -175,7 +175,7 @@ impl<const N: usize> Adaptation<N> {
         described: impl FnOnce(&[f64; N], &[f64; N], &[f64; N]) -> DescribedForces<N>,
     ) -> Result<Self, AdaptationError> {
         settings.check()?;
-        // Entries without a relation, at which load-dependent friction is zero only if the joint has none.
+        // Generic values, at which load-dependent friction is zero only if the joint has none.
         let of = |unit: f64| core::array::from_fn(|i| unit / (i + 1) as f64);
         let forces = described(&of(0.7), &of(0.3), &of(0.5));
         let scales: [Option<JointScale>; N] = core::array::from_fn(|i| {
