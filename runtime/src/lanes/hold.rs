@@ -4,9 +4,9 @@ use super::batch::{Batch, Case, Held};
 use crate::dynamics::{Discretization, Instructions, Linearization};
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
-#[cfg(all(target_arch = "x86_64", feature = "std"))]
-use crate::qp::avx2::{self, Avx2};
 use crate::qp::lanes::{Portable, WIDTH};
+#[cfg(all(target_arch = "x86_64", feature = "std"))]
+use crate::qp::x86::{Avx2, has_avx2};
 
 /// Returns the widest vector instructions that this processor supports, for
 /// [`linearize_along`](crate::dynamics::Differentiable::linearize_along).
@@ -80,7 +80,7 @@ impl<const N: usize, const M: usize> ZeroOrderHolds<N, M> {
     /// Selects the vector instructions and allocates all memory.
     pub fn new() -> Self {
         #[cfg(all(target_arch = "x86_64", feature = "std"))]
-        if avx2::available() {
+        if has_avx2() {
             return Self(Engine::Avx2(Box::new(Batch::new())));
         }
         Self(Engine::Portable(Box::new(Batch::new())))

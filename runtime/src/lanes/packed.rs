@@ -12,7 +12,8 @@ pub(super) fn pack<V: Vector>(to: &mut [V], from: [&[f64]; WIDTH]) {
         for (row, from) in rows.iter_mut().zip(from) {
             flat_mut(core::slice::from_mut(row)).copy_from_slice(&from[WIDTH * k..][..WIDTH]);
         }
-        *vectors = V::transpose(rows);
+        V::transpose(&mut rows);
+        *vectors = rows;
     }
     for (k, numbers) in flat_mut(rest).chunks_exact_mut(WIDTH).enumerate() {
         for (number, from) in numbers.iter_mut().zip(from) {
@@ -27,7 +28,9 @@ pub(super) fn unpack<V: Vector>(from: &[V], mut to: [&mut [f64]; WIDTH]) {
     let (fours, rest) = from.as_chunks::<WIDTH>();
     let done = fours.len() * WIDTH;
     for (k, vectors) in fours.iter().enumerate() {
-        for (row, to) in V::transpose(*vectors).iter().zip(&mut to) {
+        let mut rows = *vectors;
+        V::transpose(&mut rows);
+        for (row, to) in rows.iter().zip(&mut to) {
             to[WIDTH * k..][..WIDTH].copy_from_slice(flat(core::slice::from_ref(row)));
         }
     }

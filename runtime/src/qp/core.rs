@@ -3,7 +3,7 @@
 use super::barrier::{Bounds, ROUNDING};
 use super::certificate::Certificate;
 use super::equality::{Equalities, Fixed};
-use super::lanes::{Vector, WIDTH, flat_mut, lanes, zeros};
+use super::lanes::{Vector, flat_mut, lanes, zeros};
 use super::ldl::NotPositive;
 use super::multipliers::Multipliers;
 use super::pause::Pause;
@@ -82,12 +82,12 @@ pub(super) struct Core<V, const NX: usize, const NU: usize, const NR: usize> {
 }
 
 impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, NU, NR> {
-    const RX: usize = lanes(NX);
+    const RX: usize = lanes::<V>(NX);
 
     /// Memory for `horizon` stages.
     pub(super) fn new(horizon: usize, settings: QpSettings) -> Self {
         let rows = Rows::<V, NX, NU, NR>::lanes(horizon);
-        let (nu, nx) = (lanes(horizon * NU), horizon * Self::RX + rows);
+        let (nu, nx) = (lanes::<V>(horizon * NU), horizon * Self::RX + rows);
         let trajectory = Trajectory::new(horizon, NX, NU, rows);
         let multipliers = [Multipliers::new(nu), Multipliers::new(nx)];
         Self {
@@ -125,7 +125,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     /// Shifts the last solution by one stage and repeats its last stage. The next [`Self::follow`] of a receding horizon
     /// starts at the shifted solution.
     pub(super) fn shift(&mut self) {
-        let padded = Self::RX * WIDTH;
+        let padded = Self::RX * V::WIDTH;
         let (u, x) = (flat_mut(&mut self.solution.u), flat_mut(&mut self.solution.x));
         u.copy_within(NU..self.horizon * NU, 0);
         self.multipliers[0].shift(0, NU, self.horizon * NU);
@@ -134,7 +134,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         self.multipliers[1].shift(0, padded, states);
         if NR > 0 {
             // The rows of the last node do not change.
-            let (padded, end) = (lanes(NR) * WIDTH, states + self.horizon * lanes(NR) * WIDTH);
+            let (padded, end) =
+                (lanes::<V>(NR) * V::WIDTH, states + self.horizon * lanes::<V>(NR) * V::WIDTH);
             x.copy_within(states + padded..end, states);
             self.multipliers[1].shift(states, padded, end - states);
         }
@@ -162,7 +163,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
 
     /// Multipliers `[lower, upper]` of the bounds of `x_k` for `1 ≤ k ≤ N`, all ≥ 0; zeros for other `k`.
     pub(super) fn state_multipliers(&self, k: usize) -> [[f64; 2]; NX] {
-        let padded = Self::RX * WIDTH;
+        let padded = Self::RX * V::WIDTH;
         let inside = (1..=self.horizon).contains(&k);
         core::array::from_fn(
             |i| {
@@ -173,7 +174,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
 
     /// Multipliers `[lower, upper]` of the rows of node `k` for `0 ≤ k ≤ N`, all ≥ 0; zeros for other `k`.
     pub(super) fn row_multipliers(&self, k: usize) -> [[f64; 2]; NR] {
-        let place = (self.horizon * Self::RX + k * lanes(NR)) * WIDTH;
+        let place = (self.horizon * Self::RX + k * lanes::<V>(NR)) * V::WIDTH;
         core::array::from_fn(|r| {
             if k <= self.horizon {
                 self.multipliers[1].get(place + r).map(|l| l / self.rows.unit(k, r))
@@ -300,7 +301,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     }
 
     fn load_rows(&mut self, problem: &QpProblem<NX, NU, NR>) {
-        let behind = self.horizon * Self::RX * WIDTH;
+        let behind = self.horizon * Self::RX * V::WIDTH;
         let Self { rows, equalities, state_bounds, .. } = self;
         rows.load(problem, |Limits { place, sides: [lower, upper], penalty }| {
             set_bounds(equalities, state_bounds, behind + place, [lower, upper], penalty);
@@ -308,7 +309,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     }
 
     fn load_stage(&mut self, k: usize, stage: &QpStage<NX, NU, NR>, penalty: &[Option<(f64, f64)>; NX]) {
-        let padded = Self::RX * WIDTH;
+        let padded = Self::RX * V::WIDTH;
         self.riccati.set_stage(k, &stage.state_matrix, &stage.input_matrix);
         self.linear.set_input(k, &stage.input_gradient);
         self.linear.set_state(k, &stage.state_gradient);

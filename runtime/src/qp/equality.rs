@@ -14,7 +14,7 @@
 //! 1976; Friedlander, Orban, *A primal–dual regularized interior-point method for convex quadratic programs*,
 //! Math. Program. Comput. 4, 2012).
 
-use super::lanes::{Vector, WIDTH, flat_mut, largest, vectorized};
+use super::lanes::{Vector, flat_mut, largest, vectorized};
 use super::multipliers::Multipliers;
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
@@ -321,7 +321,7 @@ impl<V: Vector> Equalities<V> {
     /// can replace it.
     pub(super) fn release(&mut self, mut bound: impl FnMut(usize, f64)) {
         if self.any() {
-            for i in 0..self.force.len() * WIDTH {
+            for i in 0..self.force.len() * V::WIDTH {
                 if flat_mut(&mut self.targets.active)[i] == 1.0 {
                     bound(i, flat_mut(&mut self.targets.target)[i]);
                 }

@@ -1,6 +1,6 @@
 //! Matrix products in registers, which take most of the time of the Riccati recursion.
 
-use super::lanes::{Vector, WIDTH, lanes};
+use super::lanes::{Vector, lanes};
 
 /// The right factor of a product: entry (i, c) is `numbers[i · by_row + c · by_column]`.
 #[derive(Clone, Copy)]
@@ -40,7 +40,7 @@ impl<V: Vector> Term<'_, V> {
     }
 }
 
-/// Computes `out[c] = start[c] + Σ terms` for `COLS` columns of `lanes(ROWS)` lanes. With `LOWER`, only the
+/// Computes `out[c] = start[c] + Σ terms` for `COLS` columns of `⌈ROWS/W⌉` lanes. With `LOWER`, only the
 /// lanes on and below the diagonal are computed.
 #[inline(always)]
 pub(super) fn product<
@@ -54,7 +54,7 @@ pub(super) fn product<
     start: Option<&[V]>,
     terms: [Term<'_, V>; TERMS],
 ) {
-    let n = lanes(ROWS);
+    let n = lanes::<V>(ROWS);
     assert!(out.len() >= COLS * n && start.is_none_or(|s| s.len() >= COLS * n));
     assert!(terms.iter().all(|t| t.covers(n, COLS)));
     let mut r = 0;
@@ -62,7 +62,7 @@ pub(super) fn product<
     unsafe {
         if LOWER {
             for r in 0..n {
-                columns::<V, 1, TERMS>(out, start, &terms, n, [r, COLS.min((r + 1) * WIDTH)]);
+                columns::<V, 1, TERMS>(out, start, &terms, n, [r, COLS.min((r + 1) * V::WIDTH)]);
             }
             return;
         }

@@ -1,17 +1,19 @@
-//! Lanes: vectors of four numbers.
+//! Lanes: vectors of four or eight numbers.
 //!
-//! A vector of length `n` is stored as `⌈n/4⌉` lanes, padded with zeros. A matrix is a sequence of these vectors, which
-//! are its rows or its columns. The padding remains zero in every operation of this module, so no kernel needs a loop for
-//! the remainder. The method is generic over the lanes. [`Portable`] uses the vector instructions for which the crate is
-//! compiled. [`Avx2`](super::avx2::Avx2) uses the instructions of newer x86-64 processors. The construction of a solver
-//! selects one of the two.
+//! A vector of length `n` is stored as `⌈n/W⌉` lanes of W numbers, padded with zeros. A matrix is a sequence of these
+//! vectors, which are its rows or its columns. The padding remains zero in every operation of this module, so no kernel
+//! needs a loop for the remainder. The method is generic over the lanes. [`Portable`] uses the vector instructions for which
+//! the crate is compiled. [`Avx2`](super::x86::Avx2) and [`Avx512`](super::x86::Avx512) use the instructions of newer x86-64
+//! processors. The construction of a solver selects one of the three.
 
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
-/// Numbers per lane.
+/// Numbers per lane of [`Portable`] and [`Avx2`](super::x86::Avx2).
 pub(crate) const WIDTH: usize = 4;
+/// Largest number of numbers per lane.
+pub(super) const MAX_WIDTH: usize = 8;
 
 /// Lanes that need no processor features beyond those for which the crate is compiled.
 pub(crate) type Portable = wide::f64x4;
@@ -29,7 +31,7 @@ macro_rules! vectorized {
 }
 pub(crate) use vectorized;
 
-/// Vector of four numbers. All functions are inlined, so that they become instructions of the calling function.
+/// Vector of [`Self::WIDTH`] numbers. All functions are inlined, so that they become instructions of the calling function.
 pub(crate) trait Vector:
     bytemuck::Pod
     + core::fmt::Debug
@@ -40,6 +42,9 @@ pub(crate) trait Vector:
     + Neg<Output = Self>
     + AddAssign
 {
+    /// Numbers per vector.
+    const WIDTH: usize;
+
     fn splat(value: f64) -> Self;
     /// `self · factor + term`, rounded once if the processor has fused multiply-add.
     fn mul_add(self, factor: Self, term: Self) -> Self;
@@ -54,7 +59,8 @@ pub(crate) trait Vector:
     fn reduce_add(self) -> f64;
     /// Calls `work` in a function that is compiled for these lanes, see [`vectorized!`].
     fn vectorized<R>(work: impl FnOnce() -> R) -> R;
-    fn transpose(v: [Self; WIDTH]) -> [Self; WIDTH];
+    /// Transposes the square matrix whose rows are the first `WIDTH` vectors of `rows`.
+    fn transpose(rows: &mut [Self]);
 
     #[inline(always)]
     fn zero() -> Self {
@@ -65,7 +71,7 @@ pub(crate) trait Vector:
     fn select_positive(of: Self, yes: Self, no: Self) -> Self {
         let mut chosen = [no];
         let (of, yes) = ([of], [yes]);
-        for i in 0..WIDTH {
+        for i in 0..Self::WIDTH {
             if flat(&of)[i] > 0.0 {
                 flat_mut(&mut chosen)[i] = flat(&yes)[i];
             }
@@ -79,6 +85,8 @@ pub(crate) trait Vector:
 }
 
 impl Vector for Portable {
+    const WIDTH: usize = WIDTH;
+
     #[inline(always)]
     fn splat(value: f64) -> Self {
         Self::splat(value)
@@ -112,8 +120,9 @@ impl Vector for Portable {
         self.reduce_add()
     }
     #[inline(always)]
-    fn transpose(v: [Self; WIDTH]) -> [Self; WIDTH] {
-        Self::transpose(v)
+    fn transpose(rows: &mut [Self]) {
+        let transposed = Self::transpose([rows[0], rows[1], rows[2], rows[3]]);
+        rows[..WIDTH].copy_from_slice(&transposed);
     }
     #[inline(never)]
     fn vectorized<R>(work: impl FnOnce() -> R) -> R {
@@ -122,8 +131,8 @@ impl Vector for Portable {
 }
 
 /// Number of lanes for `n` numbers.
-pub(super) const fn lanes(n: usize) -> usize {
-    n.div_ceil(WIDTH)
+pub(super) const fn lanes<V: Vector>(n: usize) -> usize {
+    n.div_ceil(V::WIDTH)
 }
 
 /// `n` zero lanes.
@@ -165,17 +174,22 @@ pub(super) fn dot<V: Vector>(a: &[V], b: &[V]) -> f64 {
     sum.reduce_add()
 }
 
-/// The sum of each of the four vectors, as one lane.
+/// Vector of the sums of the vectors `of(0)`, `of(1)`, …
 #[inline(always)]
-pub(super) fn reduce4<V: Vector>(v: [V; 4]) -> V {
-    let t = V::transpose(v);
-    (t[0] + t[1]) + (t[2] + t[3])
+pub(super) fn reduce_each<V: Vector>(of: impl Fn(usize) -> V) -> V {
+    let mut rows = [V::zero(); MAX_WIDTH];
+    for i in 0..V::WIDTH {
+        rows[i] = of(i);
+    }
+    V::transpose(&mut rows);
+    let sum = (rows[0] + rows[1]) + (rows[2] + rows[3]);
+    if V::WIDTH == WIDTH { sum } else { sum + ((rows[4] + rows[5]) + (rows[6] + rows[7])) }
 }
 
 /// Largest number of a lane.
 #[inline(always)]
 pub(crate) fn largest<V: Vector>(v: V) -> f64 {
     let v = [v];
-    let a = flat(&v);
-    (a[0].max(a[1])).max(a[2].max(a[3]))
+    let pairs = flat(&v).chunks_exact(2).map(|pair| pair[0].max(pair[1]));
+    pairs.reduce(f64::max).unwrap_or_default()
 }

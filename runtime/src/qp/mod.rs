@@ -16,14 +16,12 @@
 //! | `core`, `solver` | memory and loading of a problem; the public interface, which selects the vector instructions |
 //! | `riccati`, `sweeps` | factorization of the Newton system stage by stage, and its solutions |
 //! | `kernels`, `ldl` | matrix products in registers, small factorizations |
-//! | `trajectory`, `lanes`, `avx2` | memory layout, and vectors of four numbers (lanes) |
+//! | `trajectory`, `lanes`, `x86` | memory layout, and vectors of four or eight numbers (lanes) |
 //!
 //! Every iterate satisfies the dynamics, and the returned inputs satisfy their bounds exactly. If hard state bounds or
 //! rows cannot be kept, the solver detects this within a bounded number of iterations. It then replaces these bounds and
 //! rows by exact penalties ([`QpStatus::Relaxed`]).
 
-#[cfg(all(target_arch = "x86_64", feature = "std"))]
-pub(crate) mod avx2;
 mod barrier;
 mod certificate;
 mod certify;
@@ -42,6 +40,8 @@ mod solver;
 mod status;
 mod sweeps;
 pub(crate) mod trajectory;
+#[cfg(all(target_arch = "x86_64", feature = "std"))]
+pub(crate) mod x86;
 
 pub use problem::{Penalty, QpProblem, QpRows, QpStage};
 pub use solver::{MAX_HORIZON, MAX_SIZE, QpSolver};

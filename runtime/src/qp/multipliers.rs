@@ -1,6 +1,6 @@
 //! Multipliers of bounds, as the solution stores them.
 
-use super::lanes::{Vector, WIDTH, flat, flat_mut, vectorized};
+use super::lanes::{Vector, flat, flat_mut, vectorized};
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
 
@@ -45,15 +45,15 @@ impl<V: Vector> Multipliers<V> {
     /// Multipliers `[lower, upper]` of number `i` of the padded variables.
     #[inline(always)]
     pub(super) fn get(&self, i: usize) -> [f64; 2] {
-        let [lower, upper] = &self.0[i / WIDTH];
-        [flat(core::slice::from_ref(lower))[i % WIDTH], flat(core::slice::from_ref(upper))[i % WIDTH]]
+        let [lower, upper] = &self.0[i / V::WIDTH];
+        [flat(core::slice::from_ref(lower))[i % V::WIDTH], flat(core::slice::from_ref(upper))[i % V::WIDTH]]
     }
 
     /// Sets the multipliers `[lower, upper]` of number `i` of the padded variables.
     #[inline(always)]
     pub(super) fn set(&mut self, i: usize, values: [f64; 2]) {
-        for (lane, value) in self.0[i / WIDTH].iter_mut().zip(values) {
-            flat_mut(core::slice::from_mut(lane))[i % WIDTH] = value;
+        for (lane, value) in self.0[i / V::WIDTH].iter_mut().zip(values) {
+            flat_mut(core::slice::from_mut(lane))[i % V::WIDTH] = value;
         }
     }
 

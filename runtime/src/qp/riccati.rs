@@ -33,7 +33,7 @@
 //! IFAC 2020.
 
 use super::kernels::{Right, Term, add_combination, product};
-use super::lanes::{Vector, WIDTH, at, dot, flat, flat_mut, lanes, largest, pack, vectorized, zeros};
+use super::lanes::{MAX_WIDTH, Vector, at, dot, flat, flat_mut, lanes, largest, pack, vectorized, zeros};
 use super::ldl::{NotPositive, factor_ldl, solve_ldl};
 use super::rows::Rows;
 use super::trajectory::Trajectory;
@@ -112,9 +112,9 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
     }
 
     /// Number of lanes of a state vector.
-    pub(crate) const RX: usize = lanes(NX);
+    pub(crate) const RX: usize = lanes::<V>(NX);
     /// Number of lanes of an input vector.
-    pub(super) const RU: usize = lanes(NU);
+    pub(super) const RU: usize = lanes::<V>(NU);
 
     pub(crate) fn new(horizon: usize) -> Self {
         let x = Self::RX;
@@ -280,7 +280,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         let sigma = flat(sigma);
         let p = flat_mut(p);
         for i in 0..NX {
-            p[i * Self::RX * WIDTH + i] += sigma[i];
+            p[i * Self::RX * V::WIDTH + i] += sigma[i];
         }
     }
 
@@ -298,16 +298,16 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         product::<V, NX, NU, false, 1>(
             &mut self.pb,
             self.rate.is_some().then_some(&self.s),
-            [Term { left: &self.p, right: Right::columns(flat(b), x * WIDTH), depth: NX }],
+            [Term { left: &self.p, right: Right::columns(flat(b), x * V::WIDTH), depth: NX }],
         );
         product::<V, NU, NU, true, 1>(
             &mut self.h,
             None,
-            [Term { left: b_rows, right: Right::columns(flat(&self.pb), x * WIDTH), depth: NX }],
+            [Term { left: b_rows, right: Right::columns(flat(&self.pb), x * V::WIDTH), depth: NX }],
         );
         let mut h = self.r;
         for j in 0..NU {
-            let column = &flat(&self.h)[j * Self::RU * WIDTH..][..NU];
+            let column = &flat(&self.h)[j * Self::RU * V::WIDTH..][..NU];
             for i in j..NU {
                 h[i][j] += column[i];
             }
@@ -333,7 +333,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         product::<V, NX, NU, false, 1>(
             &mut self.y,
             None,
-            [Term { left: a, right: Right::columns(flat(&self.pb), x * WIDTH), depth: NX }],
+            [Term { left: a, right: Right::columns(flat(&self.pb), x * V::WIDTH), depth: NX }],
         );
         add_rows(&mut self.y);
         let l = &self.ldl[k];
@@ -401,7 +401,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         product::<V, NX, NX, false, 1>(
             &mut self.phi[k * NX * x..][..NX * x],
             Some(a),
-            [Term { left: gain, right: Right::rows(flat(b), x * WIDTH), depth: NU }],
+            [Term { left: gain, right: Right::rows(flat(b), x * V::WIDTH), depth: NU }],
         );
     }
 
@@ -413,14 +413,14 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         product::<V, NX, NX, false, 1>(
             &mut self.pa,
             None,
-            [Term { left: &self.p, right: Right::rows(flat(a), x * WIDTH), depth: NX }],
+            [Term { left: &self.p, right: Right::rows(flat(a), x * V::WIDTH), depth: NX }],
         );
         product::<V, NX, NX, true, 2>(
             &mut self.p,
             Some(&self.q),
             [
-                Term { left: a, right: Right::columns(flat(&self.pa), x * WIDTH), depth: NX },
-                Term { left: &self.y, right: Right::rows(flat(&self.z), x * WIDTH), depth: NU },
+                Term { left: a, right: Right::columns(flat(&self.pa), x * V::WIDTH), depth: NX },
+                Term { left: &self.y, right: Right::rows(flat(&self.z), x * V::WIDTH), depth: NU },
             ],
         );
         add_rows(&mut self.p);
@@ -439,25 +439,26 @@ fn symmetric<const N: usize>(m: &[[f64; N]; N]) -> [[f64; N]; N] {
 #[inline(always)]
 fn mirror<V: Vector, const NX: usize>(p: &mut [V], n: usize) {
     for rb in 0..n {
-        let width = (NX - rb * WIDTH).min(WIDTH);
-        let mut block = [V::zero(); WIDTH];
+        let width = (NX - rb * V::WIDTH).min(V::WIDTH);
+        let mut block = [V::zero(); MAX_WIDTH];
         for j in 0..width {
-            block[j] = p[(rb * WIDTH + j) * n + rb];
+            block[j] = p[(rb * V::WIDTH + j) * n + rb];
         }
-        let transposed = V::transpose(block);
+        let mut transposed = block;
+        V::transpose(&mut transposed);
         for j in 0..width {
-            p[(rb * WIDTH + j) * n + rb] = (block[j] + transposed[j]) * V::splat(0.5);
+            p[(rb * V::WIDTH + j) * n + rb] = (block[j] + transposed[j]) * V::splat(0.5);
         }
     }
     for rb in 1..n {
         for cb in 0..rb {
-            let mut block = [V::zero(); WIDTH];
-            for j in 0..WIDTH {
-                block[j] = p[(cb * WIDTH + j) * n + rb];
+            let mut block = [V::zero(); MAX_WIDTH];
+            for j in 0..V::WIDTH {
+                block[j] = p[(cb * V::WIDTH + j) * n + rb];
             }
-            let below = V::transpose(block);
-            for j in 0..(NX - rb * 4).min(4) {
-                p[(rb * 4 + j) * n + cb] = below[j];
+            V::transpose(&mut block);
+            for j in 0..(NX - rb * V::WIDTH).min(V::WIDTH) {
+                p[(rb * V::WIDTH + j) * n + cb] = block[j];
             }
         }
     }

@@ -12,7 +12,7 @@
 //! scaled by its largest coefficient, rounded to a power of two so that the scaling is exact. Without rows (`NR = 0`) every
 //! function is empty.
 
-use super::lanes::{Vector, WIDTH, at, dot, flat, flat_mut, lanes, pack, vectorized, zeros};
+use super::lanes::{Vector, at, dot, flat, flat_mut, lanes, pack, vectorized, zeros};
 use super::problem::{QpProblem, unit};
 use super::trajectory::Trajectory;
 #[cfg(not(feature = "std"))]
@@ -39,9 +39,9 @@ pub(crate) struct Rows<V, const NX: usize, const NU: usize, const NR: usize> {
 }
 
 impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, NU, NR> {
-    const RX: usize = lanes(NX);
+    const RX: usize = lanes::<V>(NX);
     /// Number of lanes of the values of a node.
-    const RR: usize = lanes(NR);
+    const RR: usize = lanes::<V>(NR);
 
     /// Number of lanes of the values over a horizon.
     pub(super) const fn lanes(horizon: usize) -> usize {
@@ -96,7 +96,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
             sides = [f64::NEG_INFINITY, f64::INFINITY];
         }
         let penalty = problem.row_penalty[r].map(|p| (p.linear * unit, p.quadratic * unit * unit));
-        Limits { place: k * Self::RR * WIDTH + r, sides, penalty }
+        Limits { place: k * Self::RR * V::WIDTH + r, sides, penalty }
     }
 
     /// Whether row `r` of node `k` does not depend on a variable.

@@ -1,11 +1,12 @@
 //! Public interface of the solver. It checks the sizes, selects the vector instructions and returns the solution.
 
 #[cfg(all(target_arch = "x86_64", feature = "std"))]
-use super::avx2::{self, Avx2};
 use super::core::{Core, Start};
-use super::lanes::Portable;
+use super::lanes::{Portable, lanes};
 use super::problem::QpProblem;
 use super::status::{QpError, QpReport, QpSettings};
+#[cfg(all(target_arch = "x86_64", feature = "std"))]
+use super::x86::{Avx2, Avx512, has_avx2, has_avx512};
 
 /// Largest horizon in stages.
 pub const MAX_HORIZON: usize = 100;
@@ -50,6 +51,8 @@ enum Engine<const NX: usize, const NU: usize, const NR: usize> {
     Portable(Core<Portable, NX, NU, NR>),
     #[cfg(all(target_arch = "x86_64", feature = "std"))]
     Avx2(Core<Avx2, NX, NU, NR>),
+    #[cfg(all(target_arch = "x86_64", feature = "std"))]
+    Avx512(Core<Avx512, NX, NU, NR>),
 }
 
 /// Calls a function of the core for the selected instructions.
@@ -59,6 +62,8 @@ macro_rules! core {
             Engine::Portable($core) => $call,
             #[cfg(all(target_arch = "x86_64", feature = "std"))]
             Engine::Avx2($core) => $call,
+            #[cfg(all(target_arch = "x86_64", feature = "std"))]
+            Engine::Avx512($core) => $call,
         }
     };
 }
@@ -77,8 +82,14 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpSolver<NX, NU, NR> {
             return Err(QpError::Size);
         }
         #[cfg(all(target_arch = "x86_64", feature = "std"))]
-        if avx2::available() {
-            return Ok(Self(Engine::Avx2(Core::new(horizon, settings))));
+        {
+            // A state of at most four numbers needs one register of either kind.
+            if lanes::<Avx512>(NX) < lanes::<Avx2>(NX) && has_avx512() {
+                return Ok(Self(Engine::Avx512(Core::new(horizon, settings))));
+            }
+            if has_avx2() {
+                return Ok(Self(Engine::Avx2(Core::new(horizon, settings))));
+            }
         }
         Ok(Self(Engine::Portable(Core::new(horizon, settings))))
     }

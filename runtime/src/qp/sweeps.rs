@@ -1,7 +1,7 @@
 //! Sweeps of the Riccati recursion. They compute solutions for a right-hand side, gradients, and roll-outs (the states
 //! that follow from inputs).
 
-use super::lanes::{Vector, WIDTH, at, dot, flat, flat_mut, reduce4, vectorized};
+use super::lanes::{Vector, at, dot, flat, flat_mut, reduce_each, vectorized};
 use super::ldl::solve_ldl;
 use super::riccati::{MAX_LANES, Riccati};
 use super::trajectory::Trajectory;
@@ -339,15 +339,14 @@ fn add_product<V: Vector, const ROWS: usize>(
     n: usize,
 ) {
     for r in 0..n {
-        let mut sums = [V::zero(); WIDTH];
-        for i in 0..WIDTH {
-            sums[i] = rows_dot::<V, ROWS>(rows, r * WIDTH + i, n, state);
-        }
-        next[r] += reduce4(sums);
+        next[r] += reduce_each(
+            #[inline(always)]
+            |i| rows_dot::<V, ROWS>(rows, r * V::WIDTH + i, n, state),
+        );
     }
 }
 
-/// Scalar product of row `i` with a state, as four partial sums (one for each number of a lane); zero for padding rows.
+/// Scalar product of row `i` with a state, as partial sums (one for each number of a lane); zero for padding rows.
 #[inline(always)]
 fn rows_dot<V: Vector, const ROWS: usize>(rows: &[V], i: usize, n: usize, state: &[V; MAX_LANES]) -> V {
     if i >= ROWS {

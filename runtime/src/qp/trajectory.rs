@@ -16,7 +16,7 @@ pub(crate) struct Trajectory<V> {
 impl<V: Vector> Trajectory<V> {
     /// Zeros. `rows` is the number of lanes of the rows.
     pub(crate) fn new(horizon: usize, nx: usize, nu: usize, rows: usize) -> Self {
-        Self { u: zeros(lanes(horizon * nu)), x: zeros(horizon * lanes(nx) + rows) }
+        Self { u: zeros(lanes::<V>(horizon * nu)), x: zeros(horizon * lanes::<V>(nx) + rows) }
     }
 
     /// Copies another trajectory of the same shape.
@@ -93,7 +93,7 @@ impl<V: Vector> Trajectory<V> {
     /// State `x_{k+1}`.
     #[inline(always)]
     pub(super) fn state<const NX: usize>(&self, k: usize) -> [f64; NX] {
-        let x = lanes(NX);
+        let x = lanes::<V>(NX);
         let mut state = [0.0; NX];
         state.copy_from_slice(&flat(&self.x[k * x..][..x])[..NX]);
         state
@@ -106,7 +106,7 @@ impl<V: Vector> Trajectory<V> {
 
     #[inline(always)]
     pub(super) fn set_state<const NX: usize>(&mut self, k: usize, value: &[f64; NX]) {
-        let x = lanes(NX);
+        let x = lanes::<V>(NX);
         flat_mut(&mut self.x[k * x..][..x])[..NX].copy_from_slice(value);
     }
 }

@@ -1,6 +1,6 @@
 //! Bounds of a problem, and initial values of slacks and multipliers.
 
-use super::super::lanes::{Vector, WIDTH, flat_mut, vectorized};
+use super::super::lanes::{Vector, flat_mut, vectorized};
 use super::super::multipliers::Multipliers;
 use super::Bounds;
 use super::side::Softening;
@@ -16,7 +16,7 @@ impl<V: Vector> Bounds<V> {
     /// Sets the bounds of number `i` of the padded variables. `penalty` are the penalty weights `(w₁, w₂)` of soft
     /// bounds; `None` for hard bounds. Infinite bounds become inactive.
     pub(in crate::qp) fn set(&mut self, i: usize, lower: f64, upper: f64, penalty: Option<(f64, f64)>) {
-        let (lane, i) = (i / WIDTH, i % WIDTH);
+        let (lane, i) = (i / V::WIDTH, i % V::WIDTH);
         for (side, bound) in [(0, lower), (1, upper)] {
             let finite = bound.is_finite();
             let active = f64::from(u8::from(finite));
