@@ -1,4 +1,5 @@
-//! Diagnostics: the problems of a description. Each has a place and a remedy if they are known.
+//! Diagnostics: errors, warnings and notes about a description. Each has a place and a remedy if they are
+//! known.
 //!
 //! Each stage returns either a correct value or [`Diagnostics`] with all problems that the stage found. A
 //! [`Diagnostic`] has a copy of the source line, which terminal, build log and JSON show.
@@ -12,11 +13,11 @@ use std::fmt;
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Diagnostics(Vec<Diagnostic>);
 
-/// Largest number of printed entries. A malicious file may cause a million diagnostics.
+/// Largest number of printed diagnostics. A malicious file may cause a million of them.
 const SHOWN: usize = 100;
 
 impl Diagnostics {
-    /// Sorts the entries by place and removes duplicates. Entries without a place come first.
+    /// Sorts the diagnostics by place and removes duplicates. Diagnostics without a place come first.
     pub fn new(mut entries: Vec<Diagnostic>) -> Self {
         entries.sort_by(|a, b| key(a).cmp(&key(b)));
         entries.dedup();
@@ -43,7 +44,7 @@ impl Diagnostics {
         self.error_count() > 0
     }
 
-    /// Number of errors.
+    /// Number of diagnostics that are errors.
     pub fn error_count(&self) -> usize {
         self.0.iter().filter(|entry| entry.severity == Severity::Error).count()
     }
@@ -78,11 +79,11 @@ impl std::error::Error for Diagnostics {}
 /// A place in the texts of a [`Report`]: bytes `start..end` of one text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct Span {
-    /// Index of the text in the [`Report`].
+    /// Index of the text in its [`Report`].
     pub source: usize,
-    /// Index of the first byte.
+    /// Index of the first byte of the place.
     pub start: usize,
-    /// Index after the last byte.
+    /// Index after the last byte of the place.
     pub end: usize,
 }
 
@@ -93,12 +94,12 @@ impl Span {
     }
 }
 
-/// A value with its place.
+/// A value that was read, with its place in the text.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct At<T> {
-    /// The value.
+    /// The value that was read.
     pub value: T,
-    /// Place of the value.
+    /// Place from which the value was read.
     pub span: Span,
 }
 
@@ -109,7 +110,7 @@ impl<T> At<T> {
     }
 }
 
-/// A text that was read.
+/// A text that was read, with its name and the starts of its lines.
 #[derive(Debug)]
 struct Source {
     name: String,
@@ -125,7 +126,8 @@ pub(crate) struct Report {
     dropped: usize,
 }
 
-/// Largest number of kept diagnostics. Finding their places in very long lines takes time.
+/// Largest number of diagnostics that a report keeps, because finding their places in very long lines takes
+/// time.
 const KEPT: usize = 1000;
 
 impl Report {
@@ -137,7 +139,7 @@ impl Report {
         self.sources.len() - 1
     }
 
-    /// The characters of a span; empty if the text has no such bytes.
+    /// The text of a span; empty if the span lies outside the source.
     pub fn text(&self, span: Span) -> &str {
         self.sources.get(span.source).and_then(|source| source.text.get(span.start..span.end)).unwrap_or("")
     }
@@ -160,7 +162,7 @@ impl Report {
         self.push(span, entry)
     }
 
-    /// Adds a diagnostic. If the list is full, an error is only counted.
+    /// Adds a diagnostic. If the report is full, an error is only counted.
     pub fn push(&mut self, span: Option<Span>, mut entry: Diagnostic) -> &mut Self {
         if self.is_full() && entry.severity == Severity::Error {
             self.dropped += 1;
@@ -184,7 +186,7 @@ impl Report {
         errors.count() + self.dropped
     }
 
-    /// Whether the list is full. Further errors are then only counted.
+    /// Whether the report is full. Further errors are then only counted.
     pub fn is_full(&self) -> bool {
         self.entries.len() >= KEPT
     }
@@ -237,8 +239,8 @@ impl Report {
 /// Largest number of characters of a line that are shown.
 const WINDOW: usize = 120;
 
-/// The visible part of a line, the index of the marked column in this part, and the number of marked
-/// characters.
+/// Returns the part of a line that is shown, the index of the marked column in this part, and the number of
+/// marked characters.
 fn excerpt(line: &str, column: usize, marked: usize) -> (String, usize, usize) {
     let skipped = if column + 20 > WINDOW { column - 20 } else { 0 };
     let visible = line.chars().skip(skipped).take(WINDOW);

@@ -16,7 +16,7 @@ pub const RX90: [Row; 6] = [
     (-90.0, 0.0, 0.0),
 ];
 
-/// The geometry of the Puma 560.
+/// The geometry of the Puma 560 in the parameters of [`Row`].
 pub const PUMA: [Row; 6] = [
     (0.0, 0.0, 0.0),
     (-90.0, 0.0, 0.0),

@@ -40,7 +40,8 @@ use fourier::Part;
 use group::Constants;
 use letters::Letters;
 
-/// Largest number of coordinates. Closed forms of more coordinates are too long to read.
+/// Largest number of coordinates of a robot with closed forms. More coordinates make formulas that are too
+/// long to read.
 pub const MAXIMUM_JOINTS: usize = 3;
 
 /// Largest sum of the number of coordinates and the number of constant angles that are not multiples of 90°.
@@ -137,7 +138,7 @@ fn check_coordinates(model: &Model) -> Result<(), Diagnostics> {
     Ok(())
 }
 
-/// Converts Symbolica's expressions to sums of [`Term`]s.
+/// Converts Symbolica's expressions to sums of [`Term`]s, and collects the lumped constants.
 struct Writer<'a, 'm> {
     variables: Variables<'m>,
     phases: usize,

@@ -7,7 +7,7 @@ use gelenk_formula::Formula;
 /// Closed forms of M, k, q and B in `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u`, with n coordinates y and m inputs u.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClosedForms {
-    /// Name of the robot.
+    /// Name of the robot in the description.
     pub robot: String,
     /// Names of the coordinates y₁ … yₙ.
     pub coordinates: Vec<String>,
@@ -29,16 +29,16 @@ pub struct ClosedForms {
     pub input_matrix: Vec<Vec<Sum>>,
 }
 
-/// A rational number.
+/// A rational number as a factor of a product.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Number {
-    /// Value of the number.
+    /// Value of the number in double precision.
     pub value: f64,
     /// Numerator and denominator; `None` if they are too long to print.
     pub fraction: Option<(i64, i64)>,
 }
 
-/// A factor of a monomial.
+/// A factor of a product: a constant, a symbol, a coordinate or a velocity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Factor {
     /// The lumped constant with this index in [`ClosedForms::constants`].
@@ -47,14 +47,14 @@ pub enum Factor {
     Symbol(usize),
     /// The coordinate with this index. It is the position of a prismatic joint.
     Coordinate(usize),
-    /// The velocity with this index.
+    /// The velocity of the coordinate with this index.
     Velocity(usize),
 }
 
 /// A product `number · Π factorᵉ` with integer exponents e.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Monomial {
-    /// Rational factor.
+    /// Rational number that multiplies the other factors.
     pub number: Number,
     /// Factors with their non-zero exponents.
     pub factors: Vec<(Factor, i32)>,
@@ -63,21 +63,23 @@ pub struct Monomial {
 /// Sine or cosine of a sum of angles with integer multiples.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Wave {
-    /// The constant 1.
+    /// The constant 1 instead of a sine or cosine.
     None,
     /// Cosine `cos(Σ kᵢ αᵢ)` with the multiples k. The angles α are the coordinates, then
     /// [`ClosedForms::angles`].
     Cosine(Vec<i32>),
-    /// Sine `sin(Σ kᵢ αᵢ)` with the multiples k. The angles α are those of [`Self::Cosine`].
+    /// Sine `sin(Σ kᵢ αᵢ)` with the multiples k. The angles α are the coordinates, then
+    /// [`ClosedForms::angles`].
     Sine(Vec<i32>),
 }
 
-/// A product `outer · wave · (Σ inner) · basis`.
+/// A product `outer · wave · (Σ inner) · basis` of constants, a sine or cosine, velocities and a basis
+/// function of a force law.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Term {
-    /// Number and constant factors.
+    /// Number and constant symbols of the term.
     pub outer: Monomial,
-    /// Sine, cosine, or 1.
+    /// Sine or cosine in the term, or 1.
     pub wave: Wave,
     /// Sum of products of velocities and coordinates of prismatic joints. It has at least one summand.
     pub inner: Vec<Monomial>,
@@ -127,7 +129,7 @@ impl ClosedForms {
     }
 }
 
-/// Values of all quantities that occur in formulas.
+/// Values of the constants, coordinates and velocities that occur in formulas.
 struct State<'a> {
     symbols: Vec<f64>,
     constants: Vec<f64>,

@@ -1,4 +1,4 @@
-//! Builder of functions in array form: straight-line code (the setup) is followed by loops over joints (the
+//! Builder of functions in array form: straight-line code (the setup) followed by loops over joints (the
 //! steps). An array has one column per joint or coordinate, and one or more rows.
 
 use crate::graph::{Edge, Graph, Scalar};
@@ -11,14 +11,16 @@ use crate::program::{GraphOutput, InputArray, Program, Shape, lower, lower_from_
 /// The values of an array at one joint, one for each row.
 pub(super) type Rows<'g> = [Scalar<'g>];
 
-/// An array form under construction.
+/// A function in array form (setup and loops over joints) under construction.
 pub(super) struct ArrayBuilder {
     form: Arrays,
-    /// Arrays that the setup computes.
+    /// Arrays that the straight-line code before the loops computes.
     set_up: Vec<GraphOutput>,
 }
 
 impl ArrayBuilder {
+    /// Starts an array form without arrays and steps.
+    ///
     /// - `joints`: tree of the joints
     /// - `coordinates`: coordinates that the joints follow; `None` if each joint is independent
     /// - `chains`: for each joint with a quaternion, the joints of the loops that are its velocities
@@ -38,12 +40,12 @@ impl ArrayBuilder {
         }
     }
 
-    /// Extent of an array with one entry per coordinate.
+    /// Length and meaning of an array with one entry per coordinate.
     pub(super) fn each_coordinate(&self) -> Extent {
         Extent::new(Dimension::Velocities, self.form.coordinates().len())
     }
 
-    /// Extent of an array with one entry per joint.
+    /// Length and meaning of an array with one entry per joint of the loops.
     fn each_joint(&self) -> Extent {
         match self.form.coordinates {
             None => self.each_coordinate(),
@@ -56,12 +58,12 @@ impl ArrayBuilder {
         self.form.arrays.len() - 1
     }
 
-    /// Declares an array over joints.
+    /// Declares an array with `rows` values per joint.
     fn array(&mut self, name: &str, rows: usize) -> ArrayId {
         self.array_over(Over::Joints, name, rows)
     }
 
-    /// Declares an array over coordinates.
+    /// Declares an array with `rows` values per coordinate.
     fn of_coordinates(&mut self, name: &str, rows: usize) -> ArrayId {
         let over = if self.form.coordinates.is_some() { Over::Coordinates } else { Over::Joints };
         self.array_over(over, name, rows)
@@ -72,7 +74,7 @@ impl ArrayBuilder {
         self.of_coordinates(name, self.form.coordinates().len())
     }
 
-    /// Computes an array over joints in the setup.
+    /// Computes an array with values per joint in the straight-line code before the loops.
     pub(super) fn set_up(&mut self, name: &str, rows: Vec<Vec<Scalar<'_>>>) -> ArrayId {
         self.set_up.push(GraphOutput {
             name: name.to_owned(),
@@ -82,7 +84,8 @@ impl ArrayBuilder {
         self.array(name, rows.len())
     }
 
-    /// Computes a matrix over coordinates in the setup. Each joint must be independent.
+    /// Computes a matrix over coordinates in the straight-line code before the loops. Each joint must be
+    /// independent.
     pub(super) fn set_up_matrix(&mut self, name: &str, matrix: Vec<Vec<Scalar<'_>>>) -> ArrayId {
         let array = self.set_up(name, matrix);
         let n = self.each_coordinate();
@@ -144,7 +147,8 @@ impl ArrayBuilder {
         to
     }
 
-    /// Adds a step that computes a matrix over pairs of joints. [`Pairs`] defines the entries.
+    /// Adds a step that computes a matrix over pairs of joints. [`Pairs`] defines the entries as products of
+    /// columns.
     pub(super) fn pairs(
         &mut self,
         before: (ArrayId, ArrayId),
@@ -247,18 +251,18 @@ impl ArrayBuilder {
         to
     }
 
-    /// Declares an array as a result.
+    /// Declares an array as a result of the function.
     pub(super) fn output(&mut self, name: &str, shape: Shape, array: ArrayId) {
         self.form.outputs.push(ArrayOutput { name: name.to_owned(), shape, array });
     }
 
-    /// Finishes the array form. The setup becomes a straight-line program of the graph's scalars.
+    /// Finishes the array form. The expressions before the loops become a straight-line program.
     pub(super) fn finish(self, graph: &Graph, inputs: Vec<InputArray>) -> Arrays {
         Arrays { setup: lower(graph, inputs, &self.set_up), ..self.form }
     }
 
-    /// Finishes an array form with a long setup. The setup's program computes all values of a branch before
-    /// the next branch.
+    /// Finishes an array form with long straight-line code before the loops. This code computes all values of
+    /// a branch before the next branch.
     pub(super) fn finish_from_leaves(self, graph: &Graph, inputs: Vec<InputArray>) -> Arrays {
         Arrays { setup: lower_from_leaves(graph, inputs, &self.set_up), ..self.form }
     }

@@ -46,12 +46,12 @@ pub(super) fn mirror<'g>(mechanism: &Mechanism<Scalar<'g>>, matrix: &mut [Vec<Sc
     }
 }
 
-/// Composite of a body and all bodies beyond it.
+/// Moments of mass of a body together with all bodies beyond it.
 #[derive(Clone, Copy)]
 pub(in crate::dynamics) struct Composite<'g> {
-    /// Moments of mass in the body's working frame, the frame of the body's equations.
+    /// Moments of mass in the frame of the body's equations.
     pub moments: MassMoments<Scalar<'g>>,
-    /// Sum Σ_xx + Σ_yy of second moments. A rotation about z does not change it.
+    /// Sum Σ_xx + Σ_yy of second moments Σ = ∫ r rᵀ dm. A rotation about z does not change it.
     pub polar: Scalar<'g>,
 }
 
@@ -85,7 +85,8 @@ impl<'g> Composite<'g> {
         Self { moments, polar: moments.second.xx + moments.second.yy }
     }
 
-    /// Product `(tr Σ − Σ) v` of the inertia tensor about the origin and a vector.
+    /// Product `(tr Σ − Σ) v` of the inertia tensor about the origin and a vector v, with the second moments
+    /// Σ = ∫ r rᵀ dm.
     pub fn inertia_times(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         let s = self.moments.second;
         Vector3([
@@ -108,7 +109,7 @@ pub(super) fn before_joint<'g>(
     }
 }
 
-/// Sum `Σ_xx + Σ_yy` after a displacement by `p`.
+/// Sum `Σ_xx + Σ_yy` of second moments Σ = ∫ r rᵀ dm after a displacement by `p`.
 fn polar_after_shift<'g>(
     polar: Scalar<'g>,
     moments: &MassMoments<Scalar<'g>>,
@@ -128,7 +129,7 @@ struct Carried<'g> {
     transverse: Vector3<Scalar<'g>>,
 }
 
-/// One column of M.
+/// One column of the mass matrix.
 struct Column<'a, 'g> {
     mechanism: &'a Mechanism<Scalar<'g>>,
     formulation: &'a Formulation,
@@ -199,7 +200,8 @@ impl<'g> Column<'_, 'g> {
     }
 }
 
-/// Adds the force along one joint for a unit acceleration of another joint to both symmetric entries of M.
+/// Adds the force along one joint for a unit acceleration of another joint to both symmetric entries of the
+/// mass matrix.
 fn couple<'g>(
     row: &Transmission<Scalar<'g>>,
     column: &Transmission<Scalar<'g>>,

@@ -1,9 +1,9 @@
 //! Branches of a body with levers of equal length, for example mirror-symmetric legs of a quadruped or arms
 //! of a humanoid.
 //!
-//! The origins p of such branches have components ±c with the same c. For the accelerations, products with c
-//! are computed once, and common parts of the origins are added first. For the forces f on the branches, the
-//! components are summed with the signs s = ±1 before the multiplication by c:
+//! A component of the origin p of each such branch is +c or −c with the same c. For the accelerations,
+//! products with c are computed once, and common parts of the origins are added first. For the forces f on
+//! the branches, the components are summed with the signs s = ±1 before the multiplication by c:
 //!
 //! ```text
 //! Σ p × f = Σ_k Σ_c c e_k × Σ s f          over the branches with |p_k| = c
@@ -91,7 +91,7 @@ impl<'g> Branches<'g> {
         self.forces.push(force);
     }
 
-    /// Adds the forces of all branches to `own`, about the body's origin.
+    /// Adds the forces of all branches to `own`, the body's own force, about the body's origin.
     pub fn added_to(&self, own: Force<'g>) -> Force<'g> {
         let mut result = own;
         if self.forces.is_empty() {
@@ -117,7 +117,7 @@ impl<'g> Branches<'g> {
         result
     }
 
-    /// The distinct magnitudes of component `k`, without 0.
+    /// The distinct magnitudes of component `k` of the branches' origins, without 0.
     fn lengths(&self, k: usize) -> Vec<f64> {
         let mut lengths: Vec<f64> = Vec::new();
         for length in self.origins.iter().map(|origin| origin[k].abs()) {
@@ -128,7 +128,8 @@ impl<'g> Branches<'g> {
         lengths
     }
 
-    /// The branches whose component `k` has the magnitude `length`, each with the sign of this component.
+    /// The branches whose origin has the magnitude `length` in component `k`, each with the sign of this
+    /// component.
     fn signs(&self, k: usize, length: f64) -> Vec<(usize, f64)> {
         let components = self.origins.iter().map(|origin| origin[k]).enumerate();
         components.filter(|(_, x)| x.abs() == length).map(|(branch, x)| (branch, x.signum())).collect()
