@@ -171,7 +171,7 @@ pub(super) fn spelling(prefixes: Vec<String>) -> Spelling {
     Spelling { keywords: &KEYWORDS, has_free_underscores: false, prefixes }
 }
 
-/// Prefix of a module's names without the underscore, made from the name of the module's files.
+/// Prefix of a module's names in C without the underscore after it, made from the name of the module's files.
 pub(super) fn prefix(name: &str) -> String {
     spelling(vec![]).identifier(name).trim_end_matches('_').to_owned()
 }
