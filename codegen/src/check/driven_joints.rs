@@ -8,8 +8,8 @@ use crate::model::{Joint, Link, Motion};
 
 const CODE: &str = "driven-joint";
 
-/// Reports keys that a driven joint must not have, and joints and friction that a robot with driven joints
-/// must not have.
+/// Reports keys that a driven joint (with a prescribed motion) must not have. Also reports joints and
+/// friction that a robot with driven joints must not have.
 pub(super) fn check(robot: &RobotDescription, report: &mut Report) {
     for joint in &robot.joints {
         // A joint with several velocities is reported once.
@@ -97,7 +97,7 @@ pub(super) fn links(robot: &RobotDescription, tree: &Tree) -> Vec<usize> {
     driven.map(|(link, _)| link).collect()
 }
 
-/// Reports a drive under `[[drives]]` that acts only on driven joints. Its input would have no effect.
+/// Reports a drive in `[[drives]]` that acts only on driven joints. Its input would have no effect.
 pub(super) fn check_shared_drive(
     robot: &RobotDescription,
     tree: &Tree,

@@ -55,7 +55,7 @@ impl Builder<'_, '_> {
         drives
     }
 
-    /// The drive of an entry of `[[drives]]`.
+    /// The model's drive for an entry of `[[drives]]`.
     fn shared_drive(&mut self, index: usize, links: &[Link], couplings: &Couplings) -> Option<Drive> {
         let described = &self.robot.drives[index];
         let row = couplings.drives.get(index)?.as_ref()?;

@@ -17,7 +17,7 @@ pub(super) struct FrameForces {
     pub(super) wrenches: Vec<Wrench>,
 }
 
-/// Finds frames and links by name, and reports errors.
+/// Finds frames and links by name, and reports names that do not exist.
 pub(super) struct Resolver<'a> {
     pub(super) robot: &'a RobotDescription,
     pub(super) tree: &'a Tree,
@@ -103,8 +103,8 @@ impl Resolver<'_> {
         Some(at)
     }
 
-    /// Reports an error if a site and a body at different places have this name. Inputs and wrenches do not
-    /// need this check, because their `frame` means the site.
+    /// Reports an error if a site and a body at different places both have this name. Inputs and wrenches do
+    /// not need this check, because their `frame` means the site.
     fn is_clear(&mut self, name: &Name) -> bool {
         let mut sites =
             self.robot.frames.iter().filter(|frame| frame.is_site && frame.name.value == name.value);

@@ -9,7 +9,8 @@ use crate::wording::{listed, three_digits};
 pub const NEARLY_RIGHT: f64 = 1e-4;
 /// Code of the note about angles close to a multiple of 90°.
 pub const NEARLY_RIGHT_ANGLE: &str = "nearly-right-angle";
-/// Converts the angles of a description to rotations, and collects suspicious angles for notes.
+/// Converts the angles of a description to rotations, and collects angles that are probably mistakes for
+/// notes.
 #[derive(Debug, Default)]
 pub(crate) struct Angles {
     /// Largest distance [rad] of an angle from a multiple of 90° for which the angle is rounded to this
@@ -17,7 +18,7 @@ pub(crate) struct Angles {
     pub snap: Option<f64>,
     near: Vec<(Span, String, f64)>,
     gained: usize,
-    /// Places and texts of angles that look like degrees.
+    /// Places and texts of angles that are probably in degrees instead of radians.
     degrees: Vec<(Span, String)>,
 }
 

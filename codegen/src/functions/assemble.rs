@@ -1,4 +1,4 @@
-//! Conversion of a row of the catalogue to a program.
+//! Conversion of a row of the catalogue of functions to a program.
 
 use super::catalogue::Argument::{
     self, Accelerations, Coordinates, Driven, Inputs, Multipliers, Velocities, Wrenches,

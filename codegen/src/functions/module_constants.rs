@@ -1,4 +1,5 @@
-//! Constants that document functions: names of columns, groups of parameters, sparsity of matrices.
+//! Constants that document functions: names of columns, groups of parameters, and patterns of zeros in
+//! matrices.
 
 use crate::diagnostic::Diagnostic;
 use crate::dynamics::forces;
@@ -118,7 +119,7 @@ pub fn notes(functions: &[Function]) -> Option<Diagnostic> {
     Some(Diagnostic::note("base-parameters", message).help(help))
 }
 
-/// Writes a group as text, for example `Izz_1 + 0.09 m_2 − Ixx_2 + c(p) J_1`.
+/// Writes a group of base parameters as text, for example `Izz_1 + 0.09 m_2 − Ixx_2 + c(p) J_1`.
 fn group_text(group: &[Term], names: &[String]) -> String {
     let mut text = String::new();
     for (position, term) in group.iter().enumerate() {

@@ -46,7 +46,8 @@ impl BodyValues {
         Self { name, link, mass, center_of_mass: [x, y, z], inertia }
     }
 
-    /// Returns the ten parameters of a link that consists of this body, in the order of [`Self::of_link`].
+    /// Returns the ten inertial parameters of a link that consists of this body, in the order of
+    /// [`Self::of_link`].
     #[must_use]
     pub fn parameters(&self) -> [f64; PER_LINK] {
         let mass = self.mass;
@@ -91,7 +92,7 @@ pub struct LinkBodies {
     pub body: BodyValues,
     /// Other bodies of the link, without mass and inertia.
     pub emptied: Vec<BodyValues>,
-    /// Part of the link's parameters that comes from rotors of held joints, not from bodies.
+    /// Part of the link's inertial parameters that comes from rotors of held joints, not from bodies.
     pub fixed: Vec<f64>,
 }
 
@@ -137,8 +138,8 @@ pub fn bodies(model: &Model, parameters: &[f64]) -> Result<Vec<LinkBodies>, Diag
     Ok(links.map(of_joint).collect())
 }
 
-/// Returns the parameters of the moving links without their bodies, which are those of the rotors of held
-/// joints.
+/// Returns the inertial parameters of the moving links without their bodies, which are those of the rotors of
+/// held joints.
 fn without_bodies(model: &Model) -> Result<Vec<f64>, Diagnostics> {
     let mut model = model.clone();
     model.links.iter_mut().for_each(|link| link.bodies.clear());

@@ -30,15 +30,16 @@ pub struct InterpretedRobot {
     inverse_dynamics: Function,
     parameters: Vec<f64>,
     input_matrix: Vec<f64>,
-    /// Regressor W with three additional free parameters for gravity. It is derived at the first use.
+    /// Regressor W of the inertial parameters, with three additional free parameters for gravity. It is
+    /// derived at the first use.
     at_rest: OnceLock<Option<Function>>,
-    /// Input matrix B(y); `None` if no input acts at a frame.
+    /// Function for the input matrix B(y); `None` if no input acts at a frame.
     input_matrix_at: Option<Function>,
-    /// Whether each joint is moved from outside.
+    /// For each joint, whether it is moved from outside, so that its force is not measured.
     unmeasured: Vec<bool>,
     /// Shafts of drives whose friction is identified.
     shafts: Vec<Shaft>,
-    /// Described friction of the joints that shafts replace in the fit.
+    /// Described friction of the joints that shafts of drives replace in the fit.
     joint_terms: Vec<(JointTerm, FrictionTerm)>,
     /// Described friction of each row of the fit.
     friction: Vec<Vec<FrictionTerm>>,
@@ -154,7 +155,8 @@ impl InterpretedRobot {
     }
 }
 
-/// Returns the described friction of each joint, or of the shaft that replaces the joint in its row.
+/// Returns the described friction of each joint, or of the shaft that replaces the joint in its row of the
+/// fit.
 fn described_friction(model: &Model, shafts: &[Shaft]) -> Vec<Vec<FrictionTerm>> {
     let of_row = |(row, joint): (usize, &Joint)| {
         let shaft = shafts.iter().find(|shaft| shaft.joint == row);
@@ -164,7 +166,8 @@ fn described_friction(model: &Model, shafts: &[Shaft]) -> Vec<Vec<FrictionTerm>>
     model.joints().enumerate().map(of_row).collect()
 }
 
-/// Returns the regressor of a model with three additional free parameters for gravity.
+/// Returns the regressor of the model's inertial parameters, with three additional free parameters for
+/// gravity; `None` if it cannot be derived.
 fn regressor_under_gravity(model: &Model) -> Option<Function> {
     let mut model = model.clone();
     model.force_inputs.clear();
@@ -183,7 +186,7 @@ fn regressor_under_gravity(model: &Model) -> Option<Function> {
     derive_in_form(&model, &name, MOST_OPERATIONS, Form::Straight, &name).ok()?.into_iter().next()
 }
 
-/// Returns the input matrix B(y) of a model with inputs at frames.
+/// Returns the function for the input matrix B(y) of a model; `None` without inputs at frames.
 fn input_matrix_at(model: &Model) -> Result<Option<Function>, Diagnostics> {
     if model.force_inputs.is_empty() {
         return Ok(None);
@@ -319,8 +322,8 @@ impl Robot for InterpretedRobot {
         (0..joints).map(driven).collect()
     }
 
-    /// Returns whether an inertia may be added to each row. A drive is written with only one inertia, so
-    /// the rotor of the row must not be a parameter.
+    /// Returns for each row of the fit whether an inertia may be added. A drive is written with only one
+    /// inertia, so the rotor of the row must not be a parameter.
     fn takes_inertia(&self) -> Vec<bool> {
         let takes = |row: usize| {
             let shaft = self.shafts.iter().find(|shaft| shaft.joint == row);

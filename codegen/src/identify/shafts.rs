@@ -39,7 +39,7 @@ pub(super) fn shared_drives(model: &Model) -> impl Iterator<Item = &Drive> {
     model.input_drives().filter(|drive| drive.acts_on.len() > 1)
 }
 
-/// Returns the displacement of a shaft for a unit displacement of each coordinate.
+/// Returns the angle of a drive's shaft for a unit displacement of each coordinate.
 fn ratios(model: &Model, drive: &Drive, free: &[f64]) -> Vec<f64> {
     let gear = drive.gear_ratio.evaluate(free, 0.0, 0.0);
     let mut ratios = vec![0.0; model.coordinates.len()];

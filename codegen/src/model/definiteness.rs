@@ -15,8 +15,8 @@ pub enum Definiteness {
 }
 
 impl Model {
-    /// Determines the signs of the eigenvalues of M at pseudo-random states that are the same in every call.
-    /// Parameters have the values of the description.
+    /// Determines the signs of the eigenvalues of the mass matrix at pseudo-random states that are the same
+    /// in every call. Parameters have the values of the description.
     #[must_use]
     pub fn definiteness(&self) -> Definiteness {
         let pivots = Pivots::of(self);
@@ -27,8 +27,8 @@ impl Model {
         }
     }
 
-    /// Joint motions that move no mass and therefore make M singular. Each text names one joint or a sum of
-    /// joints, for example `a` − 0.5 `b`. Parameters have the values of the description.
+    /// Joint motions that move no mass and therefore make the mass matrix singular. Each text names one joint
+    /// or a sum of joints, for example `a` − 0.5 `b`. Parameters have the values of the description.
     #[must_use]
     pub fn motions_without_inertia(&self) -> Vec<String> {
         Pivots::of(self).free_motions(self)

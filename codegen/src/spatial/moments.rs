@@ -1,4 +1,4 @@
-//! Moments of mass: mass, first moment and second moment.
+//! Moments of mass of a body: mass, first moment and second moment.
 
 use nalgebra::Matrix3;
 
@@ -17,9 +17,9 @@ use crate::graph::{Graph, Scalar};
 pub struct MassMoments<S> {
     /// Mass m (kg).
     pub mass: S,
-    /// First moment h = m c [kg m].
+    /// First moment h = m c [kg m] with the mass m and the centre of mass c.
     pub first: Vector3<S>,
-    /// Second moment Σ [kg m²].
+    /// Second moment Σ = ∫ r rᵀ dm [kg m²] about the origin.
     pub second: Symmetric3<S>,
 }
 
@@ -29,7 +29,7 @@ impl<S> MassMoments<S> {
         MassMoments { mass: f(self.mass), first: self.first.map(&mut f), second: self.second.map(&mut f) }
     }
 
-    /// The ten entries: mass, first moment, second moment.
+    /// The ten entries of the moments: mass, first moment, second moment.
     pub fn entries(self) -> impl Iterator<Item = S> {
         std::iter::once(self.mass).chain(self.first.0).chain(self.second.entries())
     }
@@ -82,7 +82,7 @@ impl<'g> MassMoments<Scalar<'g>> {
         Self { mass: self.mass, first: self.first.turned(turn), second: self.second.turned(turn) }
     }
 
-    /// Moments in the parent's frame. The current frame is the joint's frame before its motion.
+    /// Moments in the frame of the joint's parent. The current frame is the joint's frame before its motion.
     pub fn to_parent(self, twist: &Twist, translation: Vector3<Scalar<'g>>) -> Self {
         let rotation = twist.matrix();
         self.moved(&Pose { rotation, translation })
@@ -94,7 +94,8 @@ impl<'g> MassMoments<Scalar<'g>> {
         self.shifted(Vector3([zero, zero, length]))
     }
 
-    /// Force and moment `I s` that give the masses the acceleration `s`, about the point of reference.
+    /// Force and moment `I s` that give the masses the acceleration `s`, about the point of reference. I is
+    /// the spatial inertia.
     pub fn times(&self, Motion { angular, linear }: Motion<'g>) -> Force<'g> {
         let s = self.second;
         let tensor = Vector3([
@@ -131,7 +132,7 @@ impl std::ops::Sub for MassMoments<Scalar<'_>> {
     }
 }
 
-/// Second moments `Σ = ½ tr(I) 1 − I` of an inertia tensor I.
+/// Second moments `Σ = ½ tr(I) 1 − I` of a body with the inertia tensor I.
 fn second_moments(inertia: Symmetric3<Scalar<'_>>) -> Symmetric3<Scalar<'_>> {
     let Symmetric3 { xx, xy, xz, yy, yz, zz } = inertia;
     Symmetric3 {

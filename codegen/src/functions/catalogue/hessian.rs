@@ -15,7 +15,7 @@ use crate::dynamics::recursion::motion::MotionInput;
 use crate::function_names;
 use crate::graph::{Cost, Edge, Scalar, differentiate};
 
-/// Row of the Hessian in the catalogue.
+/// The function of the Hessian in the catalogue.
 pub const QUANTITY: Quantity = Quantity {
     name: function_names::INVERSE_DYNAMICS_HESSIAN,
     differentiates_friction: true,
@@ -45,13 +45,13 @@ pub const QUANTITY: Quantity = Quantity {
 /// Blocks of the Hessian of `λᵀ (M ÿ + k − q)`. The blocks ∂²/∂ẏ ∂ÿ and ∂²/∂ÿ² are zero.
 #[derive(Debug, Clone)]
 pub struct Hessian<'g> {
-    /// Block ∂²/∂y².
+    /// Block ∂²/∂y² of the Hessian of `λᵀ (M ÿ + k − q)`.
     pub by_coordinates: Matrix<'g>,
-    /// Block ∂²/∂y ∂ẏ. Row i belongs to coordinate i.
+    /// Block ∂²/∂y ∂ẏ of the Hessian of `λᵀ (M ÿ + k − q)`. Row i belongs to coordinate i.
     pub mixed: Matrix<'g>,
-    /// Block ∂²/∂ẏ².
+    /// Block ∂²/∂ẏ² of the Hessian of `λᵀ (M ÿ + k − q)`.
     pub by_velocities: Matrix<'g>,
-    /// Block ∂²/∂y ∂ÿ. Row i belongs to coordinate i.
+    /// Block ∂²/∂y ∂ÿ of the Hessian of `λᵀ (M ÿ + k − q)`. Row i belongs to coordinate i.
     pub by_accelerations: Matrix<'g>,
 }
 
@@ -79,7 +79,7 @@ pub fn inverse_dynamics_hessian<'g>(
     }
 }
 
-/// Gradients with respect to y and ẏ.
+/// Gradients of a scalar with respect to y and ẏ.
 type Gradient<'g> = (Vec<Scalar<'g>>, Vec<Scalar<'g>>);
 
 fn reverse_gradient<'g>(

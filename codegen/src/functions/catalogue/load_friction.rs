@@ -8,11 +8,11 @@ use super::quantity::Argument::{Coordinates, Velocities};
 use super::quantity::{Quantity, VECTOR, vector};
 use crate::function_names as names;
 
-/// Equations of motion with load-dependent friction. τ_l is the load, which [`LOAD`] defines, and s₁ is the
-/// friction per unit of the load.
+/// Equations of motion with load-dependent friction. τ_l is the load (the drive's force without friction),
+/// and s₁ is the friction per unit of the load.
 pub const MOTION: &str = "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u − |τ_l| s₁(y, ẏ)";
 
-/// Row of the function `load_friction`, which only these robots have.
+/// The function `load_friction`, which only robots with load-dependent friction have.
 pub const QUANTITIES: &[Quantity] = &[Quantity {
     name: names::LOAD_FRICTION,
     summary: "Load-dependent friction `s₁(y, ẏ)`: additional friction per unit of load.",

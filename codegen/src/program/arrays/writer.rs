@@ -1,4 +1,4 @@
-//! Writer of instructions.
+//! Writer of a program's instructions.
 
 use crate::program::{Instruction, Operand, Operation};
 
