@@ -22,7 +22,7 @@ use crate::output::{Planned, Replaces};
 use crate::read::{self, Loaded};
 use crate::report::{ClosedForm, Symbol};
 
-/// Prints M, k, q and B in closed form, or writes them to a file.
+/// Prints M, k, q and B of the equations of motion in closed form, or writes them to a file.
 pub(super) fn inspect(arguments: &Inspect, format: Format) -> Result<ExitCode, Failure> {
     let loaded = read(arguments)?;
     closed_form::check_size(&loaded.model).map_err(problem)?;

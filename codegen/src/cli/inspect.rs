@@ -84,7 +84,7 @@ fn counts_and_bytes(robot: &Generated, what: Stage, format: Format) -> Result<Ex
     }
 }
 
-/// The functions for M, k, q and B, also if the description does not list them.
+/// The functions of the equations of motion (M, k, q and B), also if the description does not list them.
 fn equations(robot: &Generated) -> Result<Vec<Function>, Failure> {
     let names = EQUATIONS.map(str::to_owned);
     let request = Request { names: &names, most: MOST_OPERATIONS, form: Form::Straight, straight: &[] };
@@ -139,8 +139,8 @@ fn as_text(robot: &Generated, what: Stage, latex: bool) -> Result<String, Failur
     })
 }
 
-/// Text about functions over a sample time of robots with quaternions. Their operations on quaternions are not
-/// counted. The text is empty if the module has no functions of this kind.
+/// Text which says that operations on quaternions are not counted in functions over a sample time. Empty if
+/// the module has no functions of this kind.
 fn uncounted(module: &Module) -> String {
     let composed = module.compositions.iter().filter(|each| each.cost.is_none());
     let lines = composed.map(|each| {
@@ -218,7 +218,7 @@ fn tables_text(tables: &[Table]) -> String {
     tables.iter().map(text).collect()
 }
 
-/// Rows of tables by their identifiers.
+/// JSON object with the rows of tables by the tables' identifiers.
 fn tables_json(tables: &[Table]) -> Value {
     tables.iter().map(|table| (table.id.replace('-', "_"), table.records())).collect::<Map<_, _>>().into()
 }

@@ -1,4 +1,4 @@
-//! The program `gelenk`.
+//! The command line of the program `gelenk`.
 
 mod arguments;
 mod bytes;

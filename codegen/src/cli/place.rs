@@ -54,7 +54,7 @@ impl Workspace {
     }
 }
 
-/// Path and name of a module.
+/// Path and name of a module to be written.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(super) struct Target {
     pub(super) output: Output,
@@ -65,12 +65,12 @@ pub(super) struct Target {
 /// Path of a module.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(super) enum Output {
-    /// The default path of Rust modules.
+    /// The module is written to the default path of Rust modules.
     #[default]
     Default,
-    /// This file. A C header is written next to it.
+    /// The module is written to this file. A C header is written next to it.
     File(PathBuf),
-    /// This folder. The file has the name of the module.
+    /// The module is written to this folder, in a file with the module's name.
     Folder(PathBuf),
 }
 

@@ -14,7 +14,7 @@ pub(super) struct Xml {
 pub(super) type Attributes = Vec<(&'static str, String)>;
 
 impl Xml {
-    /// Begins a file with a comment that names the description.
+    /// Begins a file with a comment that names the description from which it was exported.
     pub(super) fn new(source: &str) -> Self {
         // Two hyphens would end the comment.
         let source = source.replace(char::is_control, " ").replace("--", "- -");

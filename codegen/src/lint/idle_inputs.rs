@@ -1,4 +1,4 @@
-//! Inputs at frames without effect: their column of B is zero.
+//! Inputs at frames without effect: their column of the input matrix is zero.
 
 use super::levers::{ROUNDING, columns};
 use crate::description::{Name, RobotDescription, WrenchInputDescription};
@@ -16,7 +16,7 @@ const MOVES_NOTHING: Rule = Rule::warning("input-moves-nothing");
 
 const SEED: u64 = 0x6964_6c65;
 
-/// Reports wrench inputs without effect.
+/// Reports wrench inputs that move no joint.
 pub(super) fn check_wrenches(robot: &RobotDescription, model: &Model, report: &mut Report) {
     let wrenches = model.force_inputs.iter().enumerate().skip(pulls(model));
     for (input, (index, found)) in robot.wrench_inputs.iter().zip(wrenches) {

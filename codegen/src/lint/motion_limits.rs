@@ -14,7 +14,7 @@ use gelenk_findings::Rule;
 /// Fixture: `codegen/tests/snapshots/bad/strokes.toml.snap`.
 const NARROWER: Rule = Rule::note("narrower-limits");
 
-/// Ends of a stroke are rounded inwards to whole multiples of 1/FINENESS rad or m.
+/// Ends of a stroke are rounded inwards to whole multiples of 1/FINENESS, in rad or m.
 const FINENESS: f64 = 1e6;
 
 /// Narrows the limits of coordinates to the limits that motors and cylinders imply. Motors that move several
@@ -96,7 +96,7 @@ fn limits_of(model: &mut Model, link: usize) -> Option<(String, &mut Limits)> {
     Some((joint.name.clone(), &mut joint.limits))
 }
 
-/// The only coordinate that changes the distance of two frames.
+/// The only coordinate that changes the distance of two frames, with its limits.
 struct Path {
     link: usize,
     /// Limits of the coordinate [rad or m].
@@ -206,7 +206,7 @@ fn narrow_by_force(
     }
 }
 
-/// Range of the coordinate within which the length stays within the stroke.
+/// Range of the coordinate in which the distance of the frames is within the stroke.
 fn allowed(
     force: &PointForceDescription,
     stroke: &At<[f64; 2]>,

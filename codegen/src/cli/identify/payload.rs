@@ -41,7 +41,7 @@ pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Fa
     }
 }
 
-/// The link that carries the load.
+/// The link that carries the identified load.
 struct Carrier {
     body: usize,
     link: String,
