@@ -3,7 +3,7 @@
 use crate::model::*;
 use gelenk_formula::Formula;
 
-/// A row of modified Denavit–Hartenberg parameters: α [°] about x, d [m] along x, r [m] along z.
+/// A row of modified Denavit–Hartenberg parameters: α (°) about x, d (m) along x, r (m) along z.
 pub type Row = (f64, f64, f64);
 
 /// The geometry of the Stäubli RX-90 (Khalil and Dombre 2002).

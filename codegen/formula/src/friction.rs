@@ -38,16 +38,16 @@ pub enum FrictionPart<C = Formula> {
     Viscous(C),
     /// `coulomb`: Coulomb friction `F_c sign(v)`, or `F_c tanh(s v)` with a slope s, at the velocity v.
     Coulomb {
-        /// Coulomb friction F_c [N m or N].
+        /// Coulomb friction F_c (N m or N).
         level: C,
         /// Positive slope s of `tanh(s v)`; `None` for `sign(v)`.
         slope: Option<f64>,
     },
     /// `coulomb`: Coulomb friction with different values for the two directions.
     Asymmetric {
-        /// Friction T₊ at positive velocity [N m or N].
+        /// Friction T₊ at positive velocity (N m or N).
         positive: C,
-        /// Friction T₋ at negative velocity [N m or N], which is negative or 0.
+        /// Friction T₋ at negative velocity (N m or N), which is negative or 0.
         negative: C,
         /// Positive slope s of `tanh(s v)`; `None` for `sign(v)`.
         slope: Option<f64>,

@@ -12,9 +12,9 @@ use crate::numeric;
 use crate::wording::three_digits;
 use gelenk_formula::Formula;
 
-/// Largest speed at which force laws are tested if the joint has no speed limit [rad/s or m/s].
+/// Largest speed at which force laws are tested if the joint has no speed limit (rad/s or m/s).
 const SPEED: f64 = 10.0;
-/// Largest motor speed at which friction is tested if the joint has no speed limit [rad/s].
+/// Largest motor speed at which friction is tested if the joint has no speed limit (rad/s).
 const MOTOR_SPEED: f64 = 1000.0;
 /// Number of tested speeds in each direction. Neighbouring speeds have a constant ratio, because force laws
 /// are steep near standstill.
@@ -53,7 +53,7 @@ pub(super) fn check(joint: &JointDescription, defaults: &[f64], report: &mut Rep
 
 /// Reports shaft friction of a drive if its value is not finite or it accelerates the shaft.
 ///
-/// - `speed`: motor speed at the speed limit of the joint [rad/s]; `None` without this limit
+/// - `speed`: motor speed at the speed limit of the joint (rad/s); `None` without this limit
 pub(super) fn check_shaft(
     drive: &str,
     friction: &At<Vec<FrictionTerm>>,

@@ -33,9 +33,9 @@ pub(super) struct MovingBody {
 /// A rigid mass in the frame of its body.
 #[derive(Debug, Clone)]
 pub(super) struct Mass {
-    /// Mass [kg].
+    /// Mass (kg).
     pub mass: Formula,
-    /// Centre of mass [m].
+    /// Centre of mass (m).
     pub center: [Formula; 3],
     /// Inertia about the centre of mass [kg m²]: xx, xy, xz, yy, yz, zz.
     pub inertia: [Formula; 6],

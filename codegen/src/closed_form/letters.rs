@@ -380,7 +380,7 @@ fn is_product(formula: &Formula) -> bool {
     }
 }
 
-/// Roll, pitch and yaw of `R_z(yaw) R_y(pitch) R_x(roll)` [rad]. If pitch is ±90°, roll is 0.
+/// Roll, pitch and yaw of `R_z(yaw) R_y(pitch) R_x(roll)` (rad). If pitch is ±90°, roll is 0.
 fn roll_pitch_yaw(r: &[[f64; 3]; 3]) -> [f64; 3] {
     let level = length([r[0][0], r[1][0]]);
     let pitch = atan2(-r[2][0], level);

@@ -150,7 +150,7 @@ pub(crate) struct BodyDescription {
 }
 
 impl BodyDescription {
-    /// Centre of mass of the body in the frame of the link [m].
+    /// Centre of mass of the body in the frame of the link (m).
     pub fn center_in_link(&self) -> [Formula; 3] {
         let center = self.center_of_mass.clone().unwrap_or([Formula::ZERO; 3]);
         match &self.origin {
@@ -194,7 +194,7 @@ pub(crate) struct JointDescription {
     pub drive: Option<At<DriveChoice>>,
     /// Joints that this joint follows, with ratios.
     pub follows: Option<At<Vec<FollowsDescription>>>,
-    /// Position of this joint when the joints that it follows are at position 0 [rad or m].
+    /// Position of this joint when the joints that it follows are at position 0 (rad or m).
     pub offset: Option<At<f64>>,
     /// The spherical or floating joint, if this entry is one of its velocities.
     pub part_of: Option<PartOf>,
@@ -347,7 +347,7 @@ pub(crate) struct DriveDescription {
     /// Location of the motor constant, or of the motor if the description has no motor constant.
     pub input_span: Span,
     pub torque: MotorTorque,
-    /// Highest speed of the motor's shaft [rad/s].
+    /// Highest speed of the motor's shaft (rad/s).
     pub speed: Option<At<f64>>,
     /// Torque–speed line from the stall torque to the no-load speed.
     pub line: Option<At<TorqueSpeedLine>>,
@@ -380,7 +380,7 @@ impl DriveDescription {
 /// A rotor of a URDF that was not assigned to a joint, with the possible joints and gear ratios.
 #[derive(Debug, Clone)]
 pub(crate) struct SkippedRotor {
-    /// Inertia about the rotor's axis, before the gear [kg m²].
+    /// Inertia about the rotor's axis, before the gear (kg m²).
     pub inertia: At<f64>,
     pub joints: Vec<String>,
     pub ratios: Vec<f64>,
@@ -403,12 +403,12 @@ pub(crate) struct PointForceDescription {
     pub name: Name,
     /// Names of the two frames or links between which the force acts.
     pub between: [Name; 2],
-    /// Force law as a function of the distance between the frames [m] and its rate [m/s].
+    /// Force law as a function of the distance between the frames (m) and its rate (m/s).
     pub law: Option<At<Formula>>,
     pub input: Option<PullDescription>,
-    /// Shortest and longest distance between the frames [m].
+    /// Shortest and longest distance between the frames (m).
     pub stroke: Option<At<[f64; 2]>>,
-    /// Highest rate of the distance between the frames [m/s].
+    /// Highest rate of the distance between the frames (m/s).
     pub speed: Option<At<f64>>,
 }
 
@@ -425,7 +425,7 @@ pub(crate) struct WrenchInputDescription {
     pub name: Name,
     /// Name of the frame or link at which the wrench acts.
     pub frame: Name,
-    /// Force [N], then moment about the frame's origin [N m], if the input is 1.
+    /// Force (N), then moment about the frame's origin (N m), if the input is 1.
     pub wrench: At<[Formula; 6]>,
     pub limits: Option<At<[f64; 2]>>,
 }

@@ -34,7 +34,7 @@ impl<'g> Masses<'g> {
         Self { mechanism, plain, y: y.to_vec() }
     }
 
-    /// Total mass of the moving bodies [kg].
+    /// Total mass of the moving bodies (kg).
     fn total(&self) -> Scalar<'g> {
         let zero = self.mechanism.graph.constant(0.0);
         self.mechanism.bodies.iter().fold(zero, |sum, body| sum + body.moments.mass)

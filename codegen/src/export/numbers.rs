@@ -17,7 +17,7 @@ pub(super) struct Placed {
     pub(super) rotation: Matrix,
 }
 
-/// Mass [kg], centre of mass [m], and inertia about the centre of mass in the link's axes [kg m²] with the
+/// Mass (kg), centre of mass (m), and inertia about the centre of mass in the link's axes (kg m²) with the
 /// entries xx, xy, xz, yy, yz, zz.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Lump {
@@ -160,7 +160,7 @@ impl Values {
 }
 
 impl Lump {
-    /// Adds moments of inertia about an axis (`along`) and across the axis (`across`) [kg m²].
+    /// Adds moments of inertia about an axis (`along`) and across the axis (`across`) (kg m²).
     pub(super) fn add_about_axis(&mut self, [x, y, z]: [f64; 3], along: f64, across: f64) {
         let own = [x * x, x * y, x * z, y * y, y * z, z * z];
         let unit = [1.0, 0.0, 0.0, 1.0, 0.0, 1.0];

@@ -23,7 +23,7 @@ pub struct Mechanism<S: Numbers> {
     pub positions: Vec<Option<usize>>,
     /// Moving bodies, parents first.
     pub bodies: Vec<Body<S>>,
-    /// Gravitational acceleration in the base frame [m/s²].
+    /// Gravitational acceleration in the base frame (m/s²).
     pub gravity: Vector3<S>,
     /// Rotors that turn relative to the body that carries them.
     pub rotors: Vec<Rotor<S>>,
@@ -89,7 +89,7 @@ pub struct Rotor<S> {
     pub carrier: Option<usize>,
     /// Axis of the rotor in the carrier's frame, with unit length.
     pub axis: Vector3<S>,
-    /// Axial inertia J_R of the rotor [kg m²].
+    /// Axial inertia J_R of the rotor (kg m²).
     pub inertia: S,
 }
 

@@ -52,7 +52,7 @@ pub(super) struct Distances<'m> {
 
 /// Least distance of two frames that the searches found.
 pub(super) struct Closest {
-    /// Distance of the frames [m].
+    /// Distance of the frames (m).
     pub(super) distance: f64,
     /// Names and positions of the coordinates that change the distance of the frames.
     pub(super) positions: Vec<(String, f64)>,
@@ -85,7 +85,7 @@ impl<'m> Distances<'m> {
         Self { model, between, described, states }
     }
 
-    /// Distances of the frames at the pseudo-random states [m].
+    /// Distances of the frames at the pseudo-random states (m).
     pub(super) fn at_states(&self) -> Vec<f64> {
         self.states.iter().map(|state| self.gap(state).norm()).collect()
     }

@@ -32,7 +32,7 @@ const SHORTEST: f64 = 1e-9;
 /// Largest relative difference of the longest and the shortest distance between two frames that counts as
 /// constant.
 const CONSTANT: f64 = 1e-9;
-/// Rates of a distance at which force laws are evaluated [m/s], with both signs. The rate 0 is added.
+/// Rates of a distance at which force laws are evaluated (m/s), with both signs. The rate 0 is added.
 const RATES: [f64; 5] = [1e-3, 1e-2, 0.1, 1.0, 10.0];
 /// A force law has a pole between two of the evaluated distances if it is this many times larger there than
 /// at all evaluated distances.

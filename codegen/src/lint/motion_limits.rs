@@ -99,7 +99,7 @@ fn limits_of(model: &mut Model, link: usize) -> Option<(String, &mut Limits)> {
 /// The only coordinate that changes the distance of two frames, with its limits.
 struct Path {
     link: usize,
-    /// Limits of the coordinate [rad or m].
+    /// Limits of the coordinate (rad or m).
     range: [f64; 2],
 }
 

@@ -12,7 +12,7 @@ const DIGITS: f64 = 1e-6;
 /// shift inertias by m l² from the origin to the centre of mass.
 const ARITHMETIC: f64 = 1e-12;
 
-/// Smallest length l [m] in the tolerance m l² of an inertia with the mass m. The tolerance is therefore
+/// Smallest length l (m) in the tolerance m l² of an inertia with the mass m. The tolerance is therefore
 /// positive even if the centre of mass is at the link's origin.
 const SMALLEST_EXTENT: f64 = 1e-3;
 

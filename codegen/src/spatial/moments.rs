@@ -17,9 +17,9 @@ use crate::graph::{Graph, Scalar};
 pub struct MassMoments<S> {
     /// Mass m (kg).
     pub mass: S,
-    /// First moment h = m c [kg m] with the mass m and the centre of mass c.
+    /// First moment h = m c (kg m) with the mass m and the centre of mass c.
     pub first: Vector3<S>,
-    /// Second moment Σ = ∫ r rᵀ dm [kg m²] about the origin.
+    /// Second moment Σ = ∫ r rᵀ dm (kg m²) about the origin.
     pub second: Symmetric3<S>,
 }
 

@@ -213,7 +213,7 @@ fn couple<'g>(
     }
 }
 
-/// First moment of all moving masses in the base frame [kg m]. The mechanism must be in metres.
+/// First moment of all moving masses in the base frame (kg m). The mechanism must be in metres.
 pub fn first_moment<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     formulation: &Formulation,

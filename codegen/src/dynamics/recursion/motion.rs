@@ -48,9 +48,9 @@ pub(in crate::dynamics) struct ChainMotion<'g> {
     pub(super) carried_spread: Matrix3<'g>,
     /// Acceleration that the parent causes at the moved body's origin, minus gravity.
     pub(super) carried_acceleration: Vector3<Scalar<'g>>,
-    /// Linear velocity l of the joint [m/s].
+    /// Linear velocity l of the joint (m/s).
     pub(super) linear: Vector3<Scalar<'g>>,
-    /// Angular velocity ν of the joint [rad/s].
+    /// Angular velocity ν of the joint (rad/s).
     pub(super) turning: Vector3<Scalar<'g>>,
 }
 

@@ -25,7 +25,7 @@ struct BodyOptions {
     lifted: bool,
     parent: Option<usize>,
     /// For each body, the non-zero lengths of its children's translations and of its own translation along
-    /// its axis [m].
+    /// its axis (m).
     own_lengths: Vec<f64>,
 }
 

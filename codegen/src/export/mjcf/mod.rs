@@ -17,7 +17,7 @@ use super::xml::{Attributes, Xml, numbers};
 use crate::model::{Attachment, Link, Model, QuaternionJoint, principal_axes};
 use writer::{Site, Writer};
 
-/// Smallest mass [kg] and principal moment [kg m²] that are written for a moving body. MuJoCo rejects 1e-15
+/// Smallest mass (kg) and principal moment (kg m²) that are written for a moving body. MuJoCo rejects 1e-15
 /// and less.
 const LEAST: f64 = 2e-15;
 

@@ -14,7 +14,7 @@ use crate::model::pose::{Rotation, Unsaid, rotate_inertia};
 use crate::numeric::length;
 use gelenk_formula::Formula;
 
-/// Density of water, the default of MuJoCo [kg/m³].
+/// Density of water, the default of MuJoCo (kg/m³).
 const DENSITY: f64 = 1000.0;
 
 /// Types of geoms whose shape is a mesh file.

@@ -25,7 +25,7 @@ use crate::program::lanes::Plan;
 /// of AVX2, and four registers of SSE2 or Neon.
 const LANES: usize = 8;
 
-/// Largest number of statements of one loop over the states. Times of `linearize` per state [ns] on an EPYC
+/// Largest number of statements of one loop over the states. Times of `linearize` per state (ns) on an EPYC
 /// processor (Zen 4):
 ///
 /// | statements | UR5, AVX2 | UR5, AVX-512 | Panda, AVX2 | Panda, AVX-512 |
