@@ -34,7 +34,7 @@ impl Diagnostics {
         self.0
     }
 
-    /// Whether the list is empty.
+    /// Whether the list has no diagnostics.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
@@ -94,7 +94,7 @@ impl Span {
     }
 }
 
-/// A value that was read, with its place in the text.
+/// A value with its place in the text.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct At<T> {
     /// The value that was read.
@@ -139,24 +139,24 @@ impl Report {
         self.sources.len() - 1
     }
 
-    /// The text of a span; empty if the span lies outside the source.
+    /// The characters of the text at a place; empty if the place lies outside the text.
     pub fn text(&self, span: Span) -> &str {
         self.sources.get(span.source).and_then(|source| source.text.get(span.start..span.end)).unwrap_or("")
     }
 
-    /// Adds an error.
+    /// Adds an error at a place in the text.
     pub fn error(&mut self, span: Span, code: &'static str, message: impl Into<String>) -> &mut Self {
         let entry = Diagnostic::error(code, message);
         self.push(Some(span), entry)
     }
 
-    /// Adds a warning.
+    /// Adds a warning at a place in the text.
     pub fn warning(&mut self, span: Span, code: &'static str, message: impl Into<String>) -> &mut Self {
         let entry = Diagnostic::warning(code, message);
         self.push(Some(span), entry)
     }
 
-    /// Adds a note.
+    /// Adds a note, with or without a place in the text.
     pub fn note(&mut self, span: Option<Span>, code: &'static str, message: impl Into<String>) -> &mut Self {
         let entry = Diagnostic::note(code, message);
         self.push(span, entry)
@@ -191,7 +191,7 @@ impl Report {
         self.entries.len() >= KEPT
     }
 
-    /// Whether an error was added.
+    /// Whether an error was added to the report.
     pub fn has_errors(&self) -> bool {
         self.error_count() > 0
     }
@@ -208,8 +208,8 @@ impl Report {
         Diagnostics::new(self.entries)
     }
 
-    /// The place of a span as `file:line:column`, for messages with a second place; empty if the span is not
-    /// in a text.
+    /// Text `file:line:column` of a place, for messages with a second place; empty if the place is not in a
+    /// text.
     pub fn place(&self, span: Span) -> String {
         self.location(span).map_or_else(String::new, |at| format!("{}:{}:{}", at.file, at.line, at.column))
     }

@@ -47,7 +47,7 @@ pub struct GenerateOptions {
     pub emit: EmitOptions,
 }
 
-/// Results of [`generate`].
+/// Results of [`generate`]: robot, module and text.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Generated {
     /// The robot that was read from the description.
@@ -154,8 +154,8 @@ pub fn generate_pair(
     Ok([exact, smooth])
 }
 
-/// Largest number of velocities. For longer chains, M and its derivatives have more than 640 000 operations,
-/// twice the default limit, so their modules would lack the dynamics.
+/// Largest number of velocities of a robot. For longer chains of joints, the mass matrix and its derivatives
+/// have more than 640 000 operations, twice the default limit, so their modules would lack the dynamics.
 const MOST_VELOCITIES: usize = 400;
 
 fn check_size(model: &Model) -> Result<(), Diagnostics> {

@@ -1,4 +1,4 @@
-//! Reference values for tests of a module: seeded states and the interpreter's results.
+//! Reference values for tests of a module: pseudo-random states and the interpreter's results.
 
 use crate::functions::function::Function;
 use crate::layout::Dimension;
@@ -14,9 +14,9 @@ pub(crate) const STATES: u64 = 2;
 pub struct SelfTest {
     /// Name of the called function.
     pub function: String,
-    /// Arguments in the order of the function. Each is flat and row-major.
+    /// Arguments of the call, in the order of the function. Each is flat and row-major.
     pub arguments: Vec<Vec<f64>>,
-    /// Results in the order of the function. Each is flat and row-major.
+    /// Expected results of the call, in the order of the function. Each is flat and row-major.
     pub results: Vec<Vec<f64>>,
 }
 

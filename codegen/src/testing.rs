@@ -36,7 +36,7 @@ pub const GENERAL: [Row; 6] = [
     (71.0, 0.05, 0.37),
 ];
 
-/// A chain of revolute joints with full inertias and general centres of mass.
+/// Creates a chain of revolute joints with full inertias and general centres of mass.
 pub fn chain(rows: &[Row], gravity: [f64; 3]) -> Model {
     let base = Link { name: "base".into(), joint: None, bodies: Vec::new() };
     let links = rows.iter().enumerate().map(|(k, &row)| link(k, row));

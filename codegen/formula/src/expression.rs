@@ -10,16 +10,16 @@ use std::ops::Range;
 pub struct Expression {
     /// The outermost operation, with its operands.
     pub node: Node,
-    /// Position in the text, in bytes.
+    /// Position of the expression in the text, in bytes.
     pub range: Range<usize>,
 }
 
 /// One operation of an expression.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Node {
-    /// A finite number.
+    /// A finite number as operand.
     Number(f64),
-    /// `true` or `false`.
+    /// The truth value `true` or `false`.
     Truth(bool),
     /// A name: a parameter, a channel of a log, position or velocity, or `pi`.
     Name(String),
@@ -31,7 +31,7 @@ pub enum Node {
     Power(Box<Expression>, u32),
 }
 
-/// Operations on one operand.
+/// Operations on one operand, for example `-a`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Unary {
     /// `-a`
@@ -44,7 +44,7 @@ pub enum Unary {
     Call(Function),
 }
 
-/// Operations on two operands.
+/// Operations on two operands, for example `a + b`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Operator {
     /// `a + b`

@@ -18,7 +18,7 @@ pub fn too_large(what: &str) -> String {
 /// differentiates them.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Formula {
-    /// A finite number.
+    /// A finite number as constant.
     Number(f64),
     /// A free parameter of the robot, as an index into `Model::parameters`.
     Parameter(usize),

@@ -13,17 +13,18 @@ const ROUNDING: f64 = 1e-12;
 pub(super) struct Limited<'d> {
     pub(super) robot: &'d RobotDescription,
     pub(super) tree: &'d Tree,
-    /// Links of the coordinates, then links of the driven joints.
+    /// Indices of the links of the coordinates, then of the links of the driven joints.
     pub(super) coordinates: &'d [usize],
-    /// Number of driven joints.
+    /// Number of driven joints, whose motion is prescribed.
     pub(super) driven: usize,
     /// Values of the free parameters in the description.
     pub(super) defaults: &'d [f64],
 }
 
 impl<'d> Limited<'d> {
-    /// Reports an error if no position satisfies the limits of a follower. Adds notes and warnings about
-    /// limits that a follower can exceed, and names the parts of the runtime that enforce these limits.
+    /// Reports an error if no position satisfies the limits of a joint that follows others. Adds notes and
+    /// warnings about limits that such a joint can exceed, and names the parts of the runtime that enforce
+    /// these limits.
     pub(super) fn check(&self, followers: &[Follower], report: &mut Report) {
         for follower in followers {
             let joint = self.joint(follower.link);
@@ -86,7 +87,8 @@ impl<'d> Limited<'d> {
         }
     }
 
-    /// Adds a help that names the parts of the runtime that enforce the limits of the follower.
+    /// Adds a help text that names the parts of the runtime that enforce the limits of a joint that follows
+    /// others.
     fn say_who_keeps(&self, follower: &Follower, report: &mut Report) {
         let driven = self.coordinates.len() - self.driven;
         report.help(match &follower.follows[..] {

@@ -90,7 +90,7 @@ fn check_drive(joint: &JointDescription, report: &mut Report) {
     }
 }
 
-/// Indices of the links that driven joints carry, in the order of the tree.
+/// Indices of the links that driven joints (with a prescribed motion) carry, in the order of the tree.
 pub(super) fn links(robot: &RobotDescription, tree: &Tree) -> Vec<usize> {
     let joints = tree.joints.iter().enumerate();
     let driven = joints.filter(|(_, joint)| joint.is_some_and(|joint| robot.joints[joint].is_driven()));

@@ -9,7 +9,7 @@ use crate::model::{Attachment, ForceEffect, ForceInput, PointForce, Pose, Wrench
 use crate::wording::as_written;
 use gelenk_formula::Formula;
 
-/// Forces at frames for the model.
+/// Forces, inputs and wrenches at frames, as parts of the model.
 #[derive(Debug, Default)]
 pub(super) struct FrameForces {
     pub(super) point_forces: Vec<PointForce>,

@@ -15,7 +15,7 @@ use gelenk_formula::Formula;
 /// Largest plausible length in m. Lengths of a robot in millimetres exceed it.
 const FAR: f64 = 50.0;
 
-/// Parts of the names of legs.
+/// Words in the names of links and joints of legs.
 const LEG_WORDS: [&str; 9] = ["leg", "foot", "feet", "knee", "ankle", "calf", "thigh", "shin", "shank"];
 
 /// Adds notes about probable mistakes to the report. The links must form a tree.

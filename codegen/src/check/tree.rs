@@ -13,7 +13,7 @@ pub(super) struct Tree {
     pub joints: Vec<Option<usize>>,
     /// For each link the index of the parent link. The base is its own parent.
     pub parents: Vec<usize>,
-    /// Indices of the links by name.
+    /// Index of each link by its name.
     pub index: BTreeMap<String, usize>,
 }
 

@@ -42,8 +42,8 @@ fn problem(diagnostics: Diagnostics) -> Failure {
 }
 
 /// Computes the closed forms for the page of a robot in a separate process. The inner error is the text for
-/// the page if there are no closed forms, because the robot has too many joints or the computer algebra
-/// failed. A failure of the computer algebra is also printed.
+/// the page if there are no closed forms. This happens if the robot has too many joints or the computer
+/// algebra failed. A failure of the computer algebra is also printed.
 pub(super) fn for_page(
     arguments: &arguments::Report,
     loaded: &Loaded,

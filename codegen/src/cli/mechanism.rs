@@ -51,8 +51,8 @@ impl<'m> Shown<'m> {
         body.chain.map_or(body, |place| &self.mechanism.bodies[place.first])
     }
 
-    /// Name of the joint that carries the body's joint. For joints on the base it is `base`, or the name of
-    /// the base link if the robot has quaternions, because a floating joint is usually called `base`.
+    /// Name of the joint before the body's joint. For joints on the base it is `base`, or the name of the
+    /// base link if the robot has quaternions, because a floating joint is usually called `base`.
     fn parent<'a>(&'a self, body: &'a Body<Number>) -> &'a str {
         match (self.stand(body).parent, self.model.quaternion_joints.is_empty()) {
             (Some(parent), _) => self.name(&self.mechanism.bodies[parent]),

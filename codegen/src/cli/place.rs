@@ -62,7 +62,7 @@ pub(super) struct Target {
     pub(super) name: Option<String>,
 }
 
-/// Path of a module.
+/// Path to which a module is written.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(super) enum Output {
     /// The module is written to the default path of Rust modules.

@@ -13,7 +13,7 @@ use crate::read::toml::keys::{FREE, Key, Keys, ROBOT, Value, parts};
 /// File name of the schema, to which descriptions refer.
 pub(super) const FILE: &str = "gelenk.schema.json";
 
-/// Prints the schema.
+/// Prints the JSON Schema of descriptions.
 pub(super) fn schema() -> Result<ExitCode, Failure> {
     print::json(&of_descriptions())
 }

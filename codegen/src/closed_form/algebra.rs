@@ -35,7 +35,7 @@ pub(super) enum Kind {
     Phase,
     /// Coordinate of a prismatic joint, which occurs in expressions without a phase.
     Coordinate,
-    /// Velocity of a coordinate.
+    /// Velocity of a coordinate, with the index of the coordinate.
     Velocity,
 }
 

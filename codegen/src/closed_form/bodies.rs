@@ -13,7 +13,7 @@ type Matrix = [[f64; 3]; 3];
 /// Entries below this fraction of the largest entry are rounding errors and are set to 0.
 const ROUNDING: f64 = 1e-12;
 
-/// A body that a joint moves.
+/// A body that a joint moves, with its masses.
 #[derive(Debug, Clone)]
 pub(super) struct MovingBody {
     /// Index of the coordinate of the body's joint.
@@ -33,15 +33,15 @@ pub(super) struct MovingBody {
 /// A rigid mass in the frame of its body.
 #[derive(Debug, Clone)]
 pub(super) struct Mass {
-    /// Mass (kg).
+    /// Mass of the body part (kg).
     pub mass: Formula,
-    /// Centre of mass (m).
+    /// Centre of mass in the body's frame (m).
     pub center: [Formula; 3],
     /// Inertia about the centre of mass [kg m²]: xx, xy, xz, yy, yz, zz.
     pub inertia: [Formula; 6],
 }
 
-/// Rotor of a drive.
+/// Rotor of a drive, with its carrier and coordinate.
 #[derive(Debug, Clone)]
 pub(super) struct Rotor {
     /// Index of the rotor's drive in the model.
@@ -218,7 +218,7 @@ fn still_rotor(inertia: f64, axis: [f64; 3]) -> Mass {
     }
 }
 
-/// A mass without free parameters.
+/// Mass, centre and inertia of a mass without free parameters.
 struct NumericMass {
     mass: f64,
     center: [f64; 3],
@@ -247,7 +247,7 @@ fn lumped(masses: Vec<Mass>) -> Vec<Mass> {
     all
 }
 
-/// Combined mass with `m = Σ mᵢ`, `c = Σ mᵢ cᵢ / m` and `I = Σ Iᵢ + mᵢ (|dᵢ|² 1 − dᵢ dᵢᵀ)`, in which
+/// Combines masses to one mass: `m = Σ mᵢ`, `c = Σ mᵢ cᵢ / m` and `I = Σ Iᵢ + mᵢ (|dᵢ|² 1 − dᵢ dᵢᵀ)` with
 /// `dᵢ = cᵢ − c`.
 fn lump(masses: &[NumericMass]) -> Mass {
     let total: f64 = masses.iter().map(|part| part.mass).sum();

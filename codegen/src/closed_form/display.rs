@@ -9,8 +9,9 @@ use super::terms::{ClosedForms, Factor, Monomial, Number, Sum, Term, Wave};
 use crate::program::letters::greek_letter;
 use gelenk_formula::{Formula, Function};
 
-/// Prints the equations as lines of text: the entries of M, k, q and B, the definitions of lumped constants,
-/// and the values of symbols. A lumped constant is a constant sum of products that gets its own symbol.
+/// Prints the equations of motion as lines of text: the entries of M, k, q and B, the definitions of lumped
+/// constants, and the values of symbols. A lumped constant is a constant sum of products that gets its own
+/// symbol.
 ///
 /// - `parameters`: values of the free parameters, from which the printed values are computed
 #[must_use]
@@ -65,8 +66,8 @@ pub fn latex(forms: &ClosedForms, parameters: &[f64]) -> String {
 /// Closed forms in LaTeX, with one string for each equation and each constant.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LatexParts {
-    /// Name and formula of each entry of M, k, q and B. M is symmetric, so only its upper triangle is
-    /// included.
+    /// Name and formula of each entry of the mass matrix M, the Coriolis forces k, the applied forces q and
+    /// the input matrix B. M is symmetric, so only its upper triangle is included.
     pub equations: Vec<(String, String)>,
     /// Name, definition and value of each lumped constant (a constant sum of products with its own symbol).
     pub constants: Vec<(String, String, String)>,
@@ -99,8 +100,8 @@ struct Printer<'a> {
 }
 
 impl Printer<'_> {
-    /// Name and formula of each entry of M, k, q and B. M is symmetric, so only its upper triangle is
-    /// included.
+    /// Name and formula of each entry of the mass matrix M, the Coriolis forces k, the applied forces q and
+    /// the input matrix B. M is symmetric, so only its upper triangle is included.
     fn entries(&self) -> Vec<(String, String)> {
         let mut entries = Vec::new();
         for (i, row) in self.forms.mass_matrix.iter().enumerate() {
@@ -432,7 +433,7 @@ fn aligned(rows: &[[String; 3]]) -> String {
     rows.iter().map(line).collect()
 }
 
-/// Replaces digits by subscripts.
+/// Replaces digits by subscript digits.
 fn subscript(index: &str) -> String {
     let small = |c: char| match c.to_digit(10) {
         Some(digit) => char::from_u32(u32::from('₀') + digit).unwrap_or(c),

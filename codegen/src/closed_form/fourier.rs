@@ -38,8 +38,8 @@ type Key = (Vec<(Factor, i32)>, Vec<(Factor, i32)>);
 /// exponent of each phase.
 type Spectrum = BTreeMap<Vec<i32>, (Rational, Rational)>;
 
-/// Converts an expanded expression to its real summands, in a fixed order. The two conjugate terms of a
-/// combination k of phases become
+/// Converts an expanded expression to its real summands, in a fixed order. For a product `E^k` of powers of
+/// phases `E = e^{iα}`, the two conjugate terms become
 ///
 /// `c E^k + c̄ E^−k = 2 Re c cos(k·α) − 2 Im c sin(k·α)`
 ///

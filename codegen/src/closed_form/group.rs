@@ -27,7 +27,7 @@ pub(super) struct Constants {
 }
 
 impl Constants {
-    /// Groups the summands of one entry of M, k, q or B.
+    /// Groups the summands of one entry of the equations of motion.
     ///
     /// - `basis`: function that multiplies all summands, with the index of its coordinate
     /// - `symbols`: all symbols; visible symbols do not become part of a lumped constant

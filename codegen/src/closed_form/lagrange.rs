@@ -20,9 +20,10 @@ use crate::model::{Model, RotorCoupling};
 
 /// Results of Lagrange's equations. Sines and cosines are written as phases.
 pub(super) struct Lagrange {
-    /// Mass matrix `M = ∂²L/∂ẏ²`.
+    /// Mass matrix `M = ∂²L/∂ẏ²` from the Lagrangian L.
     pub mass_matrix: Vec<Vec<Atom>>,
-    /// Bias forces `k − q_gravity = Σⱼ ∂²L/∂ẏ∂yⱼ ẏⱼ − ∂L/∂y`.
+    /// Bias forces `k − q_gravity = Σⱼ ∂²L/∂ẏ∂yⱼ ẏⱼ − ∂L/∂y` from the Lagrangian L: Coriolis forces k minus
+    /// gravity.
     pub bias_forces: Vec<Atom>,
 }
 
@@ -32,7 +33,7 @@ struct Placed {
     origin: Vector,
 }
 
-/// Derives M and the bias forces `k − q_gravity` of a model.
+/// Derives the mass matrix and the bias forces (Coriolis forces minus gravity) of a model.
 pub(super) fn derive(
     variables: Variables<'_>,
     model: &Model,
@@ -110,8 +111,9 @@ impl Derivation<'_, '_, '_> {
         [entry(2, 1), entry(0, 2), entry(1, 0)]
     }
 
-    /// A body's part `½ m ṗᵀṗ + ½ ωᵀ I ω + m g₀ᵀp` of the Lagrangian, summed over its masses m with the
-    /// centre p and the inertia I. ω is the angular velocity, g₀ the gravitational acceleration.
+    /// A body's part `½ m ṗᵀṗ + ½ ωᵀ I ω + m g₀ᵀp` of the Lagrangian, summed over its masses. Each mass m has
+    /// the centre p and the inertia I. ω is the body's angular velocity, and g₀ the gravitational
+    /// acceleration.
     fn of_body(&mut self, body: &MovingBody, frame: &Placed, spin: &Vector, gravity: &Vector) -> Atom {
         let mut sum = algebra::zero();
         for mass in &body.masses {

@@ -312,7 +312,7 @@ impl<'m> Letters<'m> {
     }
 }
 
-/// Sine and cosine of α + 90° k from sine and cosine of α.
+/// Sine and cosine of α + 90° n from sine and cosine of α, with n = `quarters`.
 fn turned(quarters: f64, sine: Atom, cosine: Atom) -> (Atom, Atom) {
     // The cast is exact, because angles are at most a few turns.
     match quarters.rem_euclid(4.0) as u8 {

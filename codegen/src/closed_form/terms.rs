@@ -4,7 +4,8 @@ use super::symbols::Symbol;
 use crate::numeric::{power, sin_cos};
 use gelenk_formula::Formula;
 
-/// Closed forms of M, k, q and B in `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u`, with n coordinates y and m inputs u.
+/// Closed forms of the terms in the equations of motion `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u`, with n
+/// coordinates y and m inputs u.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClosedForms {
     /// Name of the robot in the description.
@@ -19,13 +20,13 @@ pub struct ClosedForms {
     pub angles: Vec<Symbol>,
     /// Definitions of the lumped constants p₁, p₂, … as sums of products of masses, lengths and inertias.
     pub constants: Vec<Vec<Monomial>>,
-    /// Mass matrix M, `[n × n]`.
+    /// Mass matrix M, `[n × n]` for n coordinates.
     pub mass_matrix: Vec<Vec<Sum>>,
-    /// Coriolis, centrifugal and gyroscopic forces k, `[n]`.
+    /// Coriolis, centrifugal and gyroscopic forces k, `[n]` for n coordinates.
     pub coriolis_forces: Vec<Sum>,
-    /// Applied forces q, `[n]`.
+    /// Applied forces q (gravity, springs, friction), `[n]` for n coordinates.
     pub applied_forces: Vec<Sum>,
-    /// Input matrix B, `[n × m]`.
+    /// Input matrix B, `[n × m]` for n coordinates and m inputs.
     pub input_matrix: Vec<Vec<Sum>>,
 }
 
@@ -91,22 +92,22 @@ pub struct Term {
 /// A sum of terms. An empty sum is 0.
 pub type Sum = Vec<Term>;
 
-/// Values of M, k, q and B at one state.
+/// Values of the terms M, k, q and B of the equations of motion at one state.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Values {
-    /// Mass matrix M, `[n × n]`.
+    /// Mass matrix M, `[n × n]` for n coordinates.
     pub mass_matrix: Vec<Vec<f64>>,
-    /// Coriolis, centrifugal and gyroscopic forces k, `[n]`.
+    /// Coriolis, centrifugal and gyroscopic forces k, `[n]` for n coordinates.
     pub coriolis_forces: Vec<f64>,
-    /// Applied forces q, `[n]`.
+    /// Applied forces q (gravity, springs, friction), `[n]` for n coordinates.
     pub applied_forces: Vec<f64>,
-    /// Input matrix B, `[n × m]`.
+    /// Input matrix B, `[n × m]` for n coordinates and m inputs.
     pub input_matrix: Vec<Vec<f64>>,
 }
 
 impl ClosedForms {
-    /// Evaluates M, k, q and B at a state. A result is `NaN` if it depends on a value that is missing in an
-    /// argument.
+    /// Evaluates the terms M, k, q and B of the equations of motion at a state. A result is `NaN` if it
+    /// depends on a value that is missing in an argument.
     ///
     /// - `parameters`: values of the free parameters
     /// - `y`, `v`: coordinates and velocities, n entries each

@@ -12,11 +12,11 @@ use crate::spatial::Force;
 /// Accelerations of n coordinates y with their derivatives.
 #[derive(Debug, Clone)]
 pub struct AccelerationDerivatives<'g> {
-    /// Accelerations ÿ, n entries.
+    /// Accelerations ÿ of the n coordinates.
     pub accelerations: Vec<Scalar<'g>>,
-    /// Derivative ∂ÿ/∂y, n × n.
+    /// Derivative ∂ÿ/∂y of the accelerations, n × n.
     pub by_coordinates: Matrix<'g>,
-    /// Derivative ∂ÿ/∂ẏ, n × n.
+    /// Derivative ∂ÿ/∂ẏ of the accelerations, n × n.
     pub by_velocities: Matrix<'g>,
     /// Inverse mass matrix M⁻¹, n × n.
     pub inverse: Matrix<'g>,
@@ -26,26 +26,27 @@ pub struct AccelerationDerivatives<'g> {
 /// inputs u.
 #[derive(Debug, Clone)]
 pub struct AffineAccelerations<'g> {
-    /// Matrix A_y = ∂ÿ/∂y, n × n.
+    /// Matrix A_y = ∂ÿ/∂y of the linearization, n × n for n coordinates.
     pub by_coordinates: Matrix<'g>,
-    /// Matrix A_v = ∂ÿ/∂ẏ, n × n.
+    /// Matrix A_v = ∂ÿ/∂ẏ of the linearization, n × n for n coordinates.
     pub by_velocities: Matrix<'g>,
-    /// Matrix B_x = ∂ÿ/∂u, n × m.
+    /// Matrix B_x = ∂ÿ/∂u of the linearization, n × m for n coordinates and m inputs.
     pub by_inputs: Matrix<'g>,
     /// Affine remainder c in `ÿ = A_y y + A_v ẏ + B_x u + c`, n entries.
     pub remainder: Vec<Scalar<'g>>,
 }
 
-/// Accelerations ÿ, the inverse mass matrix M⁻¹, and the forces `M ÿ + k − q` with derivatives. The
-/// derivatives of the accelerations are `∂ÿ = −M⁻¹ ∂(M ÿ + k − q)`, with ÿ constant on the right-hand side.
+/// Accelerations ÿ, the inverse mass matrix M⁻¹, and the required forces `f = M ÿ + k − q` with derivatives.
+/// k are Coriolis forces, q applied forces. The derivatives of the accelerations are `∂ÿ = −M⁻¹ ∂f`, with ÿ
+/// constant in f.
 #[derive(Debug, Clone)]
 pub struct AcceleratedForces<'g> {
-    /// Accelerations ÿ, n entries.
+    /// Accelerations ÿ of the n coordinates.
     pub accelerations: Vec<Scalar<'g>>,
     /// Inverse mass matrix M⁻¹, n × n.
     pub inverse: Matrix<'g>,
     /// Required forces `M ÿ + k − q` at the accelerations ÿ, with derivatives with respect to y and ẏ at
-    /// constant ÿ.
+    /// constant ÿ. k are Coriolis forces, q applied forces.
     pub forces: ForceDerivatives<'g>,
 }
 
@@ -96,9 +97,9 @@ impl<'g> Equations<'_, 'g> {
         self.acceleration_derivatives(y, v, u, None)
     }
 
-    /// Computes the accelerations ÿ, M⁻¹, and the required forces `M ÿ + k − q` at these accelerations. Also
-    /// returns the derivatives of the forces with respect to y and ẏ at constant ÿ. The robot must have no
-    /// driven joints.
+    /// Computes the accelerations ÿ, the inverse mass matrix M⁻¹, and the required forces `M ÿ + k − q` at
+    /// these accelerations. Also returns the derivatives of the forces with respect to y and ẏ at constant ÿ.
+    /// The robot must have no driven joints (with a prescribed motion).
     pub fn accelerated_forces(
         &self,
         y: &[Scalar<'g>],
@@ -156,8 +157,9 @@ impl<'g> Equations<'_, 'g> {
         }
     }
 
-    /// Whether products with M⁻¹ need at most as many operations as solutions with the factors of M. Products
-    /// win at equal numbers, because their terms do not depend on each other.
+    /// Whether products with the inverse mass matrix need at most as many operations as solutions with the
+    /// factors of the mass matrix. Products win at equal numbers, because their terms do not depend on each
+    /// other.
     fn weighs_less_by_inverse(&self, factorization: &Factorization<'g>, inverse: &Matrix<'g>) -> bool {
         let right: Vec<_> = (0..inverse.len()).map(|k| self.graph.input(FREE, k)).collect();
         let weight = |results: Vec<Scalar<'g>>| {

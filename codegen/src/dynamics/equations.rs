@@ -1,5 +1,5 @@
-//! Equations of motion of a robot as expressions of the graph. A formulation is one way to write the same
-//! equations. Each quantity is derived in the formulation with the fewest operations.
+//! Equations of motion of a robot as expressions of the graph. Each quantity is derived by the formulation
+//! with the fewest operations. A formulation is one way to write the same equations.
 
 use super::forces;
 use super::formulation::Formulation;
@@ -25,7 +25,7 @@ use gelenk_formula::Function;
 /// defined in [`crate::guide::conventions`].
 #[derive(Debug, Clone, Copy)]
 pub struct Equations<'a, 'g> {
-    /// Graph of all expressions.
+    /// Graph that contains all expressions.
     pub graph: &'g Graph,
     /// Model of the robot.
     pub model: &'a Model,
@@ -72,7 +72,7 @@ impl<'g> Equations<'_, 'g> {
         newton_euler::inverse_dynamics(&mechanism, formulation, input)
     }
 
-    /// Mass matrix `M(y)`.
+    /// Mass matrix `M(y)` at the coordinates y.
     pub fn mass_matrix(&self, y: &[Scalar<'g>]) -> Matrix<'g> {
         self.mass_matrix_by(self.formulations.mass_matrix(), y)
     }
@@ -179,8 +179,8 @@ impl<'g> Equations<'_, 'g> {
         load_friction::is_there(self.model).then(|| load_friction::shares(self.graph, self.model, y, v))
     }
 
-    /// Coefficients s₁(ẏ) of load-dependent friction by coordinate, without unit. The friction force is s₁
-    /// times the magnitude of the load. The load is the drive's force without friction.
+    /// Friction per unit of load s₁(ẏ) by coordinate, without unit. The load is the drive's force without
+    /// friction, and the friction force is s₁ times its magnitude.
     pub fn load_friction(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         load_friction::shares(self.graph, self.model, y, v)
     }
@@ -223,8 +223,8 @@ impl<'g> Equations<'_, 'g> {
         result
     }
 
-    /// `M ÿ + k − q_gravity` minus `joint_forces`, with derivatives with respect to y and ẏ, and the mass
-    /// matrix M.
+    /// Inertial and Coriolis forces minus gravity, `M ÿ + k − q_gravity`, minus `joint_forces`. Also returns
+    /// the derivatives with respect to y and ẏ, and the mass matrix M.
     pub(super) fn remaining_derivatives(
         &self,
         input: MotionInput<'_, 'g>,
@@ -349,7 +349,7 @@ impl<'g> Equations<'_, 'g> {
             && model.force_inputs.is_empty()
     }
 
-    /// Matrix D in `δ̇ = D δ + v − v̄` for the deviation δ from a motion with the velocities v̄, which are
+    /// Matrix D in `δ̇ = D δ + v − v̄`. δ is the deviation from a motion with the velocities v̄, which are
     /// the argument `v`. D is zero in the rows of joints without quaternions.
     pub fn drift(&self, v: &[Scalar<'g>]) -> Matrix<'g> {
         drift(self.graph, self.model, v)
@@ -409,8 +409,8 @@ impl<'g> Equations<'_, 'g> {
         rows.map(|row| leaders.iter().map(|&column| row[column]).collect()).collect()
     }
 
-    /// Kinetic energy `½ ẏᵀ M ẏ` \[J\]. M ẏ is computed by the inverse dynamics at zero velocity with the
-    /// accelerations ẏ and without gravity.
+    /// Kinetic energy `½ ẏᵀ M ẏ` \[J\] with the mass matrix M. M ẏ is computed by the inverse dynamics at
+    /// zero velocity with the accelerations ẏ and without gravity.
     pub fn kinetic_energy(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Scalar<'g> {
         let formulation = self.formulations.inverse_dynamics();
         let momentum = self.recursive(formulation, MotionInput { y, v: &self.zeros(), a: v }, false);

@@ -1,14 +1,15 @@
 //! Formulations: alternative ways to write the same equations of motion, which differ in the number of
 //! operations.
 //!
-//! The matrix U = ω̇× + ω× ω× of a body gives the acceleration a + U r of its point r. Here a is the
-//! acceleration of the body's origin. The z axis of a body's frame is its joint's axis.
+//! The matrix U = ω̇× + ω× ω× of a body with the angular velocity ω gives the acceleration a + U r of its
+//! point r. Here a is the acceleration of the body's origin. The z axis of a body's frame is its joint's
+//! axis.
 
 use crate::graph::{Graph, Scalar};
 use crate::kinematics::{Mechanism, Number, RegroupChoice};
 
-/// Way to compute the matrix U = ω̇× + ω× ω× of a body. A point r of the body has the acceleration a + U r,
-/// with the acceleration a of the body's origin.
+/// Way to compute the matrix U = ω̇× + ω× ω× of a body with the angular velocity ω. A point r of the body has
+/// the acceleration a + U r, with the acceleration a of the body's origin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AngularRoute {
     /// Computes U = ω̇× + ω× ω× of a body from the angular acceleration ω̇.
@@ -91,7 +92,7 @@ pub struct BodyChoices {
     /// Way to compute the diagonal of the body's matrix U = ω̇× + ω× ω×.
     pub diagonal: Diagonal,
     /// Whether the entry U_zx of the matrix U = ω̇× + ω× ω× is computed from the y component of the angular
-    /// acceleration, which children may need. Only has an effect with [`AngularRoute::AxisPoints`].
+    /// acceleration. Children may need this component. Only has an effect with [`AngularRoute::AxisPoints`].
     pub by_acceleration: bool,
     /// Assignment of the translation along the joint's axis.
     pub lift: Lift,
@@ -138,7 +139,8 @@ impl Formulation {
         Self { bodies: vec![choices; count] }
     }
 
-    /// Puts the mechanism on a graph, with the frames, masses and units of length of this formulation.
+    /// Puts the bodies, joints and rotors on a graph, with the frames, masses and units of length of this
+    /// formulation.
     pub fn mechanism<'g>(&self, graph: &'g Graph, mechanism: &Mechanism<Number>) -> Mechanism<Scalar<'g>> {
         let regroup: Vec<_> = self.bodies.iter().map(|body| body.regroup).collect();
         let units: Vec<_> = self.bodies.iter().map(|body| body.length_unit).collect();
@@ -182,14 +184,14 @@ impl Formulation {
         self.with_unit(1.0)
     }
 
-    /// This formulation with the given choices for one body.
+    /// This formulation with other choices for one body.
     pub(super) fn with_body(&self, index: usize, choices: BodyChoices) -> Self {
         let mut next = self.clone();
         next.bodies[index] = choices;
         next
     }
 
-    /// This formulation with the same unit of length for all bodies.
+    /// This formulation with one unit of length for all bodies.
     pub(super) fn with_unit(&self, unit: f64) -> Self {
         let mut next = self.clone();
         next.bodies.iter_mut().for_each(|body| body.length_unit = unit);

@@ -196,9 +196,10 @@ impl<'a, 'g> FrameForces<'a, 'g> {
     }
 
     /// The squared distance l² of two points. It is computed across the first joint after the last body that
-    /// both paths from the base have in common. If this joint is revolute with the rotation R, then
-    /// `l² = |α|² + |β|² − 2 α · R β` with the points α before and β after the rotation, relative to the
-    /// joint's axis.
+    /// both paths from the base have in common.
+    ///
+    /// If this joint is revolute with the rotation R, then `l² = |α|² + |β|² − 2 α · R β`. α and β are the
+    /// points before and after the rotation, relative to the joint's axis.
     fn squared_distance(&self, [a, b]: [Place<'g>; 2]) -> Scalar<'g> {
         let (of_a, of_b) = (self.chain(a.body), self.chain(b.body));
         let top = |chain: &[usize], other: &[usize]| {

@@ -95,7 +95,7 @@ fn rates<'g>(
     quaternion.into_iter().zip(rates).collect()
 }
 
-/// Matrix D in `δ̇ = D δ + v − v̄` for the deviation δ from a motion with the velocities v̄, which are the
+/// Matrix D in `δ̇ = D δ + v − v̄`. δ is the deviation from a motion with the velocities v̄, which are the
 /// argument `v`. D is 0 in the rows of joints without quaternions.
 ///
 /// - floating joint with the linear velocity l and the angular velocity ν: rows (−ν×, −l×) and (0, −ν×)

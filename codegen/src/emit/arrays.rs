@@ -81,7 +81,7 @@ pub(super) fn is_only_result(form: &Arrays, array: usize) -> bool {
 }
 
 /// Relation of joint j to joint i: −1 if j is on the path from i to the base, 1 if j is i or beyond i,
-/// otherwise 0. For the padding of a row it is 0.
+/// otherwise 0. For the padding entries of a row it is 0.
 pub(super) fn relation(form: &Arrays, i: usize, j: usize) -> i8 {
     if j >= form.joints.len() {
         return 0;

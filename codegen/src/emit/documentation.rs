@@ -15,7 +15,7 @@ pub(super) enum Block {
     Paragraph(String),
     /// An item of a list, without its dash.
     Item(String),
-    /// An empty line.
+    /// An empty line of documentation.
     Gap,
 }
 

@@ -26,7 +26,7 @@ pub struct Callable {
     pub equation: String,
     /// Arguments of the function, without the free parameters and results.
     pub arguments: Vec<Argument>,
-    /// Results of the function.
+    /// Results of the function, with names, shapes and meanings.
     pub results: Vec<Written>,
     /// Whether the function takes the free parameters. Functions that only take positions do not take them.
     pub takes_parameters: bool,
@@ -41,7 +41,7 @@ pub struct Callable {
     pub notes: Vec<String>,
 }
 
-/// An argument of a function.
+/// An argument of a C function.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Argument {
     /// Name of the argument in C.
@@ -54,7 +54,7 @@ pub struct Argument {
     pub entries: Vec<(String, String)>,
 }
 
-/// A result of a function.
+/// A result of a C function.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Written {
     /// Name of the result in C.

@@ -45,7 +45,7 @@ impl Default for EmitOptions {
     }
 }
 
-/// The text of a generated module.
+/// The text of a generated module and of its additional files.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SourceFile {
     /// Name of the module. Its file is `<name>.rs` or `<name>.c`.

@@ -1,8 +1,12 @@
-//! Discrete time: exact zero-order hold of an affine system, and Runge–Kutta steps with their sensitivities.
+//! Discrete time: exact zero-order hold of an affine system, and Runge–Kutta steps with their derivatives.
 //!
 //! The text of each file is compiled here and pasted into generated modules ([`Text`]). For single precision,
-//! every `f64` in the text is replaced. The texts may only use `core`, must not allocate or panic, have only
-//! loops over N and M or constants, and have no inner attributes or inner doc comments.
+//! every `f64` in the text is replaced. The texts
+//!
+//! - use only `core`
+//! - do not allocate or panic
+//! - have only loops over N and M (the numbers of coordinates and inputs) or constants
+//! - have no inner attributes or inner doc comments
 //!
 //! Robots with joints that have quaternions use the functions `…_on_manifold`, see [`crate::manifold`].
 //!
@@ -25,9 +29,9 @@ include!("../manifold/zero_order_hold.rs");
 pub mod shared {
     /// Largest number of doublings of the interval in the integral `Φ = ∫ exp(A s) ds`.
     pub const MOST_DOUBLINGS: u32 = super::MOST_DOUBLINGS;
-    /// Number of terms in each of the three parts of the Taylor polynomial of Φ.
+    /// Number of terms in each of the three parts of the Taylor polynomial of `Φ = ∫ exp(A s) ds`.
     pub const TERMS: usize = super::TERMS;
-    /// Coefficients `1/(k + 1)!` of the three parts of the Taylor polynomial of Φ.
+    /// Coefficients `1/(k + 1)!` of the three parts of the Taylor polynomial of `Φ = ∫ exp(A s) ds`.
     pub const COEFFICIENTS: [[f64; TERMS]; 3] = super::COEFFICIENTS;
 
     /// Number of halvings of the period \[s\] after which the Taylor polynomial of `exp(A s)` is accurate;
@@ -90,8 +94,8 @@ pub const C_ACCELERATION: &str = include_str!("acceleration.c");
 pub mod c_bodies {
     /// C99 body of `discretize`, the exact zero-order hold of the linearized robot.
     pub const DISCRETIZE: &str = include_str!("discretize.c");
-    /// C99 body of `step`, a sample time of Runge–Kutta steps.
+    /// C99 body of `step`: Runge–Kutta steps over one sample time.
     pub const STEP: &str = include_str!("step.c");
-    /// C99 body of `step_derivatives`, a sample time of Runge–Kutta steps with their derivatives.
+    /// C99 body of `step_derivatives`: Runge–Kutta steps over one sample time, with their derivatives.
     pub const STEP_DERIVATIVES: &str = include_str!("step_derivatives.c");
 }

@@ -108,9 +108,9 @@ pub mod c_bodies {
     /// C99 body of `discretize` for robots with quaternions, the exact zero-order hold of the linearized
     /// robot.
     pub const DISCRETIZE: &str = include_str!("discretize.c");
-    /// C99 body of `step` for robots with quaternions, a sample time of Runge–Kutta steps.
+    /// C99 body of `step` for robots with quaternions: Runge–Kutta steps over one sample time.
     pub const STEP: &str = include_str!("step.c");
-    /// C99 body of `step_derivatives` for robots with quaternions, a sample time of Runge–Kutta steps with
-    /// their derivatives.
+    /// C99 body of `step_derivatives` for robots with quaternions: Runge–Kutta steps over one sample time,
+    /// with their derivatives.
     pub const STEP_DERIVATIVES: &str = include_str!("step_derivatives.c");
 }

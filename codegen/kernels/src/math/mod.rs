@@ -1,10 +1,14 @@
 //! Elementary functions whose results have the same bits on every platform.
 //!
 //! The text of each file is compiled here for the interpreter, and pasted into generated modules by the
-//! emitter ([`Kernel`]), so interpreter and generated code agree bit for bit. The texts use only `core`
-//! paths, have no branches on the usual path, no tables and no fused operations, do not panic, and have no
-//! inner attributes or inner doc comments. The texts for f32 compute only in f32, because small processors
-//! have no f64.
+//! emitter ([`Kernel`]), so interpreter and generated code agree bit for bit. The texts
+//!
+//! - use only `core` paths
+//! - have no branches on the usual path, no tables and no fused operations
+//! - do not panic
+//! - have no inner attributes or inner doc comments
+//!
+//! The texts for f32 compute only in f32, because small processors have no f64.
 
 /// C99 text of the functions that convert between `double` and its bits. The texts of [`Kernel::c_source`]
 /// call them.

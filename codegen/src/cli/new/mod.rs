@@ -38,7 +38,7 @@ const TAKEN: [&str; 13] = [
     "test",
 ];
 
-/// Creates the project.
+/// Creates the folder and files of a new project.
 pub(super) fn new(arguments: &New, format: Format) -> Result<ExitCode, Failure> {
     let folder = &arguments.folder;
     let reading = Reading {

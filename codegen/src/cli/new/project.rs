@@ -10,7 +10,7 @@ pub(super) struct Project {
     pub(super) files: Vec<(&'static str, String)>,
     /// Purpose of the generated files, as the end of a message.
     pub(super) made: &'static str,
-    /// Command that runs the project.
+    /// Command that runs the new project.
     pub(super) next: &'static str,
 }
 

@@ -18,7 +18,7 @@ pub(super) struct Robot {
     pub(super) has_dry_friction: bool,
     /// Files that the description extends: paths in the project, and contents.
     pub(super) copies: Vec<(String, Vec<u8>)>,
-    /// Whether the base is floating.
+    /// Whether the base of the robot is floating.
     pub(super) floats: bool,
     /// Names of the joints that do not follow others.
     pub(super) joints: Vec<String>,

@@ -258,8 +258,8 @@ fn position_ranges(model: &Model) -> Vec<f64> {
 #[derive(Default)]
 struct Basis {
     directions: Vec<Vec<f64>>,
-    /// Column k of the triangular matrix R contains the components of the k-th independent column in the
-    /// basis.
+    /// Column k of the triangular matrix of the orthogonalization: the components of the k-th independent
+    /// column in the basis.
     triangle: Vec<Vec<f64>>,
 }
 

@@ -61,9 +61,9 @@ pub fn inertial_parameters<'g>(graph: &'g Graph, model: &Model) -> Vec<Scalar<'g
     links.chain(rotors).collect()
 }
 
-/// Regressor W of the inertial parameters π in `W π = M ÿ + k − q_gravity`. Rows have the order of the
-/// coordinates, and columns have the order of [`parameter_names`]. The mechanism must be in metres, with the
-/// masses of the description.
+/// Regressor W of the inertial parameters π in `W π = M ÿ + k − q_gravity` (inertial and Coriolis forces
+/// minus gravity). Rows have the order of the coordinates, and columns have the order of [`parameter_names`].
+/// The mechanism must be in metres, with the masses of the description.
 pub fn inertial_regressor<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     model: &Model,
@@ -198,9 +198,10 @@ impl<'g> LinkMotion<'g> {
     }
 }
 
-/// Forces by coordinate that one unit of a rotor's axial inertia requires. The rotor has the speed
-/// `a · ω + i ẏ` about its axis a, with the angular velocity ω of its carrier and the gear ratio i. It
-/// requires the moment `a (a · ω̇ + i ÿ) + ω × a (a · ω + i ẏ)` on the carrier and the force
+/// Forces by coordinate that one unit of a rotor's axial inertia requires.
+///
+/// The rotor has the speed `a · ω + i ẏ` about its axis a, with the angular velocity ω of its carrier and the
+/// gear ratio i. It requires the moment `a (a · ω̇ + i ÿ) + ω × a (a · ω + i ẏ)` on the carrier and the force
 /// `i (a · ω̇ + i ÿ)` at its joint.
 fn rotor_column<'g>(
     mechanism: &Mechanism<Scalar<'g>>,

@@ -11,7 +11,8 @@ pub(super) struct Motions {
     /// Velocity that each joint adds to the velocity of its parent.
     pub joint_velocity: ArrayId,
     pub velocity: ArrayId,
-    /// Rate Ṡ of the joint's screw S (motion for a unit of the joint's velocity).
+    /// Rate of the joint's screw. The screw is the motion of the joint's body for a unit of the joint's
+    /// velocity.
     pub screw_rate: ArrayId,
     /// Acceleration of each body minus gravity. For the inverse dynamics, it contains the joints'
     /// accelerations. For the forward dynamics, it contains only velocity terms.
@@ -54,7 +55,7 @@ fn body_in_motion<'g>(
 }
 
 /// Adds steps that compute velocities, accelerations and forces of the bodies. The second result is the array
-/// of the moments `2 ∫ ṙ dm` and `2 ∫ ṙ rᵀ dm` of each body with points r.
+/// of each body's moments `2 ∫ ṙ dm` and `2 ∫ ṙ rᵀ dm` with the points r of the body.
 pub(super) fn move_bodies(
     builder: &mut ArrayBuilder,
     setup: &Setup,

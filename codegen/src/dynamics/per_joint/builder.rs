@@ -93,8 +93,8 @@ impl ArrayBuilder {
         array
     }
 
-    /// Adds a step that computes arrays with the same code at each joint. `build` computes the values of the
-    /// arrays `writes` at a joint from the values of the arrays `reads` at this joint.
+    /// Adds a loop (step) that computes arrays with the same code at each joint. `build` computes the values
+    /// of the arrays `writes` at a joint from the values of the arrays `reads` at this joint.
     pub(super) fn map<const R: usize, const W: usize>(
         &mut self,
         name: &str,
@@ -133,22 +133,22 @@ impl ArrayBuilder {
         written
     }
 
-    /// Adds a step that sums an array along the path from the base to each joint.
+    /// Adds a loop (step) that sums an array along the path from the base to each joint.
     pub(super) fn sum_ancestors(&mut self, from: ArrayId, name: &str) -> ArrayId {
         let to = self.array(name, self.form.arrays[from].rows);
         self.form.steps.push(Step::SumAncestors { from, to });
         to
     }
 
-    /// Adds a step that sums an array over the subtree of each joint.
+    /// Adds a loop (step) that sums an array over the subtree of each joint.
     pub(super) fn sum_subtrees(&mut self, from: ArrayId, name: &str) -> ArrayId {
         let to = self.array(name, self.form.arrays[from].rows);
         self.form.steps.push(Step::SumSubtrees { from, to });
         to
     }
 
-    /// Adds a step that computes a matrix over pairs of joints. [`Pairs`] defines the entries as products of
-    /// columns.
+    /// Adds a loop (step) that computes a matrix over pairs of joints. [`Pairs`] defines the entries as
+    /// products of columns.
     pub(super) fn pairs(
         &mut self,
         before: (ArrayId, ArrayId),
@@ -161,8 +161,8 @@ impl ArrayBuilder {
         to
     }
 
-    /// Adds a step that sums an array over joints to an array over coordinates. Returns the array itself if
-    /// each joint is independent.
+    /// Adds a loop (step) that sums an array over joints to an array over coordinates. Returns the array
+    /// itself if each joint is independent.
     pub(super) fn collect(&mut self, from: ArrayId, name: &str) -> ArrayId {
         if self.form.coordinates.is_none() {
             return from;
@@ -172,8 +172,8 @@ impl ArrayBuilder {
         to
     }
 
-    /// Adds a step that sums a matrix over pairs of joints to a matrix over pairs of coordinates. Returns the
-    /// matrix itself if each joint is independent.
+    /// Adds a loop (step) that sums a matrix over pairs of joints to a matrix over pairs of coordinates.
+    /// Returns the matrix itself if each joint is independent.
     pub(super) fn project(&mut self, from: ArrayId, name: &str) -> ArrayId {
         if self.form.coordinates.is_none() {
             return from;
@@ -183,8 +183,8 @@ impl ArrayBuilder {
         to
     }
 
-    /// Adds a step that copies an array over coordinates to an array over joints. Returns the array itself if
-    /// each joint is independent.
+    /// Adds a loop (step) that copies an array over coordinates to an array over joints. Returns the array
+    /// itself if each joint is independent.
     pub(super) fn spread(&mut self, from: ArrayId, name: &str) -> ArrayId {
         if self.form.coordinates.is_none() {
             return from;
@@ -199,15 +199,15 @@ impl ArrayBuilder {
         !self.form.chains.is_empty()
     }
 
-    /// Adds a step that copies to each joint the values of the joint that carries it. Joints on the base get
-    /// zeros.
+    /// Adds a loop (step) that copies to each joint the values of the joint that carries it. Joints on the
+    /// base get zeros.
     pub(super) fn gather_carriers(&mut self, from: ArrayId, name: &str) -> ArrayId {
         let to = self.array(name, self.form.arrays[from].rows);
         self.form.steps.push(Step::GatherCarriers { from, to });
         to
     }
 
-    /// Adds a step that copies values from the last velocity of each joint with a quaternion to all
+    /// Adds a loop (step) that copies values from the last velocity of each joint with a quaternion to all
     /// velocities of this joint. Returns the array itself for robots without quaternions.
     pub(super) fn gather_last(&mut self, from: ArrayId, name: &str) -> ArrayId {
         if !self.has_quaternions() {
@@ -218,7 +218,7 @@ impl ArrayBuilder {
         to
     }
 
-    /// Adds a step that computes `matrix − other`. `other` must have exactly one row per coordinate.
+    /// Adds a loop (step) that computes `matrix − other`. `other` must have exactly one row per coordinate.
     pub(super) fn subtract(&mut self, matrix: ArrayId, other: ArrayId, [step, name]: [&str; 2]) -> ArrayId {
         let (rows, n) = (self.form.joints.len(), self.form.coordinates().len());
         let about = format!("Subtracts `{}`.", self.form.arrays[other].name);
@@ -229,22 +229,22 @@ impl ArrayBuilder {
         difference
     }
 
-    /// Adds a step that inverts a matrix over coordinates. The matrix must have the same zeros as the mass
-    /// matrix.
+    /// Adds a loop (step) that inverts a matrix over coordinates. The matrix must have the same zeros as the
+    /// mass matrix.
     pub(super) fn invert(&mut self, from: ArrayId, name: &str) -> ArrayId {
         let to = self.matrix(name);
         self.form.steps.push(Step::Invert { from, to });
         to
     }
 
-    /// Adds a step that computes the product `−left · right` of two matrices over coordinates.
+    /// Adds a loop (step) that computes the product `−left · right` of two matrices over coordinates.
     pub(super) fn negative_product(&mut self, left: ArrayId, right: ArrayId, name: &str) -> ArrayId {
         let to = self.matrix(name);
         self.form.steps.push(Step::NegativeProduct { left, right, to });
         to
     }
 
-    /// Adds a step that multiplies a symmetric matrix and a vector over coordinates.
+    /// Adds a loop (step) that multiplies a symmetric matrix and a vector over coordinates.
     pub(super) fn apply(&mut self, matrix: ArrayId, vector: ArrayId, name: &str) -> ArrayId {
         let to = self.of_coordinates(name, 1);
         self.form.steps.push(Step::Apply { matrix, vector, to });

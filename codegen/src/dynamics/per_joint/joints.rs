@@ -87,14 +87,14 @@ pub(super) fn mass_matrix(builder: &mut ArrayBuilder, moving: &Moving) -> ArrayI
 
 /// Effect of a unit displacement and unit velocity of a joint on the motion of the bodies beyond the joint.
 struct Displacement<'g> {
-    /// Rate `Ψ̇ = v × S` of the joint's screw S. v is the velocity of the joint's body, or of the joint's
-    /// carrier if the robot has quaternions.
+    /// Rate `v × S` of the joint's screw S (motion per unit of the joint's velocity). v is the velocity of
+    /// the joint's body, or of the joint's carrier if the robot has quaternions.
     rate: Motion<'g>,
-    /// Acceleration `Ψ̈ = a × S + v × Ψ̇` with the screw S and its rate Ψ̇. v and a are the velocity and
-    /// acceleration of the joint's body, or of its carrier if the robot has quaternions.
+    /// Acceleration `a × S + v × Ṡ` of the joint's screw S with the rate `Ṡ = v × S`. v and a are the
+    /// velocity and acceleration of the joint's body, or of its carrier if the robot has quaternions.
     accelerated: Motion<'g>,
-    /// Sum of the rate `v × S` of the screw S with the body's velocity v, and of the same rate with the
-    /// velocity that [`Self::rate`] uses.
+    /// Sum of two rates of the joint's screw S: `v × S` with the velocity v of the joint's body, and
+    /// [`Self::rate`].
     twice: Motion<'g>,
 }
 

@@ -38,7 +38,7 @@ pub fn forward_dynamics_derivatives_by_products<'g>(
     builder.finish_from_leaves(equations.graph, inputs)
 }
 
-/// Declares the results `ÿ`, `∂ÿ/∂y = −M⁻¹ ∂n/∂y`, `∂ÿ/∂ẏ = −M⁻¹ ∂n/∂ẏ` and `M⁻¹`.
+/// Declares the results `ÿ`, `∂ÿ/∂y = −M⁻¹ ∂n/∂y`, `∂ÿ/∂ẏ = −M⁻¹ ∂n/∂ẏ` and the inverse mass matrix `M⁻¹`.
 ///
 /// - `forces`: derivatives ∂n/∂y and ∂n/∂ẏ of the forces n that the accelerations require
 pub(super) fn put_derivatives(

@@ -19,7 +19,7 @@ pub(super) struct Rotors {
     /// Momentum h = i J a of a rotor per unit of its joint's velocity, with the gear ratio i, axial inertia J
     /// and axis a.
     momentum: ArrayId,
-    /// Vector ω × h with the angular velocity ω of the body that carries the rotor and the rotor's momentum h
+    /// Vector ω × h with the angular velocity ω of the body that carries the rotor. h is the rotor's momentum
     /// per unit of the joint's velocity.
     swept: ArrayId,
     /// Momentum ẏ h of the rotor's spin, with the joint's velocity ẏ and the rotor's momentum h per unit of
@@ -122,8 +122,8 @@ impl Rotors {
         Composites { force, flow, ..bodies }
     }
 
-    /// Forces `h · ω̇` at the driven joints, caused by the angular accelerations ω̇ of the rotors' carriers.
-    /// h is the rotor's momentum per unit of the joint's velocity.
+    /// Forces `h · ω̇` at the joints that turn rotors, caused by the angular accelerations ω̇ of the rotors'
+    /// carriers. h is the rotor's momentum per unit of the joint's velocity.
     pub fn carried(&self, builder: &mut ArrayBuilder, motions: &Motions) -> ArrayId {
         let [carried] = builder.map(
             "carried_rotors",

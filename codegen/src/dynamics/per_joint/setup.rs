@@ -13,7 +13,7 @@ use crate::kinematics::{JointAxis, Mechanism};
 use crate::program::arrays::ArrayId;
 use crate::spatial::{MassMoments, Motion, Vector3};
 
-/// Arrays that the setup computes for each joint.
+/// Arrays that the straight-line code before the loops computes for each joint.
 pub(super) struct Setup {
     pub screws: ArrayId,
     pub axes: ArrayId,
@@ -24,12 +24,13 @@ pub(super) struct Setup {
     /// Acceleration of the base that replaces gravity, at joints on the base; `None` for robots without
     /// quaternions.
     pub base_acceleration: Option<ArrayId>,
-    /// Inertias i² J of rotors on the diagonal of M, with the gear ratio i and the axial inertia J.
+    /// Inertias i² J of rotors on the diagonal of the mass matrix, with the gear ratio i and the axial
+    /// inertia J.
     pub rotors: ArrayId,
     /// Accelerations of all joints, or driving forces of the independent joints; see [`Last`].
     pub last: ArrayId,
-    /// Springs and friction at a joint in three rows: derivative with respect to its y, derivative with
-    /// respect to its ẏ, and force.
+    /// Springs and friction at a joint in three rows: derivatives of the force with respect to the joint's
+    /// position and velocity, then the force.
     pub joint_forces: ArrayId,
     /// Derivatives of springs and friction by other coordinates; `None` if all of them are zero.
     pub coupled_forces: Option<CoupledForces>,
@@ -46,8 +47,8 @@ pub(super) struct CoupledForces {
 
 /// Last argument of a function in array form: accelerations or driving forces.
 pub(super) enum Last<'g> {
-    /// Accelerations of the coordinates. A follower has the acceleration of its coordinate, because its screw
-    /// contains the ratio.
+    /// Accelerations of the coordinates. A joint that follows a coordinate has the coordinate's acceleration
+    /// here, because its motion per unit contains the ratio.
     Accelerations(Vec<Scalar<'g>>),
     /// Driving forces of the coordinates. They act only at the joints that are coordinates themselves.
     DrivingForces(Vec<Scalar<'g>>),
@@ -272,8 +273,8 @@ fn rotor_inertia<'g>(joints: &Joints<'_, 'g>) -> Vec<Scalar<'g>> {
     (0..n).map(|coordinate| matrix[coordinate][coordinate]).collect()
 }
 
-/// Momenta `i J a` in the base frame of rotors on the parent bodies of their joints, by joint, with gear
-/// ratio i, axial inertia J and axis a; `None` if there are no such rotors.
+/// Momenta `i J a` of rotors on the parent bodies of their joints, in the base frame and by joint. i is the
+/// gear ratio, J the axial inertia and a the axis. `None` if there are no such rotors.
 fn rotor_momenta<'g>(joints: &Joints<'_, 'g>, poses: &BasePoses<'g>) -> Option<Vec<Vector3<Scalar<'g>>>> {
     let Joints { mechanism, loops } = joints;
     let mut momenta = vec![Vector3::zero(mechanism.graph.constant(0.0)); loops.list.len()];

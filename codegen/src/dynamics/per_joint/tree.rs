@@ -141,7 +141,7 @@ impl<S: Numbers> Collected<S> {
     }
 }
 
-/// Whether a rotor only adds its inertia to a diagonal entry of M.
+/// Whether a rotor only adds its inertia to a diagonal entry of the mass matrix.
 pub(super) fn is_on_diagonal<S: Numbers>(rotor: &Rotor<S>) -> bool {
     rotor.carrier.is_none() && rotor.transmission.single().is_some()
 }

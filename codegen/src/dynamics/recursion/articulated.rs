@@ -112,7 +112,7 @@ fn rates<'g>(
 struct Articulated<'g> {
     /// Symmetric matrix J in the moment `n = J ω̇ + C a + n₀` that the accelerations ω̇ and a require.
     inertia: Matrix3<'g>,
-    /// Matrix C in the moment `n = J ω̇ + C a + n₀` and the force `F = Cᵀ ω̇ + M a + F₀` that the
+    /// Matrix C in the moment `n = J ω̇ + C a + n₀` and the force `F = Cᵀ ω̇ + M a + F₀`, which the
     /// accelerations ω̇ and a require.
     coupling: Matrix3<'g>,
     /// Symmetric matrix M in the force `F = Cᵀ ω̇ + M a + F₀` that the accelerations ω̇ and a require.
@@ -299,9 +299,8 @@ impl<'g> Articulated<'g> {
         }
     }
 
-    /// Transforms to another point of reference, from which the old point has the position `d`. Accelerations
-    /// and moments become `a = a' + ω̇ × d + ω × (ω × d)` and `n' = n + d × F`, in which the primes mark the
-    /// new point.
+    /// Transforms to another point of reference, from which the old point has the position `d`. The new
+    /// accelerations a' and moments n' follow from `a = a' + ω̇ × d + ω × (ω × d)` and `n' = n + d × F`.
     fn shifted(self, d: Vector3<Scalar<'g>>, omega: Vector3<Scalar<'g>>) -> Self {
         if d.is_zero() {
             return self;

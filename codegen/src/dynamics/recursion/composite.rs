@@ -1,8 +1,8 @@
 //! Mass matrix by composite rigid bodies.
 //!
-//! Column j of M is the force for a unit acceleration of joint j. It accelerates the composite of all bodies
-//! beyond joint j, and is passed on to the joints before j (Walker and Orin 1982; Featherstone 2008, ch. 6).
-//! Moments of mass replace spatial inertias.
+//! Column j of the mass matrix is the force for a unit acceleration of joint j. It accelerates all bodies
+//! beyond joint j together, and is passed on to the joints before j (Walker and Orin 1982; Featherstone 2008,
+//! ch. 6). Moments of mass replace spatial inertias.
 
 use crate::dynamics::formulation::{Formulation, RunLink};
 use crate::dynamics::recursion::placement::{Placement, ends_at_root, place};
@@ -33,8 +33,8 @@ pub fn mass_matrix<'g>(
     matrix
 }
 
-/// Copies one triangle of M to the other if joints follow other joints. Otherwise the two triangles could
-/// differ by rounding errors, because their sums have the same terms in different orders.
+/// Copies one triangle of the mass matrix to the other if joints follow other joints. Otherwise the two
+/// triangles could differ by rounding errors, because their sums have the same terms in different orders.
 pub(super) fn mirror<'g>(mechanism: &Mechanism<Scalar<'g>>, matrix: &mut [Vec<Scalar<'g>>]) {
     if !mechanism.is_coupled() {
         return;
@@ -85,8 +85,8 @@ impl<'g> Composite<'g> {
         Self { moments, polar: moments.second.xx + moments.second.yy }
     }
 
-    /// Product `(tr Σ − Σ) v` of the inertia tensor about the origin and a vector v, with the second moments
-    /// Σ = ∫ r rᵀ dm.
+    /// Product `(tr Σ − Σ) v` of the inertia tensor about the origin and a vector v. The second moments are Σ
+    /// = ∫ r rᵀ dm.
     pub fn inertia_times(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         let s = self.moments.second;
         Vector3([

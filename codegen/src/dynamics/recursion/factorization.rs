@@ -95,7 +95,7 @@ impl<'g> Factorization<'g> {
 
 /// Lists, for each coordinate, the earlier coordinates with non-zero entries in the mass matrix; the nearest
 /// coordinate is first. They are the ancestors, the coordinates of bodies that carry a rotor of another
-/// branch, and coordinates with a common follower.
+/// branch, and coordinates that one joint follows together with this coordinate.
 fn couplings(coordinates: &[usize], mass_matrix: &[Vec<Scalar<'_>>]) -> Vec<Vec<usize>> {
     let count = coordinates.len();
     let entry = |i: usize, j: usize| mass_matrix[coordinates[i]][coordinates[j]];

@@ -18,7 +18,7 @@ use crate::kinematics::{JointAxis, Mechanism};
 use crate::spatial::{Force, Vector3};
 
 /// Constant origin of a body in the parent's frame, including the translation along the joint's axis. `None`
-/// if no other branch of the parent has an equal lever.
+/// if no other branch of the parent has an origin at an equal distance.
 pub(super) fn mirrored<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     placements: &[Placement<'g>],

@@ -21,7 +21,7 @@ pub(in crate::dynamics) struct BodyMotion<'g> {
     pub(super) differences: Option<[Scalar<'g>; 3]>,
     /// Acceleration of the body's origin minus gravity.
     pub acceleration: Vector3<Scalar<'g>>,
-    /// Motion of the chain of bodies that forms a joint with a quaternion; `None` for other bodies.
+    /// Motion of the bodies that replace a joint with a quaternion; `None` for other bodies.
     pub chain: Option<ChainMotion<'g>>,
 }
 
@@ -108,8 +108,8 @@ impl<'g> BodyMotion<'g> {
         self
     }
 
-    /// Angular acceleration ω̇. Components that are not stored are computed from the angular velocity and the
-    /// matrix U = ω̇× + ω× ω×.
+    /// Angular acceleration of the body. Components that are not stored are computed from the angular
+    /// velocity ω and the matrix U = ω̇× + ω× ω×.
     pub(in crate::dynamics) fn angular_acceleration(&self) -> Vector3<Scalar<'g>> {
         let (u, w) = (&self.spread, self.omega);
         let from_spread = [u[2][1] - w[1] * w[2], u[0][2] - w[0] * w[2], u[1][0] - w[0] * w[1]];

@@ -45,10 +45,10 @@ pub fn inverse_dynamics<'g>(
 }
 
 /// Wrench that accelerates each body together with all bodies beyond it, including gravity. The moment is
-/// about the body's origin, and the axes are those of the working frame.
+/// about the body's origin, in the axes of the frame in which the body's equations are written.
 ///
-/// The mechanism must be in metres and have the masses of the description, because regrouped masses give
-/// other wrenches. The formulation must pass all moments to the parent.
+/// The mechanism must be in metres and have the masses of the description, because shifted masses give other
+/// wrenches. The formulation must pass all moments to the parent.
 pub fn wrenches<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     formulation: &Formulation,
@@ -238,7 +238,7 @@ impl<'g> RevoluteStep<'_, 'g> {
 }
 
 /// Motion of the body after a prismatic joint with the position d and the axis z. The acceleration of its
-/// origin is `a + 2 ω × z ḋ + z d̈` with the parent's angular velocity ω and the acceleration a that the
+/// origin is `a + 2 ω × z ḋ + z d̈`. ω is the parent's angular velocity, and a the acceleration that the
 /// parent causes.
 fn extend<'g>(
     parent: &BodyMotion<'g>,
@@ -267,8 +267,8 @@ fn unit_z(any: Scalar<'_>) -> Vector3<Scalar<'_>> {
     Vector3([any.constant(0.0), any.constant(0.0), any.constant(1.0)])
 }
 
-/// Matrix U = ω̇× + ω× ω× from the angular velocity ω, from `points` = U z, and from the component `axial` of
-/// the angular acceleration along z.
+/// Matrix U = ω̇× + ω× ω× from the angular velocity ω, the vector `points` = U z, and the component `axial`
+/// of the angular acceleration along z.
 fn spread_from_axis<'g>(
     omega: Vector3<Scalar<'g>>,
     points: Vector3<Scalar<'g>>,

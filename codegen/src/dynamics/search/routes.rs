@@ -39,7 +39,7 @@ pub struct Formulations<'m> {
 /// Method to compute the accelerations from the forces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ForwardRoute {
-    /// The mass matrix M is computed and factorized, `M = Lᵀ D L`, and `M ÿ = f` is solved.
+    /// The mass matrix M is computed and factorized, `M = Lᵀ D L`, and `M ÿ = f` is solved for the forces f.
     Factorization,
     /// Recursion with articulated bodies, without the mass matrix M.
     ArticulatedBodies,
@@ -222,8 +222,9 @@ impl<'m> Formulations<'m> {
         (matrix, newton_euler::inverse_dynamics(&bias.mechanism(graph, self.mechanism), bias, input))
     }
 
-    /// The pair of formulations of the mass matrix and of the bias forces that has the smallest total weight
-    /// of operations together with the derivatives of the inverse dynamics. Common terms count once.
+    /// The pair of formulations of the mass matrix and of the bias forces that is cheapest if the derivatives
+    /// of the inverse dynamics are also computed. Its total weight of operations is the smallest; common
+    /// terms count once.
     pub fn mass_and_bias_beside_derivatives(&self) -> &(Formulation, Formulation) {
         self.beside_derivatives.get_or_init(|| {
             let mut candidates = vec![self.mass_matrix(), self.bias_forces()];

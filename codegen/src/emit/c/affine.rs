@@ -54,7 +54,8 @@ fn statements(body: &Body<'_>, form: &Affine) -> Vec<String> {
     [declaration, call].into_iter().chain(columns).chain([affine]).chain(drift).collect()
 }
 
-/// Statements that write the matrix D in `δ̇ = D δ + v − v̄`, which joints with quaternions need.
+/// Statements that write the matrix D in `δ̇ = D δ + v − v̄`, the linearized motion of joints with
+/// quaternions.
 fn drift_statements(form: &Affine, drift: &str, v: &str) -> Vec<String> {
     let n = form.called.coordinates().len();
     let clear = format!("memset({drift}, 0, {} * sizeof *{drift});", n * n);

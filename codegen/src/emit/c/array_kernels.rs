@@ -86,7 +86,7 @@ fn of_joints(form: &Arrays, text: &str) -> String {
     }
 }
 
-/// Macros for the lengths of rows.
+/// Macros for the lengths of array rows.
 fn sizes(form: &Arrays) -> String {
     let row = Row::new(form);
     if form.coordinates.is_some() {

@@ -39,9 +39,9 @@ pub(super) fn local_numbers(context: &Context<'_>, function: &Function, form: &A
 
 /// Place of an array's entries in the printed function.
 enum Place {
-    /// The array is a constant.
+    /// The array is a constant of the module.
     Table,
-    /// The array is a local variable.
+    /// The array is a local variable of the function.
     Local,
     /// The array is the result of the function with this name.
     Result(String),
@@ -214,7 +214,7 @@ impl<'a> Emission<'a> {
         self.call("pairs", &arguments, pairs.to)
     }
 
-    /// Adds the table of the relations of joints if the joints are not a chain.
+    /// Adds the table that says which joints carry each other, if the joints are not a chain.
     fn add_relations(&self) {
         let about = "Relation of joint j to joint i: -1 if j is before i on its path to the base, 1 if j is i or beyond i, otherwise 0.";
         if !self.form.is_chain() {

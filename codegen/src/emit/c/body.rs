@@ -15,7 +15,7 @@ pub(super) struct Body<'a> {
     /// Whether the function evaluates several states at once. Arguments then contain [`group::COUNT`] states
     /// each.
     pub(super) over_lanes: bool,
-    /// Length of a row if inputs and results are rows in a loop over joints; otherwise `None`.
+    /// Length of an array row if inputs and results are rows in a loop over joints; otherwise `None`.
     pub(super) row: Option<usize>,
     /// Length of a row if results are matrices with padded rows; otherwise `None`.
     pub(super) stride: Option<usize>,
@@ -165,7 +165,7 @@ pub(super) fn returns_number(program: &Program) -> bool {
     matches!(program.outputs.as_slice(), [Output { shape: Shape::Scalar, .. }])
 }
 
-/// Text of the entry of a row in a loop over joints.
+/// Text of an array entry in a loop over joints.
 pub(super) fn in_row(name: &str, row: usize, len: usize) -> String {
     match row {
         0 => format!("{name}[{JOINT}]"),

@@ -66,7 +66,8 @@ fn statements(body: &Body<'_>, form: &Affine) -> TokenStream {
     }
 }
 
-/// Statements that write the matrix D in `δ̇ = D δ + v − v̄`, which joints with quaternions need.
+/// Statements that write the matrix D in `δ̇ = D δ + v − v̄`, the linearized motion of joints with
+/// quaternions.
 fn drift_statements(body: &Body<'_>, form: &Affine, drift: &Ident, v: &Ident) -> TokenStream {
     let (zero, n) = (body.context.zero(), Literal::usize_unsuffixed(form.called.coordinates().len()));
     let entries = form.drift.iter().flatten().map(|entry| {

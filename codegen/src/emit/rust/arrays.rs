@@ -54,9 +54,9 @@ pub(super) fn items(
 /// Place of an array's entries in the printed function.
 #[derive(Clone)]
 enum Place {
-    /// The array is a constant.
+    /// The array is a constant of the module.
     Table(Ident),
-    /// The array is a local variable.
+    /// The array is a local variable of the function.
     Local(Ident),
     /// The array is a result of the function.
     Result(Ident),

@@ -210,7 +210,7 @@ pub(super) fn result_names(program: &Program, taken: &[String]) -> Vec<Ident> {
     names::idents(&names::SPELLING.results(program, taken))
 }
 
-/// Tokens of an entry of a result.
+/// Tokens of an entry of a result, for example `result[i][j]`.
 pub(super) fn place(output: &Output, name: &Ident, index: usize) -> TokenStream {
     let literal = Literal::usize_unsuffixed;
     match output.shape {

@@ -11,7 +11,7 @@ use super::names;
 use crate::emit::options::EmitOptions;
 use crate::module::Module;
 
-/// A module while it is printed.
+/// A module and the names in it while it is printed as Rust.
 pub(super) struct Context<'a> {
     pub(super) module: &'a Module,
     pub(super) options: &'a EmitOptions,

@@ -1,7 +1,7 @@
 //! Variables that several arrays use in sequence.
 //!
 //! Each variable is first filled with zeros. With one variable per array, the variables of a quadruped would
-//! take 62 kB instead of 31 kB, which is more than a first-level cache, and the linearization would take 7 %
+//! take 62 kB instead of 31 kB. This is more than a first-level cache, and the linearization would take 7 %
 //! more time.
 
 use crate::emit::arrays::Row;
@@ -15,7 +15,7 @@ pub(super) struct SharedRows {
     pub(super) of_arrays: Vec<Option<usize>>,
 }
 
-/// A variable that stores an array until a step.
+/// A variable that stores an array until the last loop that reads the array.
 struct Taken {
     place: usize,
     /// Index of the last loop that reads the array in the variable.

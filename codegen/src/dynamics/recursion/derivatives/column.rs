@@ -10,8 +10,8 @@ use crate::spatial::{Force, Vector3};
 #[derive(Clone, Copy)]
 pub(super) struct Column<'g> {
     /// Derivative of the wrench with respect to the joint's acceleration. Its components are also the
-    /// sensitivity of the joint's force to changes δa of the body's linear acceleration and β = δω̇ + ω × δω
-    /// of its angular motion.
+    /// sensitivity of the joint's force to changes of the body's motion: δa of the linear acceleration, and β
+    /// = δω̇ + ω × δω.
     pub(super) inertial: Force<'g>,
     /// Derivative of the wrench with respect to the joint's velocity.
     pub(super) damping: Force<'g>,

@@ -1,4 +1,4 @@
-//! Moments 2P = 2 ∫ ṙ dm and 2K = 2 ∫ ṙ rᵀ dm of a body with all bodies beyond it, and the levers for their
+//! Moments 2 ∫ ṙ dm and 2 ∫ ṙ rᵀ dm of a body with all bodies beyond it, and the levers for their
 //! transformation.
 
 use super::column::Disturbed;
@@ -10,7 +10,7 @@ use crate::graph::Scalar;
 use crate::kinematics::{Body, JointAxis, Mechanism};
 use crate::spatial::{Force, MassMoments, Matrix3, Vector3};
 
-/// Moments of mass of a body with all bodies beyond it, with the velocity-dependent moments 2 ∫ ṙ dm
+/// Moments of mass of a body with all bodies beyond it, and the moments of its velocities: 2 ∫ ṙ dm
 /// (`momentum`) and 2 ∫ ṙ rᵀ dm (`spin`).
 #[derive(Clone, Copy)]
 pub(super) struct Flow<'g> {

@@ -25,8 +25,8 @@ pub(super) struct Tree<'a, 'g> {
 }
 
 impl<'g> Tree<'_, 'g> {
-    /// Moments of mass and the moments 2 ∫ ṙ dm and 2 ∫ ṙ rᵀ dm of each body with all bodies beyond it, in
-    /// the frame of the body's equations.
+    /// Moments of mass and velocity moments (2 ∫ ṙ dm, 2 ∫ ṙ rᵀ dm) of each body with all bodies beyond it,
+    /// in the frame of the body's equations.
     pub(super) fn flows(&self, formulation: &Formulation, input: MotionInput<'_, 'g>) -> Vec<Flow<'g>> {
         let composites = composites(self.mechanism, formulation, self.placements);
         let mut flows: Vec<Flow<'g>> = composites
@@ -50,8 +50,8 @@ impl<'g> Tree<'_, 'g> {
         flows
     }
 
-    /// Transforms the moments 2 ∫ ṙ dm and 2 ∫ ṙ rᵀ dm of a body with all bodies beyond it to the parent's
-    /// frame and origin.
+    /// Transforms the velocity moments (2 ∫ ṙ dm, 2 ∫ ṙ rᵀ dm) of a body with all bodies beyond it to the
+    /// parent's frame and origin.
     fn pass_flow(&self, index: usize, flow: &Flow<'g>) -> (Vector3<Scalar<'g>>, Matrix3<'g>) {
         let (body, placement, lever) =
             (&self.mechanism.bodies[index], &self.placements[index], &self.levers[index]);
