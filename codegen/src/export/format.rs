@@ -21,7 +21,7 @@ impl Format {
         }
     }
 
-    /// File extension of the format.
+    /// File extension of the format, without the dot.
     #[must_use]
     pub fn extension(self) -> &'static str {
         match self {

@@ -17,8 +17,8 @@ pub(super) struct Placed {
     pub(super) rotation: Matrix,
 }
 
-/// Mass (kg), centre of mass (m), and inertia about the centre of mass in the link's axes (kg m²) with the
-/// entries xx, xy, xz, yy, yz, zz.
+/// Mass (kg), centre of mass (m) and inertia about the centre of mass (kg m²). The inertia is in the link's
+/// axes, with the entries xx, xy, xz, yy, yz, zz.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Lump {
     pub(super) mass: f64,

@@ -30,7 +30,7 @@ struct Writer<'m> {
     values: Values,
     xml: Xml,
     losses: Losses,
-    /// Names of the links in the URDF.
+    /// Names of all links in the URDF.
     links: Vec<String>,
 }
 

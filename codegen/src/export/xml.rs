@@ -21,7 +21,7 @@ impl Xml {
         Self { text: format!("{FIRST_LINE}\n     {source} -->\n"), open: Vec::new() }
     }
 
-    /// Opens an element.
+    /// Opens an XML element with attributes.
     pub(super) fn open(&mut self, tag: &'static str, attributes: Attributes) {
         self.tag(tag, &attributes, ">");
         self.open.push(tag);
@@ -33,7 +33,7 @@ impl Xml {
         }
     }
 
-    /// Writes an empty element.
+    /// Writes an XML element with attributes and without content.
     pub(super) fn element(&mut self, tag: &'static str, attributes: Attributes) {
         self.tag(tag, &attributes, "/>");
     }

@@ -31,9 +31,9 @@ pub enum Composition {
     /// Exact discretization of the linearization with inputs that are constant over the sample time (zero-order
     /// hold).
     Discretize,
-    /// State after the sample time, computed by Runge–Kutta steps.
+    /// State after the sample time. The function computes it by Runge–Kutta steps.
     Step,
-    /// State after the sample time with its derivatives, computed by Runge–Kutta steps.
+    /// State after the sample time with its derivatives. The function computes them by Runge–Kutta steps.
     StepDerivatives,
 }
 

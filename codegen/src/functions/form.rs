@@ -35,8 +35,8 @@ pub enum Form {
 /// values on x86-64 with AVX-512 are 10 to 20. Small functions need fewer.
 const BYTES_PER_OPERATION: usize = 12;
 
-/// Largest machine code of a straight-line function in bytes. It was chosen from measurements with AVX-512.
-/// Two functions were measured for each robot. A ratio is the time of the loops divided by the time of the
+/// Largest machine code of a straight-line function in bytes, chosen from measurements with AVX-512. Two
+/// functions were measured for each robot. A ratio is the time of the loops divided by the time of the
 /// straight-line code.
 ///
 /// | robot | straight-line code (kB) | ratios |
@@ -68,7 +68,7 @@ const MOST_OPERATIONS: f64 = 3.1;
 pub(super) const NOTE: &str = "Loops over joints, with spatial vectors in the frame of the base (Singh, Russell and Wensing 2022): \
     straight-line code would not fit into a processor's instruction cache. The cost counts each operation that contributes.";
 
-/// Documentation note of a function in which only the products with M⁻¹ are loops.
+/// Documentation note of a function in which only the products with the inverse mass matrix are loops.
 pub(super) const PRODUCTS_NOTE: &str = "The accelerations, M⁻¹ and the Jacobians of the inverse dynamics are straight-line code, the products with M⁻¹ are loops. \
     The cost counts each operation that contributes.";
 
@@ -199,9 +199,10 @@ impl<'m> Forms<'m> {
         }
     }
 
-    /// Derives straight-line code with loops only for the products with M⁻¹, if this form is faster. It is
-    /// faster if the other factors are long straight-line code that is not yet replaced by loops. For a Go2,
-    /// the matrices A_y, A_v and B_x then take 0.89 of the time, or 0.82 with fused multiply-adds.
+    /// Derives straight-line code with loops only for the products with the inverse mass matrix, if this form
+    /// is faster. It is faster if the other factors are long straight-line code that is not yet replaced by
+    /// loops. For a Go2, the matrices of the linearization then take 0.89 of the time, or 0.82 with fused
+    /// multiply-adds.
     fn products(&self, quantity: &Quantity) -> Option<Derived> {
         let Some(Loops::PerJoint { products: Some(products), .. }) = quantity.loops else {
             return None;
@@ -304,8 +305,8 @@ fn gains(model: &Model) -> Option<Vec<Gains>> {
     (0..columns).map(of_input).collect()
 }
 
-/// Non-zero entries of the matrix D in `δ̇ = D δ + v − v̄` (see [`Affine::drift`]); `None` if no position is
-/// a quaternion.
+/// Non-zero entries of the matrix D in `δ̇ = D δ + v − v̄`; `None` if no position is a quaternion. δ is the
+/// deviation from a motion with the velocities v̄.
 fn drift(model: &Model) -> Option<Vec<Drift>> {
     if model.quaternion_joints.is_empty() {
         return None;

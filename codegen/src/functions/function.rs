@@ -73,30 +73,30 @@ pub struct ArgumentText {
     pub entries: Vec<(String, &'static str)>,
 }
 
-/// A constant of a module.
+/// A constant of a module, with name, documentation and value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Constant {
     /// Rust identifier, one of [`crate::functions::module_constants::NAMES`] or
     /// [`crate::module::constants::NAMES`].
     pub name: &'static str,
-    /// Documentation of the constant.
+    /// First line of the constant's documentation.
     pub summary: String,
     /// List items of the constant's documentation; may be empty.
     pub items: Vec<String>,
-    /// Value of the constant.
+    /// Value of the constant, with its type.
     pub value: ConstantValue,
 }
 
 /// Value of a constant, with its type in the module.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ConstantValue {
-    /// A count: `usize`.
+    /// A count, for example of coordinates: `usize`.
     Count(usize),
-    /// A hash: `u64`.
+    /// A hash of the robot: `u64`.
     Hash(u64),
-    /// Names: `[&str; n]`.
+    /// Names, for example of joints: `[&str; n]`.
     Names(Dimension, Vec<String>),
-    /// Indices: `[usize; n]`.
+    /// Indices, for example of joints: `[usize; n]`.
     Indices(Dimension, Vec<usize>),
     /// Pairs of indices: `[[usize; 2]; n]`.
     Pairs(Vec<[usize; 2]>),

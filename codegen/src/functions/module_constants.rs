@@ -104,8 +104,9 @@ fn terms_text(model: &Model) -> String {
     }
 }
 
-/// Returns a note if the module lacks the constant with the map from the inertial parameters to the base
-/// parameters, because this map depends on free parameters; otherwise `None`.
+/// Returns a note if a constant of the base parameters is missing; otherwise `None`. The constant has the map
+/// from the inertial parameters to the base parameters, and is missing if this map depends on free
+/// parameters.
 pub fn notes(functions: &[Function]) -> Option<Diagnostic> {
     let base = functions.iter().find(|function| function.name == "base_regressor")?;
     if base.constants.iter().any(|constant| constant.name == BASE_TERMS) {

@@ -41,7 +41,7 @@ pub struct InterpretedRobot {
     shafts: Vec<Shaft>,
     /// Described friction of the joints that shafts of drives replace in the fit.
     joint_terms: Vec<(JointTerm, FrictionTerm)>,
-    /// Described friction of each row of the fit.
+    /// Described friction for each row of the fit, which belongs to a joint or a shaft.
     friction: Vec<Vec<FrictionTerm>>,
     /// Described values of the free parameters.
     free: Vec<f64>,
@@ -71,13 +71,14 @@ impl InterpretedRobot {
     /// is identified. They contain the friction that is not identified:
     ///
     /// - friction of spherical and floating joints
-    /// - friction of joints that follow other joints, because the written description does not replace
-    ///   their law
+    /// - friction of joints that follow other joints, because the written description does not replace their
+    ///   law
     /// - friction of the shafts of drives, if [`RobotChoices::friction_at_joints`] is set or the shaft
     ///   replaces no joint in the fit
     ///
     /// # Errors
-    /// The errors are those of [`derive_in_form`], and `driven-joint` if joints are driven.
+    /// The errors are those of [`derive_in_form`]. The error is `driven-joint` if joints have a prescribed
+    /// motion.
     pub fn with(model: &Model, choices: &RobotChoices) -> Result<Self, Diagnostics> {
         IDENTIFICATION.check(model)?;
         let mut model = model.clone();

@@ -18,7 +18,8 @@ use crate::dynamics::parameters::regressor::PER_LINK;
 const MOST_LOST: f64 = 1e-4;
 /// Number of additional digits from which on a body is written without rounding.
 const MOST_DIGITS: i32 = 8;
-/// Largest change of a parameter of a load by rounding, as a share of half the width of its interval.
+/// Largest change of a load's parameter by rounding, as a fraction of half the width of its confidence
+/// interval.
 const NOTICED: f64 = 0.1;
 
 /// Rounds the identified bodies of all links to the digits that their intervals justify.

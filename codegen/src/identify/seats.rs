@@ -3,7 +3,7 @@
 
 use nalgebra::{DMatrix, RowDVector};
 
-/// Magnitude below which an entry counts as rounding error, as a share of the shaft's largest entry.
+/// Largest entry that counts as rounding error, as a fraction of the shaft's largest entry.
 const ROUNDING: f64 = 1e-9;
 
 /// Returns for each shaft the joint whose row in the fit it replaces. The result is `None` if the motion of

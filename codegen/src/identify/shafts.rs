@@ -89,7 +89,7 @@ pub fn kept_friction(model: &Model, described: &Model, drive: &Drive) -> Option<
 /// Identified values of a drive that has its own table in the description.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct IdentifiedShaft<'a> {
-    /// Name of the drive.
+    /// Name of the drive in the description.
     pub name: &'a str,
     /// Friction of the shaft; `None` keeps the friction of the description. If the shaft moves only one
     /// joint, its friction is part of the joint's friction.

@@ -8,9 +8,9 @@ use crate::spatial::{Force, Motion, Vector3};
 /// frame after the joint (Featherstone 2008, section 3.5). z is the joint's axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum JointAxis {
-    /// Rotation about z.
+    /// Rotation about the z axis, the joint's axis.
     Revolute,
-    /// Translation along z.
+    /// Translation along the z axis, the joint's axis.
     Prismatic,
 }
 

@@ -21,7 +21,7 @@ pub struct Mechanism<S: Numbers> {
     /// Index of each coordinate's position among the position entries; `None` if the position belongs to a
     /// quaternion.
     pub positions: Vec<Option<usize>>,
-    /// Moving bodies, parents first.
+    /// Moving bodies of the robot. Parents precede children.
     pub bodies: Vec<Body<S>>,
     /// Gravitational acceleration in the base frame (m/s²).
     pub gravity: Vector3<S>,
@@ -41,7 +41,7 @@ pub struct Body<S> {
     pub name: String,
     /// Identifier of the joint, for names of values in generated code.
     pub identifier: String,
-    /// Index among the moving joints: first the joints of the coordinates, then followers.
+    /// Index among the moving joints: first the joints of the coordinates, then joints that follow them.
     pub joint: usize,
     /// Whether this is the slide of a helical joint: a massless body between the joint's parent and the body
     /// that the joint turns.

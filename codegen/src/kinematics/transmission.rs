@@ -5,8 +5,8 @@ use crate::graph::Scalar;
 /// A joint or rotor that follows coordinates. Its position is `Σ ratio · y[coordinate]` plus a constant
 /// offset, which is a part of the frames.
 ///
-/// A joint whose axis was reversed has the ratio −1. A follower has a term for each coordinate that it
-/// follows.
+/// A joint whose axis was reversed has the ratio −1. A joint that follows several coordinates has a term for
+/// each of them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Transmission<S> {
     /// Followed coordinates, each once.
@@ -110,8 +110,8 @@ impl<'g> Transmission<Scalar<'g>> {
     }
 
     /// Adds a force along this motion that a unit of one coordinate's motion causes, and its mirror image, to
-    /// a symmetric matrix: `ratio · force` in the row and in the column of `coordinate`. If this motion also
-    /// follows that coordinate, the diagonal entry gets both.
+    /// a symmetric matrix. `ratio · force` is added in the row and in the column of `coordinate`. If this
+    /// motion also follows that coordinate, the diagonal entry gets both.
     pub fn add_coupling(&self, coordinate: usize, force: Scalar<'g>, matrix: &mut [Vec<Scalar<'g>>]) {
         self.add_row_entry(coordinate, force, matrix);
         self.add_column_entry(coordinate, force, matrix);

@@ -1,5 +1,5 @@
-//! Moving bodies of a model in the frames of the description. Fixed and held bodies are part of the moving
-//! body that carries them.
+//! Moving bodies of a model in the frames of the description. Fixed bodies and bodies of held joints are part
+//! of the moving body that carries them.
 
 use super::inertia::moments_of_body;
 use super::joint::JointAxis;

@@ -46,13 +46,13 @@ pub(super) struct Distances<'m> {
     /// Values of the free parameters, usually those of the description.
     described: Vec<f64>,
     /// Positions of the links' joints. First all joints are at 0 or at the position closest to 0, then at
-    /// their lowest and at their highest position, then at seeded states.
+    /// their lowest and at their highest position, then at pseudo-random states.
     states: Vec<Vec<f64>>,
 }
 
 /// Least distance of two frames that the searches found.
 pub(super) struct Closest {
-    /// Distance of the frames (m).
+    /// Least distance of the frames (m).
     pub(super) distance: f64,
     /// Names and positions of the coordinates that change the distance of the frames.
     pub(super) positions: Vec<(String, f64)>,

@@ -10,11 +10,11 @@ use crate::verify;
 /// in decimals.
 pub(super) const ROUNDING: f64 = 1e-9;
 
-/// Number of pseudo-random states.
+/// Number of pseudo-random states at which columns are computed.
 const STATES: u64 = 16;
 
-/// Columns of the input matrix B at each seeded state. An entry is a pair: its value, and a running bound of
-/// its rounding error in units of the unit roundoff.
+/// Columns of the input matrix at each pseudo-random state. An entry is a pair: its value, and a running
+/// bound of its rounding error in units of the unit roundoff.
 ///
 /// - `parameters`: values of the free parameters
 pub(super) fn columns(model: &Model, parameters: &[f64]) -> Vec<Vec<Vec<[f64; 2]>>> {

@@ -60,8 +60,8 @@ fn narrow_by_motor(name: &str, speed: &At<f64>, model: &mut Model, report: &mut 
     narrow_speed(model, link, speed.value / ratio.abs(), &format!("motor `{name}`"), speed.span, report);
 }
 
-/// Reports an error if a motor of several coordinates has the name of a follower. Controllers find the speed
-/// limit of the motor and the limits of followers by name.
+/// Reports an error if a motor of several coordinates has the name of a joint that follows others.
+/// Controllers find the speed limit of the motor and the limits of such joints by name.
 fn refuse_name_of_follower(name: &str, span: Span, model: &Model, report: &mut Report) {
     let mut joints = model.links.iter().filter_map(|link| link.joint.as_ref());
     if joints.any(|joint| joint.name == name && matches!(joint.motion, Motion::Follower(_))) {

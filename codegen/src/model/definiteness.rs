@@ -1,4 +1,4 @@
-//! Test whether the mass matrix M is positive definite.
+//! Test whether the mass matrix is positive definite.
 
 use super::Model;
 use super::regularity::Pivots;
@@ -6,11 +6,12 @@ use super::regularity::Pivots;
 /// Signs of the eigenvalues of a mass matrix.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Definiteness {
-    /// All eigenvalues are positive.
+    /// All eigenvalues of the mass matrix are positive.
     Positive,
-    /// Some eigenvalues are zero, because some motions of joints move no inertia.
+    /// Some eigenvalues of the mass matrix are zero, because some motions of joints move no inertia.
     Semidefinite,
-    /// Some eigenvalues are negative, because some bodies have physically impossible inertias.
+    /// Some eigenvalues of the mass matrix are negative, because some bodies have physically impossible
+    /// inertias.
     Indefinite,
 }
 

@@ -22,7 +22,7 @@ pub struct Drive {
     pub carrier: usize,
     /// Axis of the rotor in the frame of the carrier link, with unit length.
     pub axis: [f64; 3],
-    /// Effect of the rotor on the mass matrix M.
+    /// Effect of the rotor on the mass matrix: as a body, or only on the diagonal.
     pub coupling: RotorCoupling,
     /// Kind of the drive's input: torque, current, or none.
     pub input: Input,
@@ -79,7 +79,7 @@ pub struct TorqueSpeedLine {
 /// Effect of a rotor with the gear ratio i and the axial inertia J_R on the equations of motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RotorCoupling {
-    /// The rotor is a body on its carrier. With the gear ratio i and the axial inertia J_R, it adds i² J_R to
+    /// The rotor is a body on its carrier, with the gear ratio i and the axial inertia J_R. It adds i² J_R to
     /// the diagonal of the mass matrix, and terms that couple it with the motion of its carrier.
     Body,
     /// The rotor only adds i² J_R to the diagonal of the mass matrix, with the gear ratio i and the axial

@@ -77,6 +77,6 @@ pub struct Wrench {
 pub enum WrenchAxes {
     /// Axes of the frame at which the wrench acts.
     Frame,
-    /// Axes of the base frame.
+    /// Axes of the robot's base frame.
     Base,
 }

@@ -59,8 +59,9 @@ fn largest(moments: &[f64]) -> f64 {
     moments.iter().fold(0.0, |most, moment| most.max(moment.abs()))
 }
 
-/// Checks a body: mass (kg), centre of mass in the link's frame (m), and the entries xx, xy, xz, yy, yz, zz
-/// of the inertia about the centre of mass (kg m²). Returns `None` if the inertia is physically possible.
+/// Checks a body with mass (kg), centre of mass in the link's frame (m) and inertia about the centre of mass
+/// (kg m²). The inertia has the entries xx, xy, xz, yy, yz, zz. Returns `None` if the inertia is physically
+/// possible.
 ///
 /// Principal moments are sums of two of the second moments ∫x², ∫y², ∫z², which are not negative. Therefore
 /// no principal moment is negative or exceeds the sum of the other two. A point mass (all moments zero) and a

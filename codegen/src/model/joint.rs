@@ -55,7 +55,7 @@ pub struct Joint {
     pub identifier: String,
     /// Index of the link before the joint.
     pub parent: usize,
-    /// Type of the joint.
+    /// Type of the joint, for example revolute.
     pub kind: JointKind,
     /// Pose of the joint frame in the parent link's frame. At position 0 the joint frame is the frame of the
     /// carried link.
@@ -113,7 +113,7 @@ impl Joint {
     }
 }
 
-/// Type of a joint.
+/// Type of a joint, for example revolute.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum JointKind {
     /// The joint does not move.

@@ -4,7 +4,7 @@ use crate::numeric;
 use gelenk_formula::Formula;
 use std::f64::consts::FRAC_PI_2;
 
-/// A rotation matrix, rows first.
+/// A rotation matrix, as a list of rows.
 pub(crate) type Rotation = [[f64; 3]; 3];
 
 /// The rotation matrix of the identity.
@@ -15,7 +15,7 @@ pub(crate) const IDENTITY: Rotation = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0
 pub struct Pose {
     /// Position of the frame's origin in the other frame (m).
     pub translation: [Formula; 3],
-    /// Rotation matrix, rows first. Its columns are the frame's axes.
+    /// Rotation matrix as a list of rows. Its columns are the frame's axes.
     pub rotation: [[f64; 3]; 3],
 }
 
@@ -39,7 +39,7 @@ impl Unsaid {
 }
 
 impl Pose {
-    /// The pose of a frame in itself.
+    /// The identity pose, that of a frame in itself.
     pub fn identity() -> Self {
         Self { translation: [Formula::ZERO; 3], rotation: IDENTITY }
     }
@@ -49,8 +49,8 @@ impl Pose {
         self.translation.iter().all(Formula::is_zero) && self.rotation == IDENTITY
     }
 
-    /// Product of two poses. If `self` is the pose of frame b in frame a, and `next` the pose of frame c in
-    /// frame b, the result is the pose of c in a.
+    /// Product of two poses: `self` is the pose of frame b in frame a, and `next` the pose of frame c in
+    /// frame b. The result is the pose of c in a.
     pub fn then(&self, next: &Self) -> Self {
         Self { translation: self.point(&next.translation), rotation: product(&self.rotation, &next.rotation) }
     }

@@ -5,9 +5,9 @@ use super::{Model, MovingJoint};
 /// A spherical or floating joint. Its orientation is a unit quaternion, so the joint has one more position
 /// entry than velocities.
 ///
-/// In the model, the joint is a chain of joints with one velocity each. The pose of the body comes before
-/// this chain, and all joints of the chain stay at position 0. The velocities of the chain are therefore the
-/// velocities of the whole joint in the frame of its body.
+/// In the model, the joint is a series of joints with one velocity each. The pose of the body comes before
+/// these joints, and all of them stay at position 0. Their velocities are therefore the velocities of the
+/// whole joint in the frame of its body.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct QuaternionJoint {
     /// Name of the joint in the description.
@@ -128,7 +128,7 @@ impl QuaternionJoint {
 pub enum JointPosition<'m> {
     /// A joint with one position entry, given by its coordinate.
     Coordinate(usize),
-    /// A joint with a quaternion.
+    /// A joint with a quaternion, which has several position entries.
     Quaternion(&'m QuaternionJoint),
 }
 

@@ -13,8 +13,8 @@ use crate::wording::three_digits;
 
 type Matrix = [[f64; 6]; 6];
 
-/// A pivot of the mass matrix is treated as zero if it is below this fraction of the inertia of all bodies
-/// beyond the joint about the same axis.
+/// A pivot of the mass matrix is treated as zero if it is below this fraction of a reference inertia. The
+/// reference is the inertia of all bodies beyond the joint about the same axis.
 const ROUNDING: f64 = 1e-12;
 
 /// Number of states at which the mass matrix is tested. The first state is in general position. The positions
@@ -135,8 +135,10 @@ fn general(link: usize) -> f64 {
     0.4 + (link as f64 * 0.618_033_988_75).fract()
 }
 
-/// The vector x with M x = 0 for the mass matrix M, x = 1 at coordinate k (`own`), and `x_o = −M_oo⁻¹ M_ok`
-/// at the other coordinates o without a zero pivot. It is computed by Gaussian elimination.
+/// The vector x with M x = 0 for the mass matrix M.
+///
+/// It has x = 1 at coordinate k (`own`), and `x_o = −M_oo⁻¹ M_ok` at the other coordinates o without a zero
+/// pivot. It is computed by Gaussian elimination.
 fn null_vector(mass: &[Vec<f64>], others: &[usize], own: usize) -> Vec<f64> {
     let row = |&i: &usize| others.iter().map(|&j| mass[i][j]).chain([-mass[i][own]]).collect();
     let mut rows: Vec<Vec<f64>> = others.iter().map(row).collect();

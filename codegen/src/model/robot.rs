@@ -34,7 +34,7 @@ pub struct Model {
     pub followers: Vec<Follower>,
     /// Drives of the robot. Drives with an input have the order of the inputs u.
     pub drives: Vec<Drive>,
-    /// Forces between two frames.
+    /// Forces between two frames, for example of springs.
     pub point_forces: Vec<PointForce>,
     /// Inputs that are forces at frames. In the vector of inputs they follow the inputs of drives.
     pub force_inputs: Vec<ForceInput>,
@@ -70,7 +70,7 @@ pub struct Link {
     pub bodies: Vec<Body>,
 }
 
-/// A rigid body fixed to a link.
+/// A rigid body that is fixed to a link.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
     /// Name of the body in the description.
@@ -85,7 +85,8 @@ pub struct Body {
 }
 
 impl Model {
-    /// The joints of the coordinates, in order. Driven joints and followers are not included.
+    /// The joints of the coordinates, in order. Driven joints, and joints that follow others, are not
+    /// included.
     pub fn joints(&self) -> impl ExactSizeIterator<Item = &Joint> {
         self.coordinates.iter().map(|&link| self.joint_of(link))
     }
@@ -152,7 +153,8 @@ impl Model {
         self.coordinates.iter().chain(&self.driven).nth(coordinate).copied()
     }
 
-    /// All moving joints: first the joints of the coordinates in order, then driven joints, then followers.
+    /// All moving joints: first the joints of the coordinates in order, then driven joints, then joints that
+    /// follow others.
     #[must_use]
     pub fn moving_joints(&self) -> Vec<MovingJoint<'_>> {
         let links = self.coordinates.iter().chain(&self.driven);
@@ -198,7 +200,7 @@ impl Model {
         self.drives.iter().filter(|drive| !drive.friction.is_empty())
     }
 
-    /// Whether the input matrix B depends on the positions.
+    /// Whether the input matrix depends on the positions.
     #[must_use]
     pub fn inputs_depend_on_position(&self) -> bool {
         !self.force_inputs.is_empty()
@@ -271,7 +273,7 @@ impl<'m> Actuator<'m> {
     }
 }
 
-/// A named frame fixed to a link.
+/// A named frame that is fixed to a link.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frame {
     /// Name of the frame exactly as in the description.

@@ -15,7 +15,7 @@ use crate::self_test::SelfTest;
 /// Module of a robot: all contents of its text, in order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Module {
-    /// Name of the robot.
+    /// Name of the robot as an identifier in snake case.
     pub name: String,
     /// Paragraphs of the robot's description; may be empty.
     pub description: Vec<String>,

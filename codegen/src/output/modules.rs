@@ -7,7 +7,7 @@ use super::write::{Planned, Replaces, WriteError};
 use crate::diagnostic::Diagnostics;
 use crate::pipeline::Generated;
 
-/// Errors of a build script.
+/// Errors that a build script may return.
 #[derive(Debug)]
 pub enum BuildError {
     /// The build script gave no description.
@@ -17,7 +17,7 @@ pub enum BuildError {
     NoFolder,
     /// One or more descriptions have errors.
     Descriptions(Vec<Diagnostics>),
-    /// A file could not be written.
+    /// A file could not be written, for the reason in the field.
     Write(WriteError),
     /// Two descriptions have the same robot name, which the field contains.
     SameName(String),

@@ -55,7 +55,7 @@ pub enum WriteError {
     },
     /// The file to be written is an input of the command.
     Read {
-        /// Path of the file to be written.
+        /// Path of the file that was to be written.
         path: PathBuf,
         /// Path by which the same file was read.
         read: PathBuf,
@@ -126,7 +126,7 @@ impl<'t> Planned<'t> {
         Ok(Self { path, text, outcome })
     }
 
-    /// Path of the file.
+    /// Path of the file to which the text is written.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path

@@ -1,7 +1,7 @@
 //! Prints programs with intermediate values as text and as LaTeX, for readers.
 //!
-//! Each value is an equation on its own line. Names of Greek letters become Greek letters, digits at the end
-//! of a name become subscripts, and the inputs `y`, `v`, `a` are written y, ẏ, ÿ with indices from 1.
+//! Each value is an equation on its own line. Names of Greek letters become Greek letters, and digits at the
+//! end of a name become subscripts. The inputs `y`, `v`, `a` are written y, ẏ, ÿ with indices from 1.
 
 use super::flow::Flow;
 use super::letters::greek_letter;
@@ -48,7 +48,7 @@ pub struct LatexEquations {
     pub results: Vec<LatexResult>,
 }
 
-/// A result in LaTeX.
+/// A result of a program in LaTeX.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LatexResult {
     /// Symbol of the result in LaTeX.

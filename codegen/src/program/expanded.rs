@@ -23,7 +23,7 @@ const ROUNDING: f64 = 1e-12;
 /// Largest number of digits of a printed coefficient.
 const DIGITS: i32 = 12;
 
-/// An entry of a result in LaTeX.
+/// An entry of a result, expanded to a sum in LaTeX.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ExpandedEntry {
     /// Symbol of the entry with indices from 1, for example `M_{1,2}`.
@@ -93,7 +93,7 @@ type Sum = BTreeMap<Term, Coefficient>;
 /// A factor of terms: an input or a function call.
 #[derive(Debug, Clone, PartialEq)]
 enum Factor {
-    /// An entry of an input array.
+    /// An entry of an input array: index of the array, then index of the entry.
     Input(usize, usize),
     Parameter(usize),
     /// A function of a sum, for example `tanh(20 ẏ₁)`, as LaTeX.
@@ -184,8 +184,9 @@ impl Expansion<'_> {
         }))
     }
 
-    /// Sine or cosine of a sum. If the angle has the form `n·y + φ` with integer multiples n of positions y
-    /// and a constant φ, the result has sines and cosines of `n·y`; otherwise the result is a function call.
+    /// Sine or cosine of a sum. The result has sines and cosines of `n·y` if the angle has the form
+    /// `n·y + φ`; otherwise it is a function call. n are integer multiples of the positions y, and φ is a
+    /// constant.
     fn wave(&mut self, angle: &Sum, function: Function) -> Sum {
         let Some((multiples, phase)) = self.multiples(angle) else {
             return self.function(function, angle);
@@ -291,7 +292,7 @@ fn constant(sum: &Sum) -> Option<f64> {
     (sum.len() == 1 && *term == Term::default()).then_some(coefficient.value)
 }
 
-/// The sum `a + sign · b`.
+/// The sum `a + sign · b`; `None` if it has too many terms.
 fn added(mut a: Sum, b: &Sum, sign: f64) -> Option<Sum> {
     for (term, coefficient) in b {
         let entry = a.entry(term.clone()).or_default();

@@ -20,7 +20,7 @@ use gelenk_formula::Function;
 pub struct GraphOutput {
     /// Name of the result for documentation.
     pub name: String,
-    /// Shape of the result.
+    /// Shape of the result: number, vector or matrix.
     pub shape: Shape,
     /// Entries of the result as signed references to nodes, row-major.
     pub entries: Vec<Edge>,
@@ -35,8 +35,8 @@ pub fn lower(graph: &Graph, inputs: Vec<InputArray>, outputs: &[GraphOutput]) ->
 ///
 /// If there are many values, results are computed from the last velocity to the first. A leaf of the tree
 /// depends only on its own branch. In this order, the values of a branch are computed together and used while
-/// they are in registers. Relative to the usual order, the Jacobians of a quadruped's inverse dynamics then
-/// take 0.8 of the time. M and the inverse dynamics of a humanoid take 0.7 to 0.8 of the time.
+/// they are in registers. The times relative to the usual order are 0.8 for the Jacobians of a quadruped's
+/// inverse dynamics, and 0.7 to 0.8 for the mass matrix and inverse dynamics of a humanoid.
 ///
 /// Functions with divisions, for example the forward dynamics, keep the usual order. In these functions each
 /// value waits for the previous one, so computing branches in parallel is faster.

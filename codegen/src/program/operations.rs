@@ -14,12 +14,12 @@ pub struct Program {
     pub outputs: Vec<Output>,
 }
 
-/// Largest number of entries of all results together with which results are returned by value. Larger results
-/// are written to memory of the caller.
+/// Largest total number of result entries that are returned by value. Larger results are written to memory of
+/// the caller.
 ///
 /// A matrix that is returned by value is stored entry by entry and then copied as vectors, and a processor
-/// cannot forward such data from its store buffer. M and the bias forces of a UR5 took 119 ns if returned,
-/// and 60 ns if written to memory of the caller.
+/// cannot forward such data from its store buffer. The mass matrix and bias forces of a UR5 took 119 ns if
+/// returned, and 60 ns if written to memory of the caller.
 const LARGEST_RETURNED: usize = 16;
 
 impl Program {
@@ -62,7 +62,7 @@ pub struct Instruction {
     pub operation: Operation,
 }
 
-/// An operand of an operation.
+/// An operand of an operation in a program.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Operand {
     /// Value of an earlier instruction, by the instruction's index.
@@ -117,7 +117,7 @@ impl Operation {
     }
 }
 
-/// One result of the program.
+/// One result of a program.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Output {
     /// Name of the result for documentation.

@@ -76,7 +76,7 @@ impl Composite {
         }
     }
 
-    /// Composite joint with this type name; `None` if the name belongs to no composite joint.
+    /// The joint type with this name; `None` if it is not a type with several degrees of freedom.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|composite| composite.name() == name)
     }
@@ -154,9 +154,11 @@ pub(crate) fn expand(
 }
 
 impl PartAxis {
-    /// The axis of the part in the joint's frame. `z` is the axis of the joint. The axes x and y of the
-    /// joint's frame are rotated by the shortest rotation from e_z to z, or by 180° about x if z is opposite
-    /// to e_z: `R = 1 + [w]ₓ + [w]ₓ² / (1 + c)` with w = e_z × z, c = e_z · z.
+    /// The axis of the part in the joint's frame. `z` is the axis of the joint.
+    ///
+    /// The axes x and y of the joint's frame are rotated by the shortest rotation from e_z to z:
+    /// `R = 1 + [w]ₓ + [w]ₓ² / (1 + c)` with w = e_z × z, c = e_z · z. If z is opposite to e_z, they are
+    /// rotated by 180° about x.
     fn along(self, z: [f64; 3]) -> [f64; 3] {
         let [a, b, c] = z;
         let below = 1.0 + c;

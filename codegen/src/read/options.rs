@@ -11,7 +11,7 @@ pub struct ReadOptions {
     pub snap_angles: Option<f64>,
     /// Leaves out the friction of all joints and drives.
     pub no_friction: bool,
-    /// Slope k of `tanh(k v)`, which replaces `sign(v)` in friction and springs. `None` leaves the choice to
+    /// Slope s of `tanh(s v)`, which replaces `sign(v)` in friction and springs. `None` leaves the choice to
     /// the description.
     pub smooth_sign: Option<f64>,
     /// Accepts robots whose mass matrix is not positive definite, instead of reporting an error.

@@ -11,7 +11,8 @@ use crate::program::expanded::{MOST_TERMS, expanded};
 /// Closed forms of the equations of motion in LaTeX.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct ClosedForm {
-    /// Entries of the mass matrix and of the vectors and matrices k, q and B, as equations.
+    /// Entries of the mass matrix M, the Coriolis forces k, the applied forces q and the input matrix B, as
+    /// equations.
     pub equations: Vec<String>,
     /// Definitions of lumped constants (constant sums with their own symbols), as equations.
     pub constants: Vec<String>,
@@ -24,9 +25,9 @@ pub struct ClosedForm {
 pub struct Symbol {
     /// The symbol in LaTeX.
     pub name: String,
-    /// Value of the symbol in LaTeX.
+    /// Value of the symbol in the description, in LaTeX.
     pub value: String,
-    /// Meaning of the symbol.
+    /// Meaning of the symbol in the equations.
     pub meaning: String,
 }
 
@@ -63,13 +64,14 @@ pub(super) fn motion(robot: &Robot<'_>) -> String {
     }
 }
 
-/// Names of the functions that compute the terms M, k, q and B of the equations of motion.
+/// Names of the functions that compute the mass matrix, Coriolis forces, applied forces and input matrix.
 pub(crate) const EQUATIONS: [&str; 4] = ["mass_matrix", "coriolis_forces", "applied_forces", "input_matrix"];
 /// Largest number of coordinates for which equations are written as sums.
 const MOST_COORDINATES: usize = 3;
 
-/// Entries of the terms M, k, q and B of the equations of motion as sums without intermediate values, in
-/// LaTeX and with the numbers of the description. M is symmetric, so only its upper triangle is given.
+/// Entries of the mass matrix, Coriolis forces, applied forces and input matrix as sums without intermediate
+/// values, in LaTeX and with the numbers of the description. The mass matrix is symmetric, so only its upper
+/// triangle is given.
 ///
 /// # Errors
 /// Returns a message if the robot has more than three coordinates, or if an entry has more than 1000 terms.

@@ -33,9 +33,9 @@ pub(crate) use tables::counts;
 pub struct Contents<'a> {
     /// The robot of the page.
     pub model: &'a Model,
-    /// All functions of the robot.
+    /// All generated functions of the robot.
     pub functions: &'a [Function],
-    /// Notes on the description.
+    /// Notes on the robot's description.
     pub notes: &'a Diagnostics,
     /// Closed forms of the equations of motion; if they are missing, the reason as text with markup.
     pub closed_form: Result<&'a ClosedForm, &'a str>,

@@ -18,7 +18,7 @@ pub(super) struct Robot<'a> {
     pub parameters: Vec<f64>,
     /// Names of the free parameters.
     pub parameter_names: Vec<String>,
-    /// Position, velocity and acceleration of each driven joint.
+    /// Position, velocity and acceleration of each driven joint (with a prescribed motion) on the page.
     driven: Vec<f64>,
 }
 

@@ -12,7 +12,7 @@ use crate::numeric::{atan2, length};
 use crate::program::cost::Cost;
 use gelenk_formula::Formula;
 
-/// Table of independent and driven joints, with limits.
+/// Table of independent and driven joints (with a prescribed motion), with limits.
 pub(super) fn coordinates(robot: &Robot<'_>) -> Table {
     let mut table = Table::new(
         "coordinates",

@@ -6,7 +6,7 @@ use super::twist::Twist;
 use super::vector::{Symmetric3, Vector3};
 use crate::graph::Scalar;
 
-/// A 3 × 3 matrix, row-major.
+/// A 3 × 3 matrix of expressions, as a list of rows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Matrix3<'g>(pub [[Scalar<'g>; 3]; 3]);
 
@@ -44,7 +44,7 @@ impl<'g> Matrix3<'g> {
         Vector3([self[0][k], self[1][k], self[2][k]])
     }
 
-    /// The transpose `Aᵀ`.
+    /// The transpose `Aᵀ` of this matrix A.
     pub fn transposed(&self) -> Self {
         Self([0, 1, 2].map(|k| self.column(k).0))
     }
@@ -75,6 +75,7 @@ impl<'g> Matrix3<'g> {
     }
 
     /// This matrix A after a rotation about z, `R_z(φ) A R_z(φ)ᵀ`. The argument is the sine and cosine of φ.
+    ///
     /// The product needs only 12 multiplications and 11 additions, because the rotation changes neither the
     /// trace nor the antisymmetric part of the block of x and y.
     pub fn turned(&self, (s, c): (Scalar<'g>, Scalar<'g>)) -> Self {

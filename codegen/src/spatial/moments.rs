@@ -8,14 +8,14 @@ use super::twist::Twist;
 use super::vector::{Symmetric3, Vector3};
 use crate::graph::{Graph, Scalar};
 
-/// Moments of the mass distribution of a body about the origin of its frame: m, ∫ r dm, ∫ r rᵀ dm.
+/// Moments of the mass distribution of a body about the origin of its frame: m, h = ∫ r dm and Σ = ∫ r rᵀ dm.
 ///
 /// The second moment Σ replaces the inertia tensor I = tr(Σ) 1 − Σ. A displacement by p changes Σ to
 /// `Σ + h pᵀ + p hᵀ + m p pᵀ`. If all mass is on a joint's axis, only the moments m, h_z and Σ_zz are
 /// non-zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MassMoments<S> {
-    /// Mass m (kg).
+    /// Mass of the body (kg).
     pub mass: S,
     /// First moment h = m c (kg m) with the mass m and the centre of mass c.
     pub first: Vector3<S>,
@@ -24,7 +24,7 @@ pub struct MassMoments<S> {
 }
 
 impl<S> MassMoments<S> {
-    /// Applies `f` to each moment.
+    /// Applies `f` to each entry of the moments.
     pub fn map<T>(self, mut f: impl FnMut(S) -> T) -> MassMoments<T> {
         MassMoments { mass: f(self.mass), first: self.first.map(&mut f), second: self.second.map(&mut f) }
     }
@@ -36,14 +36,14 @@ impl<S> MassMoments<S> {
 }
 
 impl<'g> MassMoments<Scalar<'g>> {
-    /// Moments of zero mass.
+    /// Moments of a body without mass.
     pub fn zero(graph: &'g Graph) -> Self {
         let zero = graph.constant(0.0);
         Self { mass: zero, first: Vector3::zero(zero), second: Symmetric3::zero(zero) }
     }
 
-    /// Moments of a body with this centre of mass, and with the entries xx, xy, xz, yy, yz, zz of the inertia
-    /// about the centre of mass.
+    /// Moments of a body with this mass and centre of mass. The inertia about the centre of mass has the
+    /// entries xx, xy, xz, yy, yz, zz.
     pub fn of_inertia(mass: Scalar<'g>, center: Vector3<Scalar<'g>>, inertia: [Scalar<'g>; 6]) -> Self {
         let central =
             Self { mass, first: Vector3::zero(mass), second: second_moments(Symmetric3::new(inertia)) };

@@ -24,8 +24,8 @@ impl<'g> Pose<Scalar<'g>> {
         Self { rotation: Matrix3::identity(), translation: Vector3([graph.constant(0.0); 3]) }
     }
 
-    /// Product of two poses, `self · other`. If `self` is the pose of frame b in frame a, and `other` the
-    /// pose of frame c in frame b, the result is the pose of c in a.
+    /// Product `self · other` of two poses: `self` is the pose of frame b in frame a, and `other` the pose of
+    /// frame c in frame b. The result is the pose of c in a.
     pub fn then(self, other: Self) -> Self {
         Self {
             rotation: cleaned(self.rotation * other.rotation),

@@ -10,7 +10,7 @@ use crate::graph::Scalar;
 pub struct Vector3<S>(pub [S; 3]);
 
 impl<S> Vector3<S> {
-    /// Applies `f` to each component.
+    /// Applies `f` to each component of the vector.
     pub fn map<T>(self, f: impl FnMut(S) -> T) -> Vector3<T> {
         Vector3(self.0.map(f))
     }

@@ -38,7 +38,7 @@ pub enum By {
     Accelerations,
 }
 
-/// A matrix, rows first.
+/// A matrix as a list of rows.
 pub type Rows<T> = Vec<Vec<T>>;
 
 impl<'m, T: Number> Case<'m, T> {
@@ -307,9 +307,9 @@ impl<'m, T: Number> Case<'m, T> {
         minus(&self.inverse_dynamics(), &self.wrench_forces())
     }
 
-    /// Residual `M ÿ + k − q − B(y) u − Σ Jᵀ w` of the equations of motion, for derivatives with respect to
-    /// y, ẏ and ÿ. If the input matrix B does not depend on y, `B u` is omitted, because its derivatives are
-    /// zero.
+    /// Residual `M ÿ + k − q − B(y) u − Σ Jᵀ w` of the equations of motion, from which derivatives with
+    /// respect to y, ẏ and ÿ are computed. If the input matrix B does not depend on y, `B u` is omitted,
+    /// because its derivatives are zero.
     pub fn residual(&self) -> Vec<T> {
         let forces = match self.model().inputs_depend_on_position() {
             true => minus(&self.inverse_dynamics(), &self.input_forces()),

@@ -14,9 +14,11 @@ use crate::model::Attachment;
 /// Expected results of a function, each flat and row-major.
 pub struct Expected<T> {
     pub results: Vec<Vec<T>>,
-    /// Factor by which divisions amplify rounding errors. It is the growth that `inverse` returns for
-    /// functions that divide by the mass matrix, infinity if the result is undefined because the mass is
-    /// zero, and 1 for all other functions.
+    /// Factor by which divisions amplify rounding errors:
+    ///
+    /// - for functions that divide by the mass matrix, the growth that `inverse` returns
+    /// - infinity if the result is undefined because the mass is zero
+    /// - 1 for all other functions
     pub condition: f64,
 }
 
@@ -95,7 +97,7 @@ fn inverse_derivatives<T: Number>(case: &Case<'_, T>) -> Vec<Vec<T>> {
     vec![case.inverse_dynamics(), by(By::Positions), by(By::Velocities)]
 }
 
-/// Blocks of the Hessian of `λᵀ (M ÿ + k − q)`.
+/// Blocks of the Hessian of the inverse dynamics `λᵀ (M ÿ + k − q)` with multipliers λ.
 fn hessian<T: Number>(case: &Case<'_, T>) -> Vec<Vec<T>> {
     let block = |first, second| {
         let gradient = |case: &Case<'_, Dual<T>>| {
@@ -167,8 +169,8 @@ fn linearize<T: Number>(case: &Case<'_, T>, accelerations: &[T]) -> Vec<Vec<T>> 
     blocks.into_iter().chain(drift).collect()
 }
 
-/// Matrix D in `δ̇ = D δ + v − v̄` for the deviation δ from a motion with the velocities v̄. It is `−ad_v` in
-/// the rows of joints with quaternions, and 0 in all other rows.
+/// Matrix D in `δ̇ = D δ + v − v̄`. δ is the deviation from a motion with the velocities v̄. D is `−ad_v`
+/// (the Lie bracket with v) in the rows of joints with quaternions, and 0 in all other rows.
 fn drift<T: Number>(case: &Case<'_, T>) -> Rows<T> {
     let n = case.n();
     let mut rows = vec![vec![T::zero(); n]; n];
@@ -192,9 +194,9 @@ fn drift<T: Number>(case: &Case<'_, T>) -> Rows<T> {
 
 /// The inverse of a matrix with derivatives, and the growth of errors in a product with this inverse.
 ///
-/// The growth is the condition number of the matrix that is scaled to a diagonal of ones (Higham 2002,
-/// section 10.1), times the condition number of the scaling, because the error of a large component reaches
-/// small components. A singular matrix has NaN and an infinite growth.
+/// The growth is a product of two condition numbers: that of the matrix scaled to a diagonal of ones (Higham
+/// 2002, section 10.1), and that of the scaling, because the error of a large component reaches small
+/// components. A singular matrix has NaN and an infinite growth.
 fn inverse<T: Number>(rows: &Rows<T>) -> (Rows<T>, f64) {
     let n = rows.len();
     let values = DMatrix::from_fn(n, n, |i, j| rows[i][j].value());

@@ -8,7 +8,8 @@ use super::space::{
 };
 use crate::model::RotorCoupling;
 
-/// Kinetic energy `½ (ẏ, ḋ)ᵀ M (ẏ, ḋ)` with the velocities ẏ of the coordinates and ḋ of the driven joints.
+/// Kinetic energy `½ (ẏ, ḋ)ᵀ M (ẏ, ḋ)` with the mass matrix M. ẏ are the velocities of the coordinates, and ḋ
+/// those of the driven joints.
 pub fn kinetic_energy<T: Number>(case: &Case<'_, T>) -> T {
     let zeros = case.robot.zeros();
     let momenta = case.newton_euler([&zeros, &case.v], constant([0.0; 3]));

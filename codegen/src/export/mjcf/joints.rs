@@ -165,8 +165,8 @@ impl Writer<'_> {
         terms.map(|term| (self.joint_name(term), factor * self.values.number(&term.ratio))).collect()
     }
 
-    /// Writes `joint = offset + Σ ratio · leader` as an equality of joints, or as a tendon `joint − Σ ratio ·
-    /// leader` with the length `offset`.
+    /// Writes the equation `joint = offset + Σ ratio · leader` as an equality of joints, or as a tendon
+    /// `joint − Σ ratio · leader` with the length `offset`. Leaders are the followed joints.
     ///
     /// MuJoCo computes the softness of a joint equality without the ratio, and the softness of a tendon
     /// equality with the ratio. With a ratio below 1 the joint equality is softer. For a rack with 0.01

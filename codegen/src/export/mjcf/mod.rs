@@ -129,8 +129,8 @@ impl Writer<'_> {
         }
     }
 
-    /// Opens the body of a link and returns the link. If the link is the first link of a joint with a quaternion,
-    /// this function opens the body of the joint's last link and returns that link.
+    /// Opens the body of a link and returns the link. For the first link of a joint with a quaternion, the
+    /// body of the joint's last link is opened instead, and that link is returned.
     fn body(&mut self, first: usize) -> usize {
         let model = self.model;
         let chain = model.quaternion_joints.iter().find(|joint| model.coordinates[joint.first] == first);

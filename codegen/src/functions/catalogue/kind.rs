@@ -12,7 +12,7 @@ pub struct Kind {
     pub robots: &'static str,
     /// Code of the errors about missing functions.
     pub code: &'static str,
-    /// Condition for this kind of robots in messages. `{}` stands for the part of the model that
+    /// Condition for this kind of robots in messages. `{}` is replaced by the part of the model that
     /// [`Self::example`] names.
     pub condition: &'static str,
     /// Names the part of a model that makes the model one of this kind. The name may be empty. `None` if the
@@ -27,7 +27,7 @@ pub struct Kind {
     pub differences: &'static [(&'static str, Difference)],
 }
 
-/// Difference between a function for a kind of robots and the function's row in the catalogue.
+/// Difference of a function for a kind of robots from the function in the catalogue.
 #[derive(Debug, Clone, Copy)]
 pub enum Difference {
     /// The documentation of the function differs.
@@ -42,7 +42,7 @@ pub enum Difference {
     },
 }
 
-/// Changes to the documentation of one row of the catalogue. Where a field is `None`, the text of the row is
+/// Changes to a function's documentation in the catalogue. If a field is `None`, the text of the catalogue is
 /// kept.
 #[derive(Debug, Clone, Copy)]
 pub struct Otherwise {

@@ -24,11 +24,12 @@ pub enum Argument {
     Accelerations,
     /// Inputs u: motor torques, motor currents, or forces at frames.
     Inputs,
-    /// Multipliers λ of the Hessian of `λᵀ (M ÿ + k − q)`, one for each generalized force.
+    /// Multipliers λ, one for each generalized force, in the Hessian of the inverse dynamics
+    /// `λᵀ (M ÿ + k − q)`.
     Multipliers,
     /// Wrenches w that act at frames.
     Wrenches,
-    /// Driven motion d: position, velocity and acceleration of each driven joint.
+    /// Motion of the driven joints: position, velocity and acceleration of each.
     Driven,
 }
 
@@ -59,7 +60,7 @@ impl Argument {
         }
     }
 
-    /// Documentation of the argument.
+    /// Documentation of the argument for a model.
     pub(in crate::functions) fn text(self, model: &Model) -> ArgumentText {
         let by_joint = |units: [&'static str; 2]| {
             let entry = |joint: &Joint| {
@@ -189,7 +190,7 @@ impl Estimate {
 
 /// A row of the catalogue: a generated function, with documentation and derivation.
 pub struct Quantity {
-    /// Name of the generated function.
+    /// Name of the function in generated modules.
     pub name: &'static str,
     pub(in crate::functions) summary: &'static str,
     pub(in crate::functions) equation: &'static str,
@@ -224,7 +225,8 @@ pub(in crate::functions) enum Loops {
     Affine { called: &'static str },
 }
 
-/// Derivation with loops only for products with M⁻¹. All other code is straight-line code.
+/// Derivation with loops only for products with the inverse mass matrix. All other code is straight-line
+/// code.
 #[derive(Clone, Copy)]
 pub(in crate::functions) struct Products {
     pub build: BuildLoops,

@@ -13,7 +13,7 @@ const SMOOTHING: f64 = 5.0;
 /// Results of a replay for one joint, with batch laws (fitted to whole intervals of the log) for comparison.
 #[derive(Debug, Clone)]
 pub struct OnlineJoint {
-    /// Name of the joint.
+    /// Name of the joint in the description.
     pub name: String,
     /// Unit of the joint's position, `rad` or `m`.
     pub unit: &'static str,

@@ -17,8 +17,8 @@ const MOST: usize = 32;
 const RATE_DIGITS: usize = 6;
 /// Smallest relative difference of the rates of two runs that is too large for two clocks of the same rate.
 const OTHER_RATE: f64 = 0.01;
-/// Largest deviation of a time step from whole periods for which velocities are accurate enough, in
-/// periods.
+/// Largest deviation of a time step from a whole number of periods, in periods, for which velocities are
+/// accurate enough.
 const LARGEST_JITTER: f64 = 0.1;
 
 /// Function that returns the described forces at positions y (rad or m), velocities ẏ (per s) and
@@ -33,7 +33,7 @@ pub type Forces<'a> = dyn Fn(&[f64], &[f64], &[f64]) -> [Vec<f64>; 3] + 'a;
 /// Result of a replay: the learned friction of each joint.
 #[derive(Debug, Clone)]
 pub struct Replay {
-    /// Settings of the estimator.
+    /// Settings of the friction estimator.
     pub settings: AdaptationSettings,
     /// Replay of each joint, in the order of the robot. It is `None` for a joint without an input or without
     /// a measured effort, because the friction of such a joint is not learned.
@@ -240,7 +240,7 @@ struct Described<'a> {
     forces: &'a Forces<'a>,
     joints: usize,
     effort: Effort,
-    /// Input matrix B of the robot, padded with zeros.
+    /// Input matrix of the robot, padded with zeros.
     matrix: [[f64; MOST]; MOST],
     limits: Vec<JointLimits>,
     /// Lowest and highest value of each input at which the drive reaches its limit.

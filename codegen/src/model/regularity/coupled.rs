@@ -77,8 +77,8 @@ fn add_bodies(model: &Model, described: &[f64], positions: &[f64], mass: &mut [V
     }
 }
 
-/// Adds the forces for a unit acceleration of one joint to the mass matrix, at the joint itself and at all
-/// joints between it and the base.
+/// Adds one column to the mass matrix: the forces for a unit acceleration of one joint, at the joint itself
+/// and at all joints between it and the base.
 fn add_column(
     model: &Model,
     described: &[f64],
@@ -109,8 +109,8 @@ fn add_column(
     }
 }
 
-/// Adds `i² J_R` of each drive with the gear ratio i and the rotor inertia J_R to the entries of the mass
-/// matrix for all coordinates that the drive acts on.
+/// Adds the inertia `i² J_R` of each drive to the entries of the mass matrix for all coordinates that the
+/// drive acts on. i is the gear ratio, J_R the rotor inertia.
 fn add_rotors(model: &Model, described: &[f64], mass: &mut [Vec<f64>], sizes: &mut [f64]) {
     let value = |formula: &gelenk_formula::Formula| formula.evaluate(described, 0.0, 0.0);
     for drive in &model.drives {

@@ -13,20 +13,20 @@ use crate::program::{Operand, Operation, Output, Program, Shape};
 pub struct Affine {
     /// Name of the function whose results the linearization uses.
     pub name: &'static str,
-    /// The function whose results the linearization uses, as loops over joints. Its results are ÿ, ∂ÿ/∂y,
-    /// ∂ÿ/∂ẏ and M⁻¹.
+    /// The function whose results the linearization uses, as loops over joints. Its results are the
+    /// accelerations ÿ, ∂ÿ/∂y, ∂ÿ/∂ẏ and the inverse mass matrix.
     pub called: Arrays,
     /// For each input, the coordinates on which the input acts, each with its gain. A gain is a constant or a
     /// parameter.
     pub inputs: Vec<Vec<(usize, Operand)>>,
     /// Entries of the matrix D in `δ̇ = D δ + v − v̄` for positions with quaternions; otherwise `None`. δ is
-    /// the deviation from a motion with the velocities v̄. If D exists, the affine remainder `c` of the
+    /// the deviation from a motion with the velocities v̄. With this matrix, the affine remainder `c` of the
     /// linearization has no term of y.
     pub drift: Option<Vec<Drift>>,
 }
 
-/// An entry of the matrix D in `δ̇ = D δ + v − v̄` for the deviation δ from a motion with the velocities v̄.
-/// Its value is a velocity or the negative of a velocity.
+/// An entry of the matrix D in `δ̇ = D δ + v − v̄`. δ is the deviation from a motion with the velocities v̄.
+/// The entry is a velocity or the negative of a velocity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Drift {
     /// Row of the entry in the matrix.
@@ -40,11 +40,11 @@ pub struct Drift {
 }
 
 impl Affine {
-    /// Converts to the equivalent straight-line program. Column j of `B_x` is the sum of the columns of M⁻¹
-    /// for the coordinates on which input j acts, each times its gain.
+    /// Converts the linearization `ÿ = A_y y + A_v ẏ + B_x u + c` to the equivalent straight-line program.
     ///
-    /// The remainder is `c = ÿ − ((A_y y + A_v ẏ) + B_x u)`, or `c = ÿ − (A_v ẏ + B_x u)` with quaternions.
-    /// It is computed row by row. Each dot product has four partial sums.
+    /// Column j of `B_x` is the sum of the columns of M⁻¹ for the coordinates on which input j acts, each
+    /// times its gain. The remainder is `c = ÿ − ((A_y y + A_v ẏ) + B_x u)`, or `c = ÿ − (A_v ẏ + B_x u)`
+    /// with quaternions. It is computed row by row. Each dot product has four partial sums.
     #[must_use]
     pub fn unrolled(&self) -> Program {
         let Program { inputs, instructions, outputs } = self.called.unrolled();

@@ -42,7 +42,7 @@ pub enum Relation {
     /// The joint is before the other joint on the path to the base, or both are velocities of the same joint
     /// with a quaternion.
     Before,
-    /// The joints are the same.
+    /// Both are the same joint.
     Same,
     /// The joint is beyond the other joint: the other joint is on its path to the base.
     Beyond,
@@ -68,7 +68,7 @@ pub type ArrayId = usize;
 pub struct ArrayOutput {
     /// Name of the result for documentation.
     pub name: String,
-    /// Shape of the result.
+    /// Shape of the result: number, vector or matrix.
     pub shape: Shape,
     /// Index of the array that contains the result.
     pub array: ArrayId,
@@ -111,14 +111,16 @@ pub enum Step {
         /// The matrix of the sums, over coordinates.
         to: ArrayId,
     },
-    /// `to[·][j] = from[·][k]` with the joint k whose body carries joint j, or 0 if the base carries joint j.
+    /// `to[·][j] = from[·][k]` for each joint j, with the joint k whose body carries joint j, or 0 if the
+    /// base carries joint j.
     GatherCarriers {
         /// Array from which the values of the carrying joints are copied.
         from: ArrayId,
         /// Array to which the values are copied.
         to: ArrayId,
     },
-    /// `to[·][j] = from[·][k]` with the last velocity k of the joint that j belongs to.
+    /// `to[·][j] = from[·][k]` for each joint j of the loops, with the last velocity k of the robot's joint
+    /// to which j belongs.
     GatherLast {
         /// Array from which the values of the last velocities are copied.
         from: ArrayId,
@@ -163,9 +165,9 @@ pub enum Step {
 /// A step that runs a straight-line program for each joint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Map {
-    /// Name of the step, an identifier.
+    /// Name of the step in generated code, an identifier.
     pub name: String,
-    /// Purpose of the step, for documentation.
+    /// Purpose of the step, for the documentation of its loop.
     pub about: String,
     /// Arrays that the step reads. The inputs of `body` are the rows of these arrays at one joint.
     pub reads: Vec<ArrayId>,

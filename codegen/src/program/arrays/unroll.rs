@@ -216,7 +216,7 @@ impl Unrolling<'_> {
         self.writer.sum_of_products(&terms)
     }
 
-    /// One step of the Gauss–Jordan elimination with pivot k.
+    /// One step of the Gauss–Jordan elimination, with pivot k.
     fn sweep(&mut self, matrix: usize, k: usize) {
         let (n, tree) = (self.form.coordinates().len(), self.form.coordinates());
         let pivot = self.at(matrix, k, k);

@@ -10,7 +10,7 @@ use crate::read::composite::{self, Composite, Place};
 use crate::read::toml::forces::warn_of_negative_stiffness;
 use gelenk_formula::{Formula, TermOf};
 
-/// The two links of a joint.
+/// The two links that a joint connects.
 struct Between {
     parent: Name,
     child: Name,

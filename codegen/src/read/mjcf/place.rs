@@ -117,7 +117,7 @@ impl<'a> Reader<'_, 'a> {
         is_direction
     }
 
-    /// A direction as a unit vector.
+    /// Reads a direction and returns it as a unit vector.
     pub(super) fn direction(&mut self, given: Option<Given<'a>>, key: &str) -> Option<[f64; 3]> {
         let given = self.vector::<3>(given, key)?;
         let size = length(given.value);

@@ -19,7 +19,7 @@ enum JointType {
     Composite(Composite),
 }
 
-/// Reads the joint of a table, or the chain of joints of a composite joint.
+/// Reads the joint of a table. A joint with several degrees of freedom becomes a chain of joints.
 pub(crate) fn read_joint(reader: &mut Reader, table: &Table<'_>) -> Vec<JointDescription> {
     let Some(name) = reader.name_of(table, "name") else {
         return Vec::new();
@@ -276,7 +276,8 @@ fn refuse_in_composites(reader: &mut Reader, table: &Table<'_>, composite: Compo
     }
 }
 
-/// Origin of the joint. For a standard Denavit–Hartenberg row, also the frame of the link after the joint.
+/// Pose of the joint's frame. For a standard Denavit–Hartenberg row, also the frame of the link after the
+/// joint.
 fn placement(reader: &mut Reader, table: &Table<'_>, owner: &str) -> (Option<Pose>, Option<Pose>) {
     let given: Vec<Item<'_>> =
         ["origin", "dh", "modified_dh"].iter().filter_map(|key| table.get(key)).collect();

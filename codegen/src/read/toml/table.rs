@@ -12,11 +12,11 @@ pub(crate) struct Table<'t> {
     entries: Vec<Item<'t>>,
     /// Place of the table in the text.
     pub span: Span,
-    /// Keys that the table may have.
+    /// All keys that the table may have.
     pub keys: &'static Keys,
 }
 
-/// A key with its value.
+/// A key of a table with its value.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Item<'t> {
     /// Name of the key. An entry of an array has the name of the array's key.

@@ -13,7 +13,7 @@ use roxmltree::Node;
 /// Tags of a gear ratio in transmissions of ROS and ROS 2.
 const REDUCTIONS: [&str; 1] = ["mechanicalreduction"];
 
-/// Tags of a gear ratio in Drake.
+/// Tags of a gear ratio in transmissions of Drake.
 const RATIO: [&str; 1] = ["gearratio"];
 
 /// Elements inside an element at any depth that have one of these tags.

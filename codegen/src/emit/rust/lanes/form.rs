@@ -1,4 +1,5 @@
-//! Prints functions over lanes (eight states at once). One text is compiled for several instruction sets.
+//! Prints functions over lanes, which evaluate eight states at once. One text is compiled for several
+//! instruction sets.
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
@@ -44,8 +45,10 @@ impl InstructionSet {
     }
 
     /// Number of states that the text computes at a time. These states fit in one register, so there is no
-    /// loop over registers that the compiler could unroll. With eight states in two AVX2 registers,
-    /// `linearize` of a UR5 did not fit in the instruction cache and took 114 ns instead of 76 ns per state.
+    /// loop over registers that the compiler could unroll.
+    ///
+    /// With eight states in two AVX2 registers, `linearize` of a UR5 did not fit in the instruction cache and
+    /// took 114 ns instead of 76 ns per state.
     fn width(self, scalar: Scalar) -> usize {
         match (self, scalar) {
             (Self::Avx512, _) | (Self::Avx2, Scalar::F32) => LANES,

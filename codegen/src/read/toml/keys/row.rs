@@ -22,22 +22,22 @@ pub(crate) struct Key {
     /// Value that applies if the key is absent, or the meaning of its absence, as text.
     #[cfg_attr(not(feature = "cli"), expect(dead_code, reason = "of the schema alone"))]
     pub(crate) default: &'static str,
-    /// Example of a value in TOML.
+    /// Example of the key's value in TOML.
     pub(crate) example: &'static str,
     /// Meaning of the key, for help texts and documentation.
     pub(crate) says: &'static str,
     /// Names of the same quantity in other formats, data sheets and tables, for suggestions.
     pub(crate) also: &'static [&'static str],
-    /// Whether the key is required.
+    /// Whether the table must have the key.
     pub(crate) is_needed: bool,
 }
 
-/// Type of the values of a key.
+/// Type of the values that a key may have.
 #[derive(Debug)]
 pub(crate) enum Value {
     /// Any text, also with several lines.
     Text,
-    /// One line of text.
+    /// A name: one line of text.
     Name,
     Flag,
     /// A number, or a formula of numbers.
