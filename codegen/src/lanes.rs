@@ -11,7 +11,7 @@ use crate::model::Model;
 use crate::program::cost::count;
 use crate::program::lanes;
 
-/// Names of the functions that are requested over lanes.
+/// Names of the functions that are requested over lanes, that is for eight states at once.
 pub(crate) struct Lanes(Vec<String>);
 
 impl Lanes {
@@ -35,8 +35,8 @@ impl Lanes {
         &self.0
     }
 
-    /// Returns the names of the functions to generate, with those over lanes added. A selection of all
-    /// functions is unchanged.
+    /// Returns the names of the functions to generate, with those for eight states at once added. A selection
+    /// of all functions is unchanged.
     pub(crate) fn selected_with(&self, selection: &[String]) -> Vec<String> {
         let mut all = selection.to_vec();
         if !function_names::select_all(selection) {
@@ -46,8 +46,8 @@ impl Lanes {
         all
     }
 
-    /// Returns the functions that can be written over lanes, and a note for each requested function that
-    /// cannot.
+    /// Returns the functions that can be written for eight states at once, and a note for each requested
+    /// function that cannot.
     pub(crate) fn possible(&self, functions: &[Function]) -> (Vec<String>, Vec<Diagnostic>) {
         let (mut possible, mut notes) = (Vec::new(), Vec::new());
         for name in self.resolved(functions) {
@@ -94,8 +94,9 @@ pub(crate) fn of_straight_line_code(functions: &[Function], others: &[String]) -
     possible.map(|function| function.name.clone()).collect()
 }
 
-/// Returns a note if the function would have loops over joints without the request over lanes. With the request,
-/// the function for one state is also straight-line code, so that both compute the same bits.
+/// Returns a note if the function would have loops over joints without the request for eight states at once.
+/// With the request, the function for one state is also straight-line code, so that both compute the same
+/// bits.
 fn without_loops(name: &str, functions: &[Function]) -> Option<Diagnostic> {
     let cost = count(&functions.iter().find(|function| function.name == name)?.program);
     let operations = cost.multiplications + cost.additions;
@@ -112,7 +113,7 @@ fn without_loops(name: &str, functions: &[Function]) -> Option<Diagnostic> {
     })
 }
 
-/// Reason why a function cannot be written over lanes, and remedy; `None` if it can.
+/// Reason why a function cannot be written for eight states at once, and remedy; `None` if it can.
 fn obstacle(name: &str, functions: &[Function]) -> Option<(&'static str, Option<String>)> {
     if let Some(function) = functions.iter().find(|function| function.name == name) {
         return lanes::obstacle(&function.program).map(|reason| (reason, None));

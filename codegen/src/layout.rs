@@ -61,8 +61,8 @@ impl Extent {
         Self { dimension, len }
     }
 
-    /// Length of a row: 6 for wrenches, 3 for driven coordinates; `None` for other arrays, which have no
-    /// rows.
+    /// Length of a row: 6 for wrenches, 3 for driven coordinates (position, velocity and acceleration);
+    /// `None` for other arrays, which have no rows.
     #[must_use]
     pub const fn row(&self) -> Option<usize> {
         match self.dimension {

@@ -40,8 +40,8 @@ pub(super) struct Couplings {
 }
 
 impl Couplings {
-    /// Expresses the motions of joints and drives in coordinates, along chains of followers. Reports cycles
-    /// and wrong ratios.
+    /// Expresses the positions of joints and drives in coordinates, also if a followed joint follows other
+    /// joints itself. Reports cycles and wrong ratios.
     ///
     /// - `coordinates`: links of the coordinates
     pub(super) fn resolve(
@@ -125,13 +125,13 @@ struct Resolver<'d, 'r> {
     defaults: &'d [f64],
     report: &'r mut Report,
     rows: Vec<Progress>,
-    /// Names of the coordinates.
+    /// Names of the coordinates, for messages.
     names: Vec<&'d str>,
 }
 
 impl Resolver<'_, '_> {
-    /// Expresses the position of a joint in coordinates. A chain of followers may be as long as the
-    /// description, so a stack replaces recursion.
+    /// Expresses the position of a joint in coordinates. The chain of joints that follow each other may be as
+    /// long as the description, so a stack replaces recursion.
     fn joint(&mut self, start: usize) {
         let mut stack = vec![start];
         while let Some(&joint) = stack.last() {

@@ -13,7 +13,7 @@ const ROUNDING: f64 = 1e-12;
 pub(super) struct Limited<'d> {
     pub(super) robot: &'d RobotDescription,
     pub(super) tree: &'d Tree,
-    /// Indices of the links of the coordinates, then of the links of the driven joints.
+    /// Indices of the links of the coordinates, then of the links of driven joints (with prescribed motion).
     pub(super) coordinates: &'d [usize],
     /// Number of driven joints, whose motion is prescribed.
     pub(super) driven: usize,

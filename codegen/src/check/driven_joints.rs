@@ -97,7 +97,8 @@ pub(super) fn links(robot: &RobotDescription, tree: &Tree) -> Vec<usize> {
     driven.map(|(link, _)| link).collect()
 }
 
-/// Reports a drive in `[[drives]]` that acts only on driven joints. Its input would have no effect.
+/// Reports a drive in `[[drives]]` that acts only on joints with prescribed motion. Its input would have no
+/// effect.
 pub(super) fn check_shared_drive(
     robot: &RobotDescription,
     tree: &Tree,

@@ -67,7 +67,7 @@ impl<'m> Shown<'m> {
     }
 
     /// The coordinates that a body's joint follows as text, for example `y1`, `-y2`, `2 y1 + y3`, or `d1` for
-    /// a driven coordinate.
+    /// a coordinate with prescribed motion.
     fn followed(&self, body: &Body<Number>) -> String {
         let mut text = String::new();
         for term in &body.transmission.terms {

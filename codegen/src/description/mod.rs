@@ -264,8 +264,8 @@ impl JointDescription {
         self.moves() && self.follows.is_some()
     }
 
-    /// Whether the position of the joint is a coordinate: the joint moves independently of other joints and
-    /// is not driven.
+    /// Whether the position of the joint is a coordinate: the joint moves independently of other joints, and
+    /// its motion is not prescribed.
     pub fn is_coordinate(&self) -> bool {
         self.moves() && self.follows.is_none() && !self.is_driven()
     }

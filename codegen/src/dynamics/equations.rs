@@ -53,7 +53,8 @@ impl<'g> Equations<'_, 'g> {
         self.with_driven(&self.zeros())
     }
 
-    /// Accelerations of all coordinates: `accelerations` of the free ones, then those of the driven ones.
+    /// Accelerations of all coordinates: `accelerations` of the free ones, then the prescribed accelerations
+    /// of the others.
     pub(super) fn with_driven(&self, accelerations: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let own = &accelerations[..self.model.coordinates.len()];
         [own, self.driven].concat()
@@ -340,7 +341,8 @@ impl<'g> Equations<'_, 'g> {
         result
     }
 
-    /// Whether each spring and friction force depends only on the motion of its own coordinate.
+    /// Whether the forces of springs and friction on each coordinate depend only on the motion of this
+    /// coordinate.
     pub(super) fn forces_are_local(&self) -> bool {
         let model = self.model;
         model.followers.is_empty()

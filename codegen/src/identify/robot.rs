@@ -137,7 +137,7 @@ impl InterpretedRobot {
     }
 
     /// Returns the limits of a joint that follows coordinates, or of a motor that moves several joints;
-    /// `None` if it follows a driven joint.
+    /// `None` if it follows a joint with prescribed motion.
     fn follower(&self, one: &Dependent<'_>) -> Option<FollowerLimits> {
         let (ratios, of_driven) = one.ratios.as_ref()?.split_at(self.model.coordinates.len());
         of_driven.iter().all(|ratio| *ratio == 0.0).then(|| FollowerLimits {

@@ -14,7 +14,7 @@ use crate::spatial::{Angle, Attitude, MassMoments, Pose, Twist, Vector3, rotatio
 pub struct Mechanism<S: Numbers> {
     /// Graph that contains the scalars, or list of nodes without a graph.
     pub graph: S::Graph,
-    /// Number of coordinates of the robot, including driven coordinates.
+    /// Number of coordinates of the robot, including driven coordinates (with prescribed motion).
     pub coordinates: usize,
     /// Number of driven coordinates, whose motion is prescribed. They are the last coordinates.
     pub driven: usize,
@@ -118,12 +118,13 @@ impl<S: Numbers> Mechanism<S> {
         self.bodies.iter().any(|body| body.chain.is_some())
     }
 
-    /// Number of free coordinates, that is of coordinates that are not driven.
+    /// Number of free coordinates, that is without the coordinates whose motion is prescribed.
     pub fn free(&self) -> usize {
         self.coordinates - self.driven
     }
 
-    /// Bodies with independent joints that are not driven, parents first. A helical joint has one such body.
+    /// Bodies with independent joints whose motion is not prescribed. Parents precede children. A helical
+    /// joint has one such body.
     pub fn independent(&self) -> impl Iterator<Item = &Body<S>> {
         self.bodies.iter().filter(|body| body.joint < self.free() && !body.is_screw_slide)
     }

@@ -111,8 +111,8 @@ impl<'m> Distances<'m> {
         }
     }
 
-    /// Links of the coordinates that change the distance of the frames, including driven coordinates. All
-    /// other coordinates do not move the frames relative to each other.
+    /// Links of the coordinates that change the distance of the frames, including coordinates with prescribed
+    /// motion. All other coordinates do not move the frames relative to each other.
     pub(super) fn changing(&self) -> Vec<usize> {
         let changes = |link: &usize| {
             let rate = |state: &Vec<f64>| self.gap(state).normalize().dot(&self.rate(state, *link));

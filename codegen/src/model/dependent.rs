@@ -8,8 +8,8 @@ use gelenk_formula::Formula;
 pub struct Dependent<'m> {
     /// Name of the joint or of the drive.
     pub name: &'m str,
-    /// Motion of the joint or motor per unit of motion of each coordinate, then of each driven joint; `None`
-    /// if a ratio depends on parameters without a given value.
+    /// Motion of the joint or motor per unit of motion of each coordinate, then of each joint with prescribed
+    /// motion; `None` if a ratio depends on parameters without a given value.
     pub ratios: Option<Vec<f64>>,
     /// Position of the joint if all coordinates are 0 (rad or m); 0 for a motor.
     pub offset: f64,

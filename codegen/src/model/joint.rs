@@ -182,11 +182,11 @@ pub enum Motion {
     Fixed,
     /// The joint is held at this position (rad or m).
     Held(f64),
-    /// An independent or driven joint, with the index of its coordinate. Coordinates of driven joints have
-    /// the largest indices.
+    /// The joint has a coordinate with this index, because it is independent or driven (with prescribed
+    /// motion). Coordinates of driven joints have the largest indices.
     Coordinate(usize),
     /// The joint follows coordinates. The field is its index among the moving joints. All coordinates,
-    /// including driven coordinates, have smaller indices.
+    /// including those with prescribed motion, have smaller indices.
     Follower(usize),
 }
 

@@ -23,8 +23,8 @@ pub struct Model {
     /// Indices of the links that the joints of the coordinates carry: the joint of coordinate `i` carries
     /// `links[coordinates[i]]`.
     pub coordinates: Vec<usize>,
-    /// Indices of the links that the driven joints carry. In lists of all moving joints, driven joints follow
-    /// the joints of the coordinates. The motion of driven joint `k` is
+    /// Indices of the links that the driven joints (with prescribed motion) carry. In lists of all moving
+    /// joints, driven joints come after the joints of the coordinates. The motion of driven joint `k` is
     /// `Motion::Coordinate(coordinates.len() + k)`.
     pub driven: Vec<usize>,
     /// Spherical and floating joints, in the order of their coordinates. Each of these joints has several
@@ -85,8 +85,8 @@ pub struct Body {
 }
 
 impl Model {
-    /// The joints of the coordinates, in order. Driven joints, and joints that follow others, are not
-    /// included.
+    /// The joints of the coordinates, in order. Joints with prescribed motion, and joints that follow others,
+    /// are not included.
     pub fn joints(&self) -> impl ExactSizeIterator<Item = &Joint> {
         self.coordinates.iter().map(|&link| self.joint_of(link))
     }
@@ -103,7 +103,7 @@ impl Model {
         !self.followers.is_empty() || self.moving_drives().any(|drive| drive.coordinate().is_none())
     }
 
-    /// Number of coordinates, including driven coordinates.
+    /// Number of coordinates, including driven coordinates (with prescribed motion).
     #[must_use]
     pub fn motion_count(&self) -> usize {
         self.coordinates.len() + self.driven.len()
@@ -146,15 +146,15 @@ impl Model {
         joint.unwrap_or_else(|| unreachable!("validation gives every moving link its joint"))
     }
 
-    /// Index of the link that a coordinate moves, including driven coordinates; `None` if there is no such
-    /// coordinate.
+    /// Index of the link that a coordinate moves, also for coordinates with prescribed motion; `None` if
+    /// there is no such coordinate.
     #[must_use]
     pub fn link_of(&self, coordinate: usize) -> Option<usize> {
         self.coordinates.iter().chain(&self.driven).nth(coordinate).copied()
     }
 
-    /// All moving joints: first the joints of the coordinates in order, then driven joints, then joints that
-    /// follow others.
+    /// All moving joints: first the joints of the coordinates in order, then the joints with prescribed
+    /// motion, then joints that follow others.
     #[must_use]
     pub fn moving_joints(&self) -> Vec<MovingJoint<'_>> {
         let links = self.coordinates.iter().chain(&self.driven);

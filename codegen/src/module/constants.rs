@@ -226,8 +226,8 @@ fn free_followers(model: &Model, dependent: &[Dependent<'_>]) -> Option<Constant
     })
 }
 
-/// Constants with the ratios of joints that follow coordinates. If a joint follows a driven joint, the ratios
-/// to driven joints are added.
+/// Constants with the ratios of joints that follow coordinates. If a joint follows a joint with prescribed
+/// motion, the ratios to such joints are added.
 fn ratios<'a>(coordinates: usize, rows: impl Iterator<Item = &'a Vec<f64>>) -> Vec<Constant> {
     let (of_coordinates, of_driven): (Vec<_>, Vec<_>) = rows
         .map(|row| row.split_at(coordinates))

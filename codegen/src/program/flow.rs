@@ -51,7 +51,7 @@ impl Flow {
         }
     }
 
-    /// Whether the program needs the statement of this instruction.
+    /// Whether the program needs a statement for this instruction.
     pub(crate) fn is_made(&self, index: usize) -> bool {
         self.is_read[index] || self.cosine[index].is_some()
     }

@@ -83,8 +83,8 @@ fn parts(program: &Program, flow: &Flow, longest: usize, is_in_part: &[bool]) ->
     parts
 }
 
-/// Makes a part of a function over lanes. Entries of large results are written in the part that computes
-/// them. All other entries are written at the end.
+/// Makes a part of a function for several states at once. Entries of large results are written in the part
+/// that computes them. All other entries are written at the end.
 fn part(program: &Program, flow: &Flow, is_in_part: &[bool], range: Range<usize>, is_last: bool) -> Part {
     let is_own = |value: usize| is_in_part[value] && range.contains(&value);
     let in_place = program.has_large_results();

@@ -74,7 +74,7 @@ pub(super) fn settle(robot: &mut RobotDescription, report: &mut Report) {
 }
 
 /// The product `ratio · position` for a followed joint that is held; `None` if the joint is not held or the
-/// ratio is not a constant.
+/// product depends on parameters.
 fn part(term: &FollowsDescription, positions: &BTreeMap<String, f64>, defaults: &[f64]) -> Option<f64> {
     let position = *positions.get(&term.joint.value)?;
     let ratio = &term.ratio.value;

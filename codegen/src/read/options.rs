@@ -5,7 +5,7 @@ use gelenk_formula::Hold;
 /// Options for reading a description. They act in addition to the keys of the description with the same names.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ReadOptions {
-    /// Makes mimic joints of a URDF or MJCF independent joints instead of followers of other joints.
+    /// Makes mimic joints of a URDF or MJCF independent joints, which do not follow other joints.
     pub ignore_mimic: bool,
     /// Tolerance in rad. Angles within this distance of a multiple of 90° are rounded to this multiple.
     pub snap_angles: Option<f64>,

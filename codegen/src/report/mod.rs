@@ -103,7 +103,7 @@ fn robot_section(robot: &Robot<'_>) -> Section {
         .block(Block::Tree(scene))
 }
 
-/// Sentence on the argument d with the motion of driven joints; `None` without driven joints.
+/// Sentence on the argument d with the prescribed motion of joints; `None` without such joints.
 fn driven(robot: &Robot<'_>) -> Option<String> {
     let joints = robot.model.driven_joints().enumerate();
     let names: Vec<String> =

@@ -160,7 +160,7 @@ impl<'a> Robot<'a> {
         self.results(self.function(name)?, inputs)
     }
 
-    /// Whether the motion of the driven joints is the last argument of a function.
+    /// Whether prescribed motions of joints are the last argument of a function.
     fn takes_driven(&self, function: &Function) -> bool {
         let last = function.program.inputs.last();
         !self.driven.is_empty() && last.is_some_and(|input| input.extent.dimension == Dimension::Driven)

@@ -46,7 +46,7 @@ impl<'m, T: Number> Case<'m, T> {
         self.robot.model
     }
 
-    /// Number of coordinates without driven coordinates.
+    /// Number of coordinates without the coordinates whose motion is prescribed.
     pub fn n(&self) -> usize {
         self.model().coordinates.len()
     }
@@ -56,7 +56,7 @@ impl<'m, T: Number> Case<'m, T> {
         forces
     }
 
-    /// Accelerations of the driven joints, and zero for all other coordinates.
+    /// Prescribed accelerations of the driven joints, and zero for all other coordinates.
     pub fn unaccelerated(&self) -> Vec<T> {
         let n = self.n();
         self.a.iter().enumerate().map(|(k, &a)| if k < n { T::zero() } else { a }).collect()
@@ -71,7 +71,7 @@ impl<'m, T: Number> Case<'m, T> {
     }
 
     /// `M a + k(v) − q_gravity` for the given gravity, by recursive Newton–Euler equations: inertial and
-    /// Coriolis forces minus gravity. Rows of driven coordinates are included.
+    /// Coriolis forces minus gravity. Rows of coordinates with prescribed motion are included.
     pub fn newton_euler(&self, rates: [&[T]; 2], gravity: Vector<T>) -> Vec<T> {
         let links = self.links_in(rates, gravity);
         let (wrenches, of_rotors) = self.robot.inertial_wrenches(&links, rates);
@@ -169,7 +169,8 @@ impl<'m, T: Number> Case<'m, T> {
         }
     }
 
-    /// Generalized forces of a wrench at a frame. Rows of driven coordinates are included.
+    /// Generalized forces of a wrench at a frame, by coordinate. Coordinates with prescribed motion are
+    /// included.
     fn wrench_at(&self, at: &Attachment, axes: WrenchAxes, w: &[T], links: &[LinkMotion<T>]) -> Vec<T> {
         let (arm, rotation) = self.robot.attached(at, links);
         let in_base = |part: Vector<T>| match axes {
@@ -269,7 +270,7 @@ impl<'m, T: Number> Case<'m, T> {
         joints.chain(shafts)
     }
 
-    /// Load-dependent friction per unit of load by coordinate; 0 for driven coordinates.
+    /// Load-dependent friction per unit of load by coordinate; 0 for coordinates with prescribed motion.
     pub fn load_friction(&self) -> Vec<T> {
         let joints = self.model().joints().enumerate();
         let shares =
@@ -278,7 +279,7 @@ impl<'m, T: Number> Case<'m, T> {
     }
 
     /// Forces `M ÿ + k − q` of the drives at the accelerations `a`, with Coriolis forces k and applied forces
-    /// q. Rows of driven coordinates and load-dependent friction are included.
+    /// q. Coordinates with prescribed motion and load-dependent friction are included.
     pub fn all_inverse_dynamics(&self, a: &[T]) -> Vec<T> {
         let load = self.load(a);
         let with_friction = plus(&load, &self.all_friction_torques());

@@ -126,8 +126,8 @@ pub fn mass_and_bias(model: &Model, y: &[f64], v: &[f64]) -> [Vec<f64>; 2] {
     results.map(|result| result.into_iter().map(|x| x.value).collect())
 }
 
-/// Columns of the input matrix at positions of the coordinates and motions of driven joints, with the running
-/// error of each entry.
+/// Columns of the input matrix at positions of the coordinates and prescribed motions of joints, with the
+/// running error of each entry.
 #[must_use]
 pub(crate) fn input_columns(model: &Model, parameters: &[f64], [y, d]: [&[f64]; 2]) -> Vec<Vec<[f64; 2]>> {
     let given = Given { model, names: &["y", "d"], arguments: &[y.to_vec(), d.to_vec()] };

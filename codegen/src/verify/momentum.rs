@@ -9,7 +9,7 @@ use super::space::{
 use crate::model::RotorCoupling;
 
 /// Kinetic energy `½ (ẏ, ḋ)ᵀ M (ẏ, ḋ)` with the mass matrix M. ẏ are the velocities of the coordinates, and ḋ
-/// those of the driven joints.
+/// the prescribed velocities of driven joints.
 pub fn kinetic_energy<T: Number>(case: &Case<'_, T>) -> T {
     let zeros = case.robot.zeros();
     let momenta = case.newton_euler([&zeros, &case.v], constant([0.0; 3]));
@@ -83,7 +83,7 @@ pub fn momentum<T: Number>(case: &Case<'_, T>, v: &[T]) -> [T; 6] {
 }
 
 /// Momentum matrix of the moving bodies. Rows are entries of the momentum, columns are velocities including
-/// driven coordinates.
+/// the prescribed ones.
 pub fn matrix<T: Number>(case: &Case<'_, T>) -> Rows<T> {
     let zeros = case.robot.zeros();
     let column = |j: usize| {

@@ -17,8 +17,9 @@ pub const C_BITS: &str = include_str!("bits.c");
 /// C99 text of the functions that convert between `float` and its bits, for texts whose names end in `_f32`.
 pub const C_BITS_F32: &str = include_str!("bits_f32.c");
 
-/// Makes the enum [`Kernel`] from one row for each kernel. A row contains the kernel's name (also the name of
-/// its Rust file), the kernel that it calls, and its C99 files for one state and for several states.
+/// Makes the enum [`Kernel`] of elementary functions from one row for each function. A row contains the name
+/// (also of its Rust file), the elementary function that it calls, and its C99 files for one state and for
+/// several states.
 macro_rules! kernels {
     ($($(#[$doc:meta])* $kernel:ident $name:literal after [$($needs:ident)?] c [$($c:literal)?] lanes [$($lanes:literal)?],)+) => {
         $(include!(concat!($name, ".rs"));)+
@@ -102,11 +103,13 @@ kernels! {
     SinCos4F32 "sin_cos_4_f32" after [SinCosArrayF32] c ["sin_cos_4_f32.c"] lanes [],
     /// Text of [`sin_cos_8_f32`]: sines and cosines of eight angles in single precision.
     SinCos8F32 "sin_cos_8_f32" after [SinCosArrayF32] c ["sin_cos_8_f32.c"] lanes [],
-    /// Text of the argument reduction `exp x = (hi + low) 2^k`, which [`exp`] and [`tanh`] call.
+    /// Text of the argument reduction `exp x = (hi + low) 2^k` for the integer k, which [`exp`] and [`tanh`]
+    /// call.
     ExpReduced "exp_reduced" after [] c ["exp_reduced.c"] lanes ["exp_reduced_lanes.c"],
     /// Text of [`exp`]: the exponential function.
     Exp "exp" after [ExpReduced] c ["exp.c"] lanes ["exp_lanes.c"],
-    /// Text of the argument reduction `exp x = (hi + low) 2^k`, which [`exp_f32`] and [`tanh_f32`] call.
+    /// Text of the argument reduction `exp x = (hi + low) 2^k` for the integer k, which [`exp_f32`] and
+    /// [`tanh_f32`] call.
     ExpReducedF32 "exp_reduced_f32" after [] c ["exp_reduced_f32.c"] lanes ["exp_reduced_lanes_f32.c"],
     /// Text of [`exp_f32`]: the exponential function in single precision.
     ExpF32 "exp_f32" after [ExpReducedF32] c ["exp_f32.c"] lanes ["exp_lanes_f32.c"],

@@ -11,7 +11,7 @@ use crate::program::{GraphOutput, InputArray, Program, Shape, lower, lower_from_
 /// The values of an array at one joint, one for each row.
 pub(super) type Rows<'g> = [Scalar<'g>];
 
-/// A function in array form (setup and loops over joints) under construction.
+/// A function with loops over joints (array form) under construction: straight-line code, then loops.
 pub(super) struct ArrayBuilder {
     form: Arrays,
     /// Arrays that the straight-line code before the loops computes.

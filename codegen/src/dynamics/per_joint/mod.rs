@@ -53,9 +53,9 @@ use crate::kinematics::{Mechanism, Number};
 use crate::program::arrays::Arrays;
 use crate::program::{InputArray, Shape};
 
-/// Whether functions of a mechanism without driven joints can be written as loops over joints. This is always
-/// possible if a joint follows another joint or has a quaternion. Otherwise each rotor must be on the parent
-/// body of the joint that it turns with.
+/// Whether functions of a mechanism without prescribed motions can be written as loops over joints. This is
+/// always possible if a joint follows another joint or has a quaternion. Otherwise each rotor must be on the
+/// parent body of the joint that it turns with.
 pub fn is_possible(mechanism: &Mechanism<Number>) -> bool {
     !mechanism.bodies.is_empty()
         && (mechanism.is_coupled() || mechanism.has_quaternions() || mechanism.rotors_are_neighbours())

@@ -15,7 +15,8 @@ pub struct Factorization<'g> {
     lower: Vec<Vec<Option<Scalar<'g>>>>,
     /// Reciprocals of the diagonal matrix D in `M = Lᵀ D L`.
     reciprocals: Vec<Scalar<'g>>,
-    /// For each row, the earlier rows that the mass matrix couples with it; the nearest row is first.
+    /// For each row of the factors, the earlier rows that the mass matrix couples with it; the nearest row is
+    /// first.
     ancestors: Vec<Vec<usize>>,
     /// Coordinate to which each row of the factors belongs.
     coordinates: Vec<usize>,
@@ -64,8 +65,8 @@ impl<'g> Factorization<'g> {
         inverse
     }
 
-    /// Solution x of `M x = right` with the mass matrix M, by coordinate. The entries of driven coordinates
-    /// are copied from `right`.
+    /// Solution x of `M x = right` with the mass matrix M, by coordinate. For coordinates with prescribed
+    /// motion, the entries are copied from `right`.
     pub fn solve(&self, right: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let mut x: Vec<_> = self.coordinates.iter().map(|&coordinate| right[coordinate]).collect();
         for i in (0..x.len()).rev() {

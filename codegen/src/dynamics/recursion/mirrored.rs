@@ -177,7 +177,7 @@ fn commonest(sums: &[Vec<(usize, f64)>]) -> Option<Pair> {
     best.map(|(_, pair)| pair)
 }
 
-/// Sign with which a sum contains a pair; `None` if the sum does not contain it.
+/// Sign with which a sum contains a pair of terms; `None` if the sum does not contain the pair.
 fn sign_of_pair(sum: &[(usize, f64)], (a, b, relative): Pair) -> Option<f64> {
     let sign = |wanted: usize| sum.iter().find(|(term, _)| *term == wanted).map(|(_, sign)| *sign);
     let (first, second) = (sign(a)?, sign(b)?);

@@ -1,5 +1,6 @@
-//! Working frames. The working frame of a body is the frame of its equations. A placement is the pose of this
-//! frame in the parent's working frame. A run is a sequence of revolute joints with parallel axes.
+//! Frames in which the equations of the bodies are written (working frames). A placement is the pose of a
+//! body's working frame in the parent's working frame. A run is a sequence of revolute joints with parallel
+//! axes.
 
 use crate::dynamics::formulation::{Formulation, WorkingFrame};
 use crate::graph::Scalar;

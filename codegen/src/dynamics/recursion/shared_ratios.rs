@@ -4,7 +4,7 @@
 use crate::graph::Scalar;
 use crate::kinematics::{Mechanism, Transmission};
 
-/// Sums of forces for each pair of coordinate and ratio to which several joints belong.
+/// Sums of forces on joints that follow the same coordinate with the same ratio, one sum for each such pair.
 pub(super) struct SharedRatios<'g> {
     sums: Vec<SharedRatio<'g>>,
 }

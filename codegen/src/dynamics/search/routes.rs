@@ -48,7 +48,8 @@ pub enum ForwardRoute {
 impl ForwardRoute {
     /// Accelerations for given joint forces and gravity, by coordinate.
     ///
-    /// - `input`: state, with the accelerations of driven coordinates and 0 for the other accelerations
+    /// - `input`: state, with the accelerations of driven coordinates (with prescribed motion) and 0 for the
+    ///   other accelerations
     /// - `forces`: joint forces without gravity, by coordinate
     pub fn accelerations<'g>(
         self,

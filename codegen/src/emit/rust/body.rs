@@ -23,7 +23,7 @@ pub(super) struct Body<'a> {
     /// Name of the variable for each value.
     pub(super) names: Vec<Ident>,
     /// Tokens of an additional index after each entry of an input or result. The index is the column of an
-    /// array, or the lane (state).
+    /// array over joints, or the number of the state.
     pub(super) column: Option<TokenStream>,
     /// Whether each value is an entry of a result that is written in place.
     stored: Vec<bool>,
@@ -86,12 +86,12 @@ impl<'a> Body<'a> {
         range.filter(|&index| self.flow.is_read[index]).map(|index| &self.names[index])
     }
 
-    /// All numbers that occur in the text.
+    /// All numbers that occur in the text of the function.
     pub(super) fn numbers(&self) -> impl Iterator<Item = f64> {
         self.numbers_in(0..self.program.instructions.len()).chain(self.program.entries().filter_map(constant))
     }
 
-    /// All numbers that occur in these instructions.
+    /// All numbers that occur in the text of these instructions.
     pub(super) fn numbers_in(&self, range: Range<usize>) -> impl Iterator<Item = f64> {
         self.program.instructions[range]
             .iter()

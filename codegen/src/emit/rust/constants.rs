@@ -12,7 +12,7 @@ use crate::emit::documentation::of_constant;
 use crate::functions::function::{Constant, ConstantValue};
 use crate::layout::{Dimension, Extent};
 
-/// Names of the lengths and of the type of driven coordinates. Other items must not have these names.
+/// Names of the lengths and of the type of prescribed motions. Other items must not have these names.
 pub(super) const RESERVED: [&str; 3] = ["N", "M", "Driven"];
 
 /// The constants `N` and `M` for the numbers of coordinates and inputs.
@@ -31,7 +31,7 @@ pub(super) fn sizes(context: &Context<'_>) -> [TokenStream; 2] {
     ]
 }
 
-/// Type of the argument for the driven coordinates; `None` if there are no driven coordinates.
+/// Type of the argument for the motions of driven joints (with prescribed motion); `None` if there are none.
 pub(super) fn driven(context: &Context<'_>) -> Option<TokenStream> {
     let ty = context.ty();
     (context.module.driven > 0).then(|| {

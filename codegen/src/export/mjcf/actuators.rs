@@ -123,7 +123,7 @@ impl Writer<'_> {
         }
     }
 
-    /// Adds the tendon between two frames and returns its name.
+    /// Adds a tendon to the file whose length is the distance between two frames. Returns its name.
     fn distance(&mut self, name: &str, between: &[Attachment; 2], further: Attributes) -> String {
         let sites = between.each_ref().map(|at| self.site(at));
         let name = self.tendon_name(name);

@@ -7,7 +7,7 @@ use crate::dynamics::arguments::Arguments;
 use crate::function_names as names;
 use crate::layout::Dimension;
 
-/// Functions that only robots with driven joints have.
+/// Functions that only robots with driven joints (with prescribed motion) have.
 pub const QUANTITIES: &[Quantity] = &[Quantity {
     name: names::DRIVING_FORCES,
     summary: "Driving forces: forces that produce the prescribed motion of the driven joints.",

@@ -1,12 +1,12 @@
-//! Kinds of robots (for example with driven joints) for which functions, exports or other products differ or
-//! are missing.
+//! Kinds of robots (for example with prescribed motions of joints) for which functions, exports or other
+//! products differ or are missing.
 
 use super::quantity::Quantity;
 use crate::functions::function::Function;
 use crate::model::Model;
 
-/// A kind of robots, for example those with driven joints: its condition, its additional functions, and the
-/// functions and products that differ or are missing.
+/// A kind of robots, for example those with prescribed motions of joints: its condition, its additional
+/// functions, and the functions and products that differ or are missing.
 pub struct Kind {
     /// Property of these robots in documentation, for example `driven joints` after "robots with".
     pub robots: &'static str,
@@ -165,7 +165,7 @@ pub const EXPORT: Product = product(
     "URDF and MJCF have no prescribed motions: without `motion` the joint is a coordinate",
 );
 
-/// The product "identification": identification by the library if the motions of driven joints are not
+/// The product "identification": identification by the library if prescribed motions of joints are not
 /// measured.
 pub const IDENTIFICATION: Product = product(
     "identification",

@@ -1,5 +1,5 @@
-//! The table of kinds of robots, for example with driven joints, and the functions and products that differ
-//! or are missing.
+//! The table of kinds of robots, for example with prescribed motions of joints, and the functions and
+//! products that differ or are missing.
 
 use std::cell::OnceCell;
 

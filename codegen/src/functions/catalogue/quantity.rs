@@ -29,7 +29,7 @@ pub enum Argument {
     Multipliers,
     /// Wrenches w that act at frames.
     Wrenches,
-    /// Motion of the driven joints: position, velocity and acceleration of each.
+    /// Prescribed motion of the driven joints: position, velocity and acceleration of each.
     Driven,
 }
 

@@ -36,7 +36,7 @@ pub struct Array {
     pub over: Over,
 }
 
-/// Relation of a joint to another joint.
+/// Relation of a joint to another joint in the tree: before, beyond, the same, or apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Relation {
     /// The joint is before the other joint on the path to the base, or both are velocities of the same joint

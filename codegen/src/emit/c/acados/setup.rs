@@ -213,7 +213,7 @@ impl<'a> Robot<'a> {
         entry("LEFT_OUT", strings(efforts.into_iter().chain(followers)), about)
     }
 
-    /// Whether a joint follows driven joints. Functions for acados cannot take the motion of driven joints.
+    /// Whether a joint follows joints with prescribed motion. Functions for acados cannot take this motion.
     fn follow_driven_joints(&self) -> bool {
         self.value("DEPENDENT_DRIVEN_RATIOS").is_some()
     }

@@ -170,8 +170,8 @@ impl Robot<'_> {
         }
     }
 
-    /// Flags for the entries that can be non-zero in a matrix with one block per joint and one row per
-    /// velocity.
+    /// For each entry of a matrix with one block per joint and one row per velocity, whether it can be
+    /// non-zero.
     fn nonzero_blocks(&self, chart: Chart) -> Vec<bool> {
         let columns = self.columns(chart);
         let mut nonzero = vec![false; self.n * columns];
@@ -215,7 +215,7 @@ impl Robot<'_> {
     }
 
     /// Call of a function of the module that writes its results to the array `e` of computed values, from
-    /// index `place` on. `None` if the module lacks the function, or if wrenches or driven joints are
+    /// index `place` on. `None` if the module lacks the function, or if wrenches or prescribed motions are
     /// arguments of the function.
     pub(super) fn call(&self, name: &str, place: usize) -> Option<String> {
         let function = self.callable(name)?;
