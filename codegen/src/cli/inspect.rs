@@ -21,7 +21,8 @@ use crate::pipeline::Generated;
 use crate::program::display::{self, Notation};
 use crate::report::{self, EQUATIONS, sums, sums_document};
 
-/// Prints one stage of the generator for a description.
+/// Prints one intermediate result of the generator for a description: model, mechanism, operation counts,
+/// program or text.
 pub(super) fn inspect(arguments: &Inspect, format: Format) -> Result<ExitCode, Failure> {
     if arguments.closed_form {
         return closed_form(arguments, format);
@@ -48,8 +49,8 @@ pub(super) fn inspect(arguments: &Inspect, format: Format) -> Result<ExitCode, F
     }
 }
 
-/// Returns the default stage, the model. Returns an error if the only argument is the name of a stage and no file
-/// has this name, because the description is then missing.
+/// Returns the default intermediate result to print, the model. Returns an error if the only argument is the
+/// name of an intermediate result and no file has this name, because the description is then missing.
 fn model_of(arguments: &Inspect) -> Result<Stage, Failure> {
     let named = arguments.description.to_str().filter(|name| Stage::from_str(name, false).is_ok());
     match named.filter(|_| !arguments.description.exists()) {

@@ -18,7 +18,7 @@ pub struct AccelerationDerivatives<'g> {
     pub by_coordinates: Matrix<'g>,
     /// Derivative ∂ÿ/∂ẏ of the accelerations, n × n.
     pub by_velocities: Matrix<'g>,
-    /// Inverse mass matrix M⁻¹, n × n.
+    /// Inverse mass matrix M⁻¹, n × n for n coordinates.
     pub inverse: Matrix<'g>,
 }
 
@@ -43,7 +43,7 @@ pub struct AffineAccelerations<'g> {
 pub struct AcceleratedForces<'g> {
     /// Accelerations ÿ of the n coordinates.
     pub accelerations: Vec<Scalar<'g>>,
-    /// Inverse mass matrix M⁻¹, n × n.
+    /// Inverse mass matrix M⁻¹, n × n for n coordinates.
     pub inverse: Matrix<'g>,
     /// Required forces `M ÿ + k − q` at the accelerations ÿ, with derivatives with respect to y and ẏ at
     /// constant ÿ. k are Coriolis forces, q applied forces.

@@ -27,7 +27,7 @@ use gelenk_formula::Function;
 pub struct Equations<'a, 'g> {
     /// Graph that contains all expressions.
     pub graph: &'g Graph,
-    /// Model of the robot.
+    /// Model of the robot whose equations are derived.
     pub model: &'a Model,
     /// Formulation with the fewest operations of each quantity, for example of the mass matrix.
     pub formulations: &'a Formulations<'a>,
@@ -280,7 +280,7 @@ impl<'g> Equations<'_, 'g> {
     }
 
     /// Derivatives of `results` along a coordinate. For joints with quaternions, they are derivatives along
-    /// small rotations and translations of the body, which [`super::tangent`] defines.
+    /// small rotations and translations of the body.
     pub fn along(&self, results: &[Scalar<'g>], y: &[Scalar<'g>], coordinate: usize) -> Vec<Scalar<'g>> {
         differentiate_along(self.graph, self.model, results, y, coordinate)
     }
@@ -402,9 +402,8 @@ impl<'g> Equations<'_, 'g> {
         regressor::inertial_regressor(&self.mechanism(), self.model, input)
     }
 
-    /// Regressor of the base parameters. Inertial parameters that act only as a sum form a group with a
-    /// leading parameter. The result has the columns of [`Self::inertial_regressor`] for the leading
-    /// parameters.
+    /// Regressor of the base parameters (identifiable combinations of inertial parameters). It has the
+    /// columns of [`Self::inertial_regressor`] for one leading parameter of each combination.
     pub fn base_regressor(&self, input: MotionInput<'_, 'g>) -> Matrix<'g> {
         let leaders = &self.formulations.base_parameters().leaders;
         let rows = self.inertial_regressor(input).into_iter();

@@ -61,8 +61,8 @@ pub enum WorkingFrame {
     BeforeJoint,
 }
 
-/// Neighbour of a body in a run, that is in a sequence of joints with parallel axes. The body takes its
-/// velocities from this neighbour, or passes its moment to it.
+/// Neighbour of a body among joints in sequence with parallel axes (a run). The body takes its velocities
+/// from this neighbour, or passes its moment to it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RunLink {
     /// The body is coupled to its parent body.

@@ -136,8 +136,8 @@ impl<'a, 'g> FrameForces<'a, 'g> {
         }
     }
 
-    /// Vector along a joint's axis, from the end of the placement's translation to the body's origin, in the body's
-    /// frame.
+    /// Vector along a joint's axis to the body's origin, in the body's frame. It begins at the end of the
+    /// translation from the parent.
     fn lift(&self, body: usize) -> Vector3<Scalar<'g>> {
         let zero = self.graph().constant(0.0);
         Vector3([zero, zero, self.placements[body].extension])

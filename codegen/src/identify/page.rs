@@ -13,7 +13,7 @@ use super::terms;
 
 /// Largest number of drawn points of a curve. If a curve has more points, only every k-th point is drawn.
 const MOST_POINTS: usize = 1500;
-/// Explanation in the report page of the rows of equations, if shafts replace joints.
+/// Explanation in the report page of the rows of equations, if shafts of drives replace joints in the fit.
 const SHAFTS: &str = "Efforts at the joints are $\\tau = W(y,\\dot y,\\ddot y)\\,\\pi + \\tau_F(\\dot y) + c$: inertial parameters $\\pi$, \
      friction $\\tau_F$ and offsets $c$ in one weighted fit. Each drive that acts on several joints has a separate row with the name of \
      the drive. Torque, position and speed in this row are those of the motor's shaft.";
@@ -130,7 +130,8 @@ fn share(joint: &JointEstimate, r_squared: f64) -> Cell {
     if is_judged(joint) { Cell::Rounded(r_squared, 4) } else { Cell::Empty }
 }
 
-/// Returns whether R² of a joint is meaningful. It is meaningful if the joint moves and a force acts on it.
+/// Returns whether the coefficient of determination R² of a joint is meaningful. It is meaningful if the
+/// joint moves and a force acts on it.
 #[must_use]
 pub fn is_judged(joint: &JointEstimate) -> bool {
     joint.moves && !joint.held_out_r_squared.is_nan()

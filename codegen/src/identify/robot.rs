@@ -39,7 +39,7 @@ pub struct InterpretedRobot {
     unmeasured: Vec<bool>,
     /// Shafts of drives whose friction is identified.
     shafts: Vec<Shaft>,
-    /// Described friction of the joints that shafts of drives replace in the fit.
+    /// Described friction of the joints whose equations in the fit are replaced by those of drives' shafts.
     joint_terms: Vec<(JointTerm, FrictionTerm)>,
     /// Described friction for each row of the fit, which belongs to a joint or a shaft.
     friction: Vec<Vec<FrictionTerm>>,
@@ -127,7 +127,7 @@ impl InterpretedRobot {
         })
     }
 
-    /// Returns the names of the drives on several joints whose shafts replace no joint in the fit. The
+    /// Returns the names of the drives on several joints whose shafts have no equation in the fit. The
     /// friction of these drives stays as described.
     #[must_use]
     pub fn shafts_as_described(&self) -> Vec<&str> {
@@ -156,8 +156,8 @@ impl InterpretedRobot {
     }
 }
 
-/// Returns the described friction of each joint, or of the shaft that replaces the joint in its row of the
-/// fit.
+/// Returns the described friction of each row of the fit, which is the equation of a joint, or of the shaft
+/// that replaces the joint.
 fn described_friction(model: &Model, shafts: &[Shaft]) -> Vec<Vec<FrictionTerm>> {
     let of_row = |(row, joint): (usize, &Joint)| {
         let shaft = shafts.iter().find(|shaft| shaft.joint == row);

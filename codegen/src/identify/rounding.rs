@@ -166,9 +166,9 @@ fn slopes(body: &BodyValues) -> DMatrix<f64> {
     slopes
 }
 
-/// Returns a load with the digits that its intervals justify. Rounding does not change an inertial
-/// parameter by more than a tenth of half the width of its interval. This matters because the product of
-/// mass and centre may be known better than the two factors.
+/// Returns a load with the digits that its confidence intervals justify. Rounding does not change an inertial
+/// parameter by more than a tenth of half the width of its interval. This matters because the product of mass
+/// and centre may be known better than the two factors.
 #[must_use]
 pub fn rounded_load(body: &BodyValues, payload: &Payload) -> BodyValues {
     let half =

@@ -1,5 +1,5 @@
-//! Choice of the joints that shafts replace in the fit. The fit has a row of equations for each joint. The
-//! shaft of a drive that acts on several joints replaces one of these joints in its row.
+//! Choice of the joints that shafts of drives replace in the fit. The fit has an equation for each joint. The
+//! equation of a shaft that acts on several joints replaces that of one of these joints.
 
 use nalgebra::{DMatrix, RowDVector};
 

@@ -49,7 +49,8 @@ fn ratios(model: &Model, drive: &Drive, free: &[f64]) -> Vec<f64> {
     ratios
 }
 
-/// Returns the terms of the described friction of the joints that shafts replace.
+/// Returns the terms of the described friction of the joints whose equations in the fit are replaced by those
+/// of shafts.
 pub(super) fn joint_terms(model: &Model, shafts: &[Shaft], free: &[f64]) -> Vec<(JointTerm, FrictionTerm)> {
     let names: Vec<&str> = model.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
     let taken = model.joints().enumerate().filter(|(row, _)| shafts.iter().any(|shaft| shaft.joint == *row));

@@ -54,7 +54,7 @@ pub(super) struct Distances<'m> {
 pub(super) struct Closest {
     /// Least distance of the frames (m).
     pub(super) distance: f64,
-    /// Names and positions of the coordinates that change the distance of the frames.
+    /// Names and positions of the coordinates that change the distance of the frames, at the least distance.
     pub(super) positions: Vec<(String, f64)>,
     /// Whether all coordinates that change the distance have limits.
     pub(super) is_limited: bool,

@@ -28,8 +28,8 @@ pub struct Drive {
     pub input: Input,
     /// Torque limits of the motor (N m).
     pub torque: MotorTorque,
-    /// Speed limit of the shaft (rad/s); `None` without a limit. For a drive on one coordinate, the speed
-    /// limit of the joint is narrowed accordingly.
+    /// Speed limit of the motor's shaft (rad/s); `None` without a limit. For a drive on one coordinate, it
+    /// also lowers the speed limit of the joint.
     pub speed: Option<f64>,
     /// Torque–speed line of the motor; `None` without a line.
     pub line: Option<TorqueSpeedLine>,

@@ -294,7 +294,8 @@ fn joint_limits(joints: &[&Joint]) -> Vec<Constant> {
     limits.into_iter().chain(further.into_iter().flatten()).collect()
 }
 
-/// Constants with the limits of the inputs. Limits of currents use the motor constant of the description.
+/// Constants with the limits of the inputs. If an input is a current, its limit is the torque limit divided
+/// by the motor constant of the description.
 fn input_limits(model: &Model, inputs: &[Actuator<'_>]) -> Vec<Constant> {
     let described = model.described_parameters();
     let limits = |torque: fn(&Drive) -> Option<f64>| -> Option<Vec<f64>> {

@@ -141,8 +141,8 @@ impl Builder {
         self
     }
 
-    /// Contracts products and sums to fused multiply-adds. The modules then require std and a processor with
-    /// these instructions.
+    /// Fuses products and sums to multiply-adds with one rounding. The modules then require std and a
+    /// processor with these instructions.
     #[must_use]
     pub fn fused_multiply_add(mut self) -> Self {
         self.options.fused_multiply_add = true;

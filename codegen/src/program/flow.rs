@@ -2,7 +2,7 @@
 
 use super::{Operand, Operation, Program};
 
-/// Data flow of a program's values.
+/// Data flow between the instructions of a program.
 #[derive(Debug, Clone)]
 pub(crate) struct Flow {
     /// For each value, whether the text uses it by name and a result depends on it.

@@ -311,8 +311,8 @@ fn describe(
     )?)
 }
 
-/// Returns lines of TOML for the drives in `[[drives]]`, and for the joints that shafts of drives replace in
-/// the fit.
+/// Returns lines of TOML for the drives in `[[drives]]`, and for the joints whose equations in the fit are
+/// replaced by those of drives' shafts.
 ///
 /// - `others`: inertial parameters after those of the bodies
 fn drive_tables(

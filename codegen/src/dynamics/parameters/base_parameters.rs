@@ -48,8 +48,9 @@ const VALUES: usize = 3;
 /// hundred times the rounding error of the factorization.
 const SAME: f64 = 1e-9;
 
-/// Base parameters of a model, valid for almost all values of its free parameters. Special values, for
-/// example a length of zero, may reduce the number of base parameters.
+/// Base parameters (identifiable combinations of inertial parameters) of a model, valid for almost all values
+/// of its free parameters. Special values, for example a length of zero, may reduce the number of base
+/// parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BaseParameters {
     /// Indices of the leading inertial parameter of each group, in ascending order. The base regressor has
@@ -72,7 +73,7 @@ pub struct Term {
 }
 
 impl BaseParameters {
-    /// Finds the base parameters of a model.
+    /// Finds the base parameters (identifiable combinations of inertial parameters) of a model.
     pub fn new(model: &Model, mechanism: &Mechanism<Number>) -> Self {
         let program = regressor_program(model, mechanism);
         let mut random = SplitMix64(0x6672_6565);
@@ -95,8 +96,8 @@ impl BaseParameters {
         terms.map(|term| Some((term.group, term.parameter, term.coefficient?))).collect()
     }
 
-    /// Combines the base parameters found at several values of free parameters: the leaders of all results,
-    /// and the coefficients that agree in all results.
+    /// Combines the base parameters found at several values of free parameters: the leading inertial
+    /// parameters of all results, and the coefficients that agree in all results.
     fn in_common(found: &[Self]) -> Self {
         let mut leaders: Vec<usize> = found.iter().flat_map(|one| one.leaders.clone()).collect();
         leaders.sort_unstable();

@@ -71,7 +71,7 @@ impl<'g> RotorCoupling<'g> {
     }
 }
 
-/// Velocities of a body in its own frame.
+/// Velocities of a body and its joint, in the body's own frame.
 #[derive(Clone, Copy)]
 struct Rates<'g> {
     /// Angular velocity of the parent, in the body's frame.
@@ -178,8 +178,8 @@ impl<'g> Tree<'_, 'g> {
         }
     }
 
-    /// Solves a joint's equation for the joint's acceleration. The second result is the articulated body that
-    /// is added to the parent.
+    /// Solves a joint's equation for the joint's acceleration. The second result is the inertia and bias of
+    /// all bodies beyond the joint, which are added to the parent.
     fn eliminate_joint(
         &self,
         index: usize,
@@ -233,7 +233,7 @@ impl<'g> Tree<'_, 'g> {
         (joint, rest)
     }
 
-    /// Transforms an articulated body to the parent's frame and origin.
+    /// Transforms inertia and bias of all bodies beyond a joint to the parent's frame and origin.
     fn pass_on(&self, index: usize, rest: Articulated<'g>) -> Articulated<'g> {
         let (body, placement) = (&self.mechanism.bodies[index], &self.placements[index]);
         let zero = placement.extension.constant(0.0);

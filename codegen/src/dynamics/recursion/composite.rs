@@ -162,7 +162,7 @@ impl<'g> Column<'_, 'g> {
         }
     }
 
-    /// Wrench that accelerates the composite body by 1 along or about the joint's axis.
+    /// Wrench that accelerates a body and all bodies beyond it by 1 along or about the body's joint axis.
     fn unit_acceleration(&self, composite: &Composite<'g>) -> Carried<'g> {
         let MassMoments { mass, first: h, second: s } = composite.moments;
         let zero = mass.constant(0.0);

@@ -38,8 +38,8 @@ pub struct Placement<'g> {
     pub to_body: Option<Turn<'g>>,
     /// The parent's unit of length divided by the body's unit of length.
     pub unit_ratio: f64,
-    /// Body whose own frame is parallel to the frame of these equations; `None` if that frame is parallel to
-    /// the frame before the run of parallel joints.
+    /// Body whose own frame is parallel to the frame of these equations. `None` if that frame is parallel to
+    /// the frame before the sequence of joints with parallel axes.
     aligned: Option<usize>,
 }
 
@@ -99,8 +99,9 @@ fn place_body<'g>(
     }
 }
 
-/// Rotation between two frames of a run of parallel joints, from the frame of body `from` to the frame of
-/// body `to`. `None` is the frame before the run. Angles are added before the sine is computed.
+/// Rotation between two frames in a sequence of joints with parallel axes, from the frame of body `from` to
+/// the frame of body `to`. `None` is the frame before the sequence. Angles are added before the sine is
+/// computed.
 fn turn_between<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     y: &[Scalar<'g>],
@@ -146,8 +147,8 @@ pub fn ends_at_root(mechanism: &Mechanism<Scalar<'_>>, body: usize) -> bool {
         && root.is_some_and(|root| root.parent.is_none() && root.axis == JointAxis::Revolute)
 }
 
-/// The parent of a body if the joints of both belong to one run of parallel axes; otherwise `None`. A body of
-/// a joint with a quaternion does not belong to a run.
+/// The parent of a body if both have revolute joints with parallel axes; otherwise `None`. It is also `None`
+/// for a body of a joint with a quaternion.
 fn run_parent(mechanism: &Mechanism<Scalar<'_>>, body: usize) -> Option<usize> {
     let turns = |body: usize| {
         let body = &mechanism.bodies[body];
@@ -158,7 +159,7 @@ fn run_parent(mechanism: &Mechanism<Scalar<'_>>, body: usize) -> Option<usize> {
     is_run.then_some(parent)
 }
 
-/// The bodies of a run of parallel joints up to `member`, starting with the first body.
+/// The bodies from the first one of a sequence of joints with parallel axes up to `member`.
 fn run_chain(mechanism: &Mechanism<Scalar<'_>>, member: usize) -> Vec<usize> {
     let mut chain: Vec<usize> =
         std::iter::successors(Some(member), |&body| run_parent(mechanism, body)).collect();

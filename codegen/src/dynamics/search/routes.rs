@@ -119,7 +119,7 @@ impl<'m> Formulations<'m> {
         self.mechanism
     }
 
-    /// The cheaper method to compute the accelerations.
+    /// The method that computes the accelerations with fewer operations.
     pub fn forward_dynamics(&self) -> ForwardRoute {
         *self.forward_dynamics.get_or_init(|| {
             let weight = |route: ForwardRoute| {
@@ -141,7 +141,7 @@ impl<'m> Formulations<'m> {
         })
     }
 
-    /// The base parameters of the model.
+    /// The base parameters (identifiable combinations of inertial parameters) of the model.
     pub fn base_parameters(&self) -> &BaseParameters {
         self.base_parameters.get_or_init(|| BaseParameters::new(self.model, self.mechanism))
     }

@@ -165,8 +165,8 @@ const KEYWORDS: [&str; 159] = [
     "xor_eq",
 ];
 
-/// Rules for names of values, fields and functions. Such a name must not begin with one of the prefixes,
-/// because names of the module itself begin with them.
+/// Rules for names of values, fields and functions in C. Such a name must not begin with one of the given
+/// prefixes, because names of the module itself begin with them.
 pub(super) fn spelling(prefixes: Vec<String>) -> Spelling {
     Spelling { keywords: &KEYWORDS, has_free_underscores: false, prefixes }
 }

@@ -197,7 +197,7 @@ pub struct Quantity {
     pub(in crate::functions) arguments: &'static [Argument],
     pub(in crate::functions) results: &'static [QuantityResult],
     pub(in crate::functions) notes: &'static [&'static str],
-    /// Function that adds documentation that depends on the model.
+    /// Function that adds sentences to the documentation if they depend on the model.
     pub(in crate::functions) describe: fn(&Model, &mut Function),
     pub(in crate::functions) build: Build,
     /// Note on the derivation that needs the fewest operations and was chosen for this reason; `None` without
@@ -230,8 +230,8 @@ pub(in crate::functions) enum Loops {
 #[derive(Clone, Copy)]
 pub(in crate::functions) struct Products {
     pub build: BuildLoops,
-    /// Name of the function that computes the other factors of the products. The loops are faster if the
-    /// straight-line code of these factors is long.
+    /// Name of the function that computes the matrices to be multiplied by the inverse mass matrix. The loops
+    /// are faster if the straight-line code of these matrices is long.
     pub beside: &'static str,
 }
 

@@ -1,5 +1,5 @@
-//! The linearization in array form: a call of `forward_dynamics_derivatives`, then the computation of the
-//! affine remainder.
+//! The linearization as loops over joints: a call of `forward_dynamics_derivatives`, then the computation of
+//! the affine remainder.
 
 use super::Arrays;
 use super::unroll::numbered;

@@ -22,7 +22,8 @@ pub(super) fn same(context: &Context<'_>, number: &str) -> String {
     format!("{}({number})", context.function("same"))
 }
 
-/// Text that reads one entry of an argument for several states. The arrays of the states are adjacent.
+/// Text that reads one entry of an argument for several states. The arrays of the states follow each other in
+/// memory.
 ///
 /// - `len`: number of entries of the argument for one state
 pub(super) fn gather(context: &Context<'_>, argument: &str, index: usize, len: usize) -> String {
