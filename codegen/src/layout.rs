@@ -4,7 +4,7 @@
 /// Meaning of the entries of an array. It determines the name of the array's length in every language.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dimension {
-    /// Coordinates y, one for each joint of a robot without quaternions.
+    /// Coordinates y of a robot without quaternions, one for each independent joint.
     Coordinates,
     /// Position entries y of a robot with quaternions. A quaternion has four position entries, but three
     /// velocities.
@@ -55,7 +55,7 @@ pub struct Extent {
 }
 
 impl Extent {
-    /// Creates an extent with `len` entries of this meaning.
+    /// Creates an extent (length and meaning of an array) with `len` entries of this meaning.
     #[must_use]
     pub const fn new(dimension: Dimension, len: usize) -> Self {
         Self { dimension, len }
@@ -72,7 +72,7 @@ impl Extent {
         }
     }
 
-    /// Creates an extent whose length is the same for all robots.
+    /// Creates an extent (length and meaning of an array) whose length is the same for all robots.
     #[must_use]
     pub const fn fixed(len: usize) -> Self {
         Self::new(Dimension::Fixed, len)

@@ -1,4 +1,4 @@
-//! The command `gelenk inspect --closed-form`.
+//! The command `gelenk inspect --closed-form`, which prints the equations of motion as formulas with symbols.
 //!
 //! Symbolica prints a banner to standard output, and a second instance ends its process. Therefore the work
 //! runs in a separate process, whose standard output is redirected to standard error, so the printed results

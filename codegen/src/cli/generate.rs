@@ -1,4 +1,5 @@
-//! The commands `gelenk generate` and `gelenk check`.
+//! The commands `gelenk generate`, which writes modules, and `gelenk check`, which compares them with their
+//! descriptions.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

@@ -1,4 +1,4 @@
-//! The command `gelenk inspect`.
+//! The command `gelenk inspect`, which prints intermediate results of the generator.
 
 use std::process::ExitCode;
 

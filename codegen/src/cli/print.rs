@@ -146,7 +146,7 @@ fn diagnostic(entry: &Diagnostic) -> Value {
     shown
 }
 
-/// Text of a table with these headings.
+/// Text of a table with these column headings and rows.
 pub(super) fn headed(head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
     let head = head.iter().map(|heading| (*heading).to_owned()).collect();
     table(&std::iter::once(head).chain(rows).collect::<Vec<_>>())

@@ -1,4 +1,4 @@
-//! The command `gelenk report`.
+//! The command `gelenk report`, which writes a page about a robot.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

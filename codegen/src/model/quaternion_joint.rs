@@ -144,7 +144,7 @@ pub struct CarryingJoint<'m> {
 }
 
 impl Model {
-    /// Number of position entries of the robot, the constant `NY` of generated modules.
+    /// Number of position entries of the robot. It is the constant `NY` of generated modules.
     #[must_use]
     pub fn position_count(&self) -> usize {
         self.coordinates.len() + self.quaternion_joints.len()

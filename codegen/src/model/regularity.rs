@@ -232,7 +232,7 @@ fn pivots(model: &Model, described: &[f64], positions: &[f64]) -> Vec<Option<Piv
     pivots
 }
 
-/// `i² J_R` at each link's joint: squared gear ratio times the rotor's axial inertia.
+/// Inertia `i² J_R` at each link's joint: squared gear ratio times the rotor's axial inertia.
 fn armatures(model: &Model, defaults: &[f64]) -> Vec<f64> {
     let mut result = vec![0.0; model.links.len()];
     for drive in &model.drives {

@@ -17,7 +17,8 @@ pub(crate) struct Plan {
     /// For each instruction, whether it is in a part. Sines and cosines, and values that only they use, are
     /// not in a part.
     pub(crate) is_in_part: Vec<bool>,
-    /// Parts of the function with all instructions that no sine or cosine needs, in order.
+    /// Parts of the function with all instructions except sines, cosines and the values that only they use,
+    /// in order.
     pub(crate) parts: Vec<Part>,
 }
 

@@ -39,19 +39,21 @@ pub enum Text {
     Joints,
     /// Exponential and logarithm of rotations.
     Rotation,
-    /// Text of [`integrate`] (`y ⊕ d`), [`difference`] (`y₂ ⊖ y₁`), [`normalize`] and [`neutral`].
+    /// Text of [`integrate`] (`y ⊕ d`), [`difference`] (`y₂ ⊖ y₁`), [`normalize`] and [`neutral`], the
+    /// positions without displacement.
     Positions,
     /// Text of [`bracket`], the Lie bracket of two velocities.
     Bracket,
     /// Text of [`integrate_derivatives`] and [`difference_derivatives`], the derivatives of `y ⊕ d` and
     /// `y₂ ⊖ y₁`.
     Tangents,
-    /// Text of a Runge–Kutta step with quaternions, [`crate::discrete_time::runge_kutta_on_manifold`].
+    /// Text of a Runge–Kutta step for robots with quaternions,
+    /// [`crate::discrete_time::runge_kutta_on_manifold`].
     RungeKutta,
-    /// Text of a Runge–Kutta step with quaternions and of its derivatives,
+    /// Text of a Runge–Kutta step for robots with quaternions and of its derivatives,
     /// [`crate::discrete_time::runge_kutta_on_manifold_derivatives`].
     Sensitivities,
-    /// Text of the exact discretization with quaternions,
+    /// Text of the exact discretization of a robot with quaternions,
     /// [`crate::discrete_time::zero_order_hold_on_manifold`].
     ZeroOrderHold,
 }

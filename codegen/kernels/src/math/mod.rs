@@ -66,8 +66,8 @@ macro_rules! kernels {
                 text.first().copied()
             }
 
-            /// The elementary function that this function calls; `None` if it calls no other. The result may
-            /// call a further one.
+            /// The elementary function that this function calls; `None` if it calls no other. The called
+            /// function may call a further one.
             pub fn requires(self) -> Option<Self> {
                 let needed: &[Self] = match self {
                     $(Self::$kernel => &[$(Self::$needs)?],)+

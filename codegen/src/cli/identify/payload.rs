@@ -1,4 +1,4 @@
-//! The command `gelenk identify --payload`.
+//! The command `gelenk identify --payload`, which estimates the load in the robot's hand.
 
 use std::path::Path;
 use std::process::ExitCode;

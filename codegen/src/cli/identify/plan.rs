@@ -1,4 +1,4 @@
-//! The command `gelenk identify --plan`.
+//! The command `gelenk identify --plan`, which plans a motion to record.
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -19,7 +19,7 @@ pub(super) struct ArrayBuilder {
 }
 
 impl ArrayBuilder {
-    /// Starts an array form without arrays and steps.
+    /// Starts a function with loops over joints, without arrays and loops.
     ///
     /// - `joints`: tree of the joints
     /// - `coordinates`: coordinates that the joints follow; `None` if each joint is independent

@@ -33,7 +33,7 @@ fn levers(v: Vector3<Scalar<'_>>) -> impl Iterator<Item = f64> {
     v.values().into_iter().flatten().map(f64::abs)
 }
 
-/// Origins of the other branches of a body's parent.
+/// Origins of the other branches that a body's parent carries, in the parent's frame.
 fn other_origins<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     placements: &[Placement<'g>],

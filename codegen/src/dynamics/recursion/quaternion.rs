@@ -94,11 +94,11 @@ impl<'g> Passage<'_, 'g> {
 /// Changes of the body's motion for a unit of one velocity of its joint, and for a unit of small motion along
 /// this velocity.
 pub(super) struct ChainDisturbance<'g> {
-    /// Changes of the body's motion per unit of small displacement: of its angular velocity ω, δω; β = δω̇ +
-    /// ω × δω; and of its origin's acceleration.
+    /// Changes per unit of small displacement: δω of the body's angular velocity ω, β = δω̇ + ω × δω, and δa
+    /// of its origin's acceleration.
     pub by_position: [Vector3<Scalar<'g>>; 3],
-    /// Changes of the body's motion per unit of velocity: of its angular velocity ω, δω; β = δω̇ + ω × δω;
-    /// and of its origin's acceleration.
+    /// Changes per unit of velocity: δω of the body's angular velocity ω, β = δω̇ + ω × δω, and δa of its
+    /// origin's acceleration.
     pub by_velocity: [Vector3<Scalar<'g>>; 3],
 }
 

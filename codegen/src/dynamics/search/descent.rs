@@ -137,7 +137,7 @@ fn all_revolute(mechanism: &Mechanism<Number>) -> bool {
     mechanism.bodies.iter().all(is_single_turn)
 }
 
-/// Lengths of the mechanism \[m\]. If such a length is the unit for the whole mechanism, it becomes 1 and
+/// Lengths of the robot \[m\] that may become the unit of length. A length that is the unit becomes 1 and
 /// saves products.
 fn length_units(mechanism: &Mechanism<Number>) -> Vec<f64> {
     if !all_revolute(mechanism) {
@@ -156,7 +156,8 @@ fn length_units(mechanism: &Mechanism<Number>) -> Vec<f64> {
     units
 }
 
-/// Lengths of a body \[m\]. If such a length is the unit of the body, it becomes 1 and saves products.
+/// Lengths of a body \[m\] that may become the body's unit of length. A length that is the unit becomes 1 and
+/// saves products.
 fn own_lengths(mechanism: &Mechanism<Number>, body: usize, children: &[usize]) -> Vec<f64> {
     let levers = children.iter().flat_map(|&child| mechanism.bodies[child].translation.0);
     levers.chain([mechanism.bodies[body].lift]).filter_map(nonzero_length).collect()

@@ -48,7 +48,7 @@ impl Taken {
     }
 }
 
-/// Tokens of an array, or of a pattern, of the names of values.
+/// Tokens of an array expression, or of an array pattern, with the names of these values.
 pub(super) fn values(body: &Body<'_>, values: &[usize]) -> TokenStream {
     let names = values.iter().map(|&value| body.name(value));
     quote!([#(#names),*])

@@ -1,4 +1,4 @@
-//! Inverse dynamics and friction of the described robot.
+//! Inverse dynamics and friction of the described robot, for the comparison with measured efforts.
 
 use super::super::parameters::result;
 use crate::diagnostic::Diagnostics;

@@ -94,7 +94,7 @@ pub enum Step {
         /// Array of the sums over the subtrees.
         to: ArrayId,
     },
-    /// Computes a matrix over pairs of joints on one path.
+    /// Computes a matrix whose entries belong to pairs of joints on one path to the base.
     Pairs(Pairs),
     /// `to[·][c]` is the sum of `from[·][j]` over the joints j that follow coordinate c.
     Collect {

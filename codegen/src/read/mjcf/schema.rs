@@ -110,7 +110,7 @@ const DEFAULTS: [Entry; 8] = [
     ("skin", &[]),
 ];
 
-/// Elements of bodies that may have defaults in classes.
+/// Tags of elements of bodies that may have defaults in classes.
 const IN_CLASSES: [&str; 6] = ["joint", "geom", "site", "camera", "light", "plugin"];
 
 const EQUALITIES: [Entry; 8] = [
