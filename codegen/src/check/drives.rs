@@ -41,7 +41,7 @@ impl Builder<'_, '_> {
     ///
     /// 1. drives of joints, in the order of their coordinates
     /// 2. drives in `[[drives]]`, in the order of the description, but those that act only on held joints
-    /// last
+    ///    last
     /// 3. motors of held joints
     pub(super) fn drives(&mut self, links: &[Link], couplings: &Couplings) -> Vec<Drive> {
         let mut drives: Vec<Drive> =
