@@ -105,8 +105,8 @@ fn has_direction(force: &PointForceDescription, found: &[f64], report: &mut Repo
     shortest >= SHORTEST
 }
 
-/// Adds the least distance between two frames over all positions to the found distances. Reports a distance
-/// of zero, and returns whether there is none.
+/// Adds the least distance between two frames over all positions to the found distances. If it is zero, it is
+/// reported instead. Returns `false` if this is an error, because all joints have limits.
 fn keeps_direction(
     force: &PointForceDescription,
     distances: &Distances<'_>,
